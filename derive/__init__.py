@@ -1,0 +1,41 @@
+"""Derive the long-wave equation of a lattice by expansion in a small parameter.
+
+>>> from derive import LATTICES, Scaling, reduce
+>>> reduction = reduce(LATTICES["fput_strain"], Scaling())
+>>> print(reduction.pde.text())
+Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
+>>> print(reduction.conditions[0].text())
+K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
+"""
+
+from derive.dispersion import Dispersion, dispersion_relation
+from derive.equations import Condition, EvolutionEquation, OrderEquation
+from derive.lattice import LATTICES, Bond, Lattice, Stencil
+from derive.mkdv import initial_velocity, initial_velocity_latex, mkdv_normal_form, mkdv_reduction
+from derive.multiscale import ReductionError, reduce
+from derive.normal_form import Coefficients, NormalForm
+from derive.reduction import Reduction
+from derive.scaling import Scaling, SlowVariable
+
+__all__ = [
+    "LATTICES",
+    "Bond",
+    "Coefficients",
+    "Condition",
+    "Dispersion",
+    "EvolutionEquation",
+    "Lattice",
+    "NormalForm",
+    "OrderEquation",
+    "Reduction",
+    "ReductionError",
+    "Scaling",
+    "SlowVariable",
+    "Stencil",
+    "dispersion_relation",
+    "initial_velocity",
+    "initial_velocity_latex",
+    "mkdv_normal_form",
+    "mkdv_reduction",
+    "reduce",
+]

@@ -1,0 +1,128 @@
+"""``python -m derive``: print the reduction of the strain FPUT lattice."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from typing import NoReturn
+
+from derive.dispersion import agrees_with_reduction, dispersion_relation
+from derive.lattice import FPUT_STRAIN
+from derive.mkdv import initial_velocity, initial_velocity_latex
+from derive.multiscale import DEFAULT_ORDERS, reduce
+from derive.notation import aligned, text_of
+from derive.rationals import Number, parse_rational
+from derive.reduction import Reduction
+
+MOST_ORDERS = 13
+CONSTANTS = tuple(str(constant) for constant in FPUT_STRAIN.constants)
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose complaint is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m derive", description=__doc__.split(": ", 1)[1], allow_abbrev=False
+    )
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--latex", action="store_true", help="print LaTeX (an aligned block)")
+    form.add_argument("--json", action="store_true", help="print one JSON document")
+    parser.add_argument(
+        "--orders",
+        default=str(DEFAULT_ORDERS),
+        metavar="N",
+        help=f"highest power of eps, at most {MOST_ORDERS} (default {DEFAULT_ORDERS})",
+    )
+    for name in CONSTANTS:
+        parser.add_argument(
+            f"--{name.lower()}",
+            dest=name,
+            metavar="P/Q",
+            help=f"value of {name} for the coefficients (integer, decimal or ratio)",
+        )
+    return parser
+
+
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """``--k4 -1/2`` as ``--k4=-1/2``, which argparse would take for an option."""
+    options = {f"--{name.lower()}" for name in CONSTANTS}
+    result: list[str] = []
+    for argument in arguments:
+        if result and result[-1] in options:
+            result[-1] += f"={argument}"
+        else:
+            result.append(argument)
+    return result
+
+
+def _orders(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= MOST_ORDERS):
+        raise ValueError(
+            f"--orders must be an integer <= {MOST_ORDERS}, got {text!r} "
+            f"(the default is {DEFAULT_ORDERS})"
+        )
+    return int(text)
+
+
+def _linear_lines(reduction: Reduction) -> Iterator[str]:
+    relation = dispersion_relation(reduction.lattice)
+    yield ""
+    yield "linear waves about the uniform strain ybar:"
+    yield f"  omega^2 = {text_of(relation.omega_squared)}"
+    yield f"  omega_+ = {text_of(relation.omega_plus)}"
+    yield f"          = {text_of(relation.long_wave())} + O(k^5)"
+    agrees = agrees_with_reduction(reduction.lattice, reduction)
+    yield f"  same as the reduced equation's linear part to k^3: {'yes' if agrees else 'NO'}"
+    yield f"initial velocity: s = {text_of(initial_velocity())}"
+
+
+def _linear_latex(reduction: Reduction) -> str:
+    rows = [*dispersion_relation(reduction.lattice).latex(), initial_velocity_latex()]
+    return aligned([("", row) for row in rows])
+
+
+def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[str]:
+    coefficients = reduction.coefficients(**values)
+    form = reduction.normal_form(**values)
+    given = ", ".join(f"{name} = {value}" for name, value in values.items())
+    yield ""
+    yield f"coefficients{' at ' + given if given else ''}:"
+    yield f"  c = {text_of(coefficients.c)}"
+    yield f"  of Y^2 Y_X: {text_of(coefficients.nonlinear)}"
+    yield f"  of Y_XXX: {text_of(coefficients.dispersive)}"
+    yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
+    yield f"  a = {text_of(form.a)}"
+    yield f"  b = {text_of(form.b)}"
+    yield f"  s = {text_of(form.s)}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status (2 for wrong input)."""
+    given = _parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
+    try:
+        texts = {name: getattr(given, name) for name in CONSTANTS}
+        values: dict[str, Number] = {
+            name: parse_rational(name, text) for name, text in texts.items() if text is not None
+        }
+        reduction = reduce(FPUT_STRAIN, orders=_orders(given.orders))
+        numbers = list(_number_lines(reduction, values))
+    except ValueError as error:
+        print(f"python -m derive: {error}", file=sys.stderr)
+        return 2
+    if given.json:
+        print(reduction.json(**values))
+    elif given.latex:
+        print("\n".join([reduction.latex(**values), _linear_latex(reduction)]))
+    else:
+        print("\n".join([reduction.text(), *_linear_lines(reduction), *numbers]))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""The linear dispersion relation of a lattice about a uniform strain.
+
+A plane wave ``y = ybar + delta exp(i (k n - omega t))`` turns a shift by j cells into
+``exp(i j k)``; the force enters by its slope at ybar.  Opposite shifts carry equal weights, so
+``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's).  For
+the strain FPUT lattice: the paper's eqs. "ldr of the FPUT lattice" and "positive branch ldr".
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import lru_cache
+
+from sympy import Expr, Integer, Symbol, chebyshevt, expand, factor, series, sin, sqrt
+
+from derive.lattice import FPUT_STRAIN, Lattice
+from derive.notation import latex_of
+from derive.reduction import Reduction
+from derive.symbols import k, ybar
+
+HALF_SINE = Symbol("sin(k/2)")
+
+
+@dataclass(frozen=True)
+class Dispersion:
+    """``omega_squared`` and the right-going branch ``omega_plus`` for 0 < k < 2 pi.
+
+    Both are expressions in the wavenumber ``derive.symbols.k`` (radians a site), the uniform
+    strain ``derive.symbols.ybar`` and the lattice's constants.
+    """
+
+    omega_squared: Expr
+    omega_plus: Expr
+
+    def long_wave(self, order: int = 5) -> Expr:
+        """The expansion of omega_plus in k up to, and without, ``k^order``.
+
+        Written as the sound speed times a series that begins with k.
+
+        >>> dispersion_relation().at(Integer(0)).long_wave()
+        sqrt(K2)*(-k**3/24 + k)
+        """
+        speed = self.omega_plus.diff(k).subs(k, 0)
+        return speed * expand(series(self.omega_plus / speed, k, 0, order).removeO())
+
+    def at(self, strain: Expr) -> Dispersion:
+        """The relation about the uniform strain ``strain``."""
+        return Dispersion(self.omega_squared.subs(ybar, strain), self.omega_plus.subs(ybar, strain))
+
+    def latex(self) -> tuple[str, str, str]:
+        """omega^2, omega_+ and its long-wave expansion as LaTeX equations."""
+        return (
+            rf"\omega^{{2}} = {latex_of(self.omega_squared)}",
+            rf"\omega_{{+}} = {latex_of(self.omega_plus)}",
+            rf"\omega_{{+}} = {latex_of(self.long_wave())} + \mathcal{{O}}(k^{{5}})",
+        )
+
+
+@lru_cache
+def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
+    """The relation of a one-field lattice on a line, about the uniform strain ybar.
+
+    Raises ValueError if opposite shifts carry different weights (omega^2 is then not real).
+    """
+    weights = _weights(lattice)
+    squared: Expr = Integer(0)
+    for shift in sorted(weights):
+        if weights[shift] != weights[-shift]:
+            raise ValueError(
+                f"shifts by {shift} and {-shift} must carry equal weights, got "
+                f"{weights[shift]} and {weights[-shift]} (the force must be reciprocal)"
+            )
+        if shift > 0:
+            squared += 4 * weights[shift] * _squared_sine(shift)
+    over_mass = squared / lattice.masses[0]
+    stiffness = factor(expand(over_mass / HALF_SINE**2))
+    root = sqrt(stiffness) * HALF_SINE
+    actual = {HALF_SINE: sin(k / 2)}
+    return Dispersion((stiffness * HALF_SINE**2).subs(actual), root.subs(actual))
+
+
+def _weights(lattice: Lattice) -> dict[int, Expr]:
+    """Shift -> factor of ``exp(i shift k)`` in the linearised force."""
+    weights: dict[int, Expr] = defaultdict(lambda: Integer(0))
+    for bond in lattice.bonds:
+        uniform = sum(entry.weight for entry in bond.stretch) * ybar
+        slope = bond.stiffness(uniform)
+        for entry in bond.action:
+            for part in bond.stretch:
+                [shift] = (i + j for i, j in zip(entry.shift, part.shift, strict=True))
+                weights[shift] += entry.weight * part.weight * slope
+    return weights
+
+
+def _squared_sine(multiple: int) -> Expr:
+    """sin^2(multiple k/2) as a polynomial in sin(k/2)."""
+    return expand((1 - chebyshevt(multiple, 1 - 2 * HALF_SINE**2)) / 2)
+
+
+def long_wave_of_reduction(reduction: Reduction) -> Expr:
+    """omega of a long wave by the reduced equation's linear part, to k^3.
+
+    A wave ``exp(i (kappa X - Omega T))`` of the linear part has ``Omega = -delta kappa^3``; on the
+    lattice ``k = eps kappa`` and ``omega = c k + eps^3 Omega``.
+    """
+    values = reduction.coefficients()
+    return values.c * k - values.dispersive * k**3
+
+
+def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
+    """Whether lattice (about zero strain) and reduced equation give the same omega to k^3."""
+    expansion = dispersion_relation(lattice).at(Integer(0)).long_wave()
+    return bool(expand(expansion - long_wave_of_reduction(reduction)) == 0)

@@ -1,0 +1,122 @@
+"""The equations of a reduction: one order in eps, a condition, the evolution equation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import Expr
+from sympy.polys.fields import FracElement
+
+from derive.differential import DifferentialPolynomial, Monomial
+from derive.notation import Notation, latex_of, terms, text_of
+
+
+@dataclass(frozen=True)
+class OrderEquation:
+    """``polynomial = 0``, the factor of ``eps^order`` in the lattice equation.
+
+    ``polynomial`` keeps the sign of "acceleration minus force", so that the orders add up to the
+    lattice residual; text and LaTeX turn the first term positive.
+    """
+
+    order: int
+    polynomial: DifferentialPolynomial
+    notation: Notation
+
+    @property
+    def _printed(self) -> DifferentialPolynomial:
+        first = terms(self.polynomial)[:1]
+        return -self.polynomial if first and first[0].negative else self.polynomial
+
+    def text(self) -> str:
+        """``2 c Y_XT + K4 (Y^3)_XX + ... = 0``."""
+        return f"{self.notation.text(self._printed)} = 0"
+
+    def latex(self) -> str:
+        """The equation in LaTeX, without delimiters."""
+        return f"{self.notation.latex(self._printed)} = 0"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """``expression = 0``, needed because the equation at ``order`` has no other solution."""
+
+    order: int
+    expression: Expr
+    equation: OrderEquation
+
+    @property
+    def reason(self) -> str:
+        """Why the condition is needed, in words."""
+        return f"order eps^{self.order} reads {self.equation.text()}"
+
+    def text(self) -> str:
+        """``K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0``."""
+        return f"{text_of(self.expression)} = 0: {self.reason}"
+
+    def latex(self) -> str:
+        """The condition alone in LaTeX."""
+        return f"{latex_of(self.expression)} = 0"
+
+
+@dataclass(frozen=True)
+class EvolutionEquation:
+    """The reduced equation ``Y_T = flow``; coefficients are those of ``Y_T - flow = 0``."""
+
+    flow: DifferentialPolynomial
+    notation: Notation
+
+    @property
+    def polynomial(self) -> DifferentialPolynomial:
+        """``Y_T - flow``."""
+        jet = (0,) * (len(self.notation.axes) - 1)
+        return DifferentialPolynomial.monomial(self.flow.field, ((*jet, 1),)) - self.flow
+
+    @property
+    def nonlinear_monomial(self) -> Monomial:
+        """The jets of the nonlinear term: two of Y and one of Y_X for mKdV.
+
+        Raises ValueError unless there is exactly one nonlinear term.
+        """
+        found = [monomial for monomial in self.flow.terms if len(monomial) > 1]
+        if len(found) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(found)} "
+                f"in {self.text()} (read the terms from .polynomial)"
+            )
+        return found[0]
+
+    @property
+    def is_mkdv(self) -> bool:
+        """Whether the only nonlinear term is Y^2 Y_X."""
+        nonlinear = [monomial for monomial in self.flow.terms if len(monomial) > 1]
+        return len(nonlinear) == 1 and sorted(map(sum, nonlinear[0])) == [0, 0, 1]
+
+    @property
+    def nonlinear_element(self) -> FracElement:
+        """The nonlinear coefficient in the field of constants."""
+        return self.polynomial.coefficient(*self.nonlinear_monomial)
+
+    @property
+    def dispersive_element(self) -> FracElement:
+        """The coefficient of Y_XXX in the field of constants."""
+        jet = (3, *(0,) * (len(self.notation.axes) - 1))
+        return self.polynomial.coefficient(jet)
+
+    @property
+    def nonlinear_coefficient(self) -> Expr:
+        """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV)."""
+        return self.nonlinear_element.as_expr()
+
+    @property
+    def dispersive_coefficient(self) -> Expr:
+        """The coefficient of Y_XXX."""
+        return self.dispersive_element.as_expr()
+
+    def text(self) -> str:
+        """The equation in plain text."""
+        return f"{self.notation.text(self.polynomial)} = 0"
+
+    def latex(self) -> str:
+        """The equation in LaTeX, without delimiters."""
+        return f"{self.notation.latex(self.polynomial)} = 0"

@@ -1,0 +1,154 @@
+"""The result of a reduction: every order's equation, the reduced equation and its corrections."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sympy import Eq, Expr, Symbol, sqrt
+from sympy.polys.fields import FracElement
+
+from derive.differential import DifferentialPolynomial
+from derive.equations import Condition, EvolutionEquation, OrderEquation
+from derive.lattice import Lattice
+from derive.normal_form import Coefficients, NormalForm, normal_form
+from derive.notation import Notation, aligned, latex_of, text_of
+from derive.rationals import Number, exact
+from derive.report import text_report
+from derive.scaling import Scaling
+from derive.serial import reduction_data
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """What ``derive.reduce`` returns.
+
+    ``orders``: the lattice equation order by order, before any condition is used (orders that
+    vanish identically are absent).  ``sound_polynomial``: P(c), zero at the sound speed.
+    ``conditions``: what the constants must satisfy, with the order that asks for it.  ``pde``:
+    the reduced equation.  ``remainders``: order -> what an exact solution of ``pde`` leaves in the
+    lattice equation.  ``corrections``: power p -> F_p of ``Y_T = F_0 + sum eps^p F_p``.
+    ``obstruction``: the first (power, polynomial) that is no X-derivative, where the one-way
+    reduction ends, or None if no such order was reached.  Constants that ``sound_condition`` and
+    ``conditions`` fix are eliminated from ``pde`` and what follows it.
+    """
+
+    lattice: Lattice
+    scaling: Scaling
+    highest_order: int
+    orders: Mapping[int, OrderEquation]
+    sound_polynomial: FracElement
+    conditions: tuple[Condition, ...]
+    pde: EvolutionEquation
+    remainders: Mapping[int, DifferentialPolynomial]
+    corrections: Mapping[int, DifferentialPolynomial]
+    obstruction: tuple[int, DifferentialPolynomial] | None
+
+    @property
+    def notation(self) -> Notation:
+        """The names of unknown and axes."""
+        return self.pde.notation
+
+    @property
+    def speed_squared(self) -> Expr:
+        """c^2 in the lattice's constants, from the sound condition."""
+        speed, numerator = self.scaling.speed, self.sound_polynomial.numer.as_expr()
+        slope, rest = numerator.coeff(speed, 2), numerator.coeff(speed, 0)
+        return (-rest / slope).expand()
+
+    @property
+    def sound_condition(self) -> Eq:
+        """``c^2 = K2``, from the lowest order."""
+        return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)
+
+    def coefficients(self, **constants: Number) -> Coefficients:
+        """Speed and coefficients in the lattice's constants, or at given values of them.
+
+        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition.
+
+        >>> from derive import LATTICES, reduce
+        >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
+        Coefficients(c=2, nonlinear=3/4, dispersive=1/12)
+        """
+        values = self._checked(constants)
+        speed = sqrt(self.speed_squared.xreplace(values))
+        at = {**values, self.scaling.speed: speed}
+        nonlinear = self.pde.nonlinear_coefficient.xreplace(at)
+        return Coefficients(speed, nonlinear, self.pde.dispersive_coefficient.xreplace(at))
+
+    def normal_form(self, **constants: Number) -> NormalForm:
+        """The map to ``U_tau + 6 s U^2 U_xi + U_xixixi = 0``; arguments as for coefficients.
+
+        >>> from derive import LATTICES, reduce
+        >>> reduce(LATTICES["fput_strain"]).normal_form(K2=6, K4=-1)
+        NormalForm(a=1, b=sqrt(6)/24, s=-1, c=sqrt(6))
+        """
+        return normal_form(self.pde, self.coefficients(**constants))
+
+    def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
+        names = {str(constant): constant for constant in self.lattice.constants}
+        for name in constants:
+            if name not in names:
+                raise ValueError(
+                    f"constants must be among {', '.join(names)}, got {name} "
+                    f"(those are the constants of {self.lattice.name})"
+                )
+        values = {names[name]: exact(name, value) for name, value in constants.items()}
+        self._check_speed(values)
+        for condition in self.conditions:
+            left = condition.expression.xreplace(values)
+            if left.is_zero is False and left.is_number:
+                raise ValueError(
+                    f"constants must satisfy {text_of(condition.expression)} = 0, got "
+                    f"{text_of(condition.expression)} = {left} ({condition.reason}; take constants "
+                    "that meet it)"
+                )
+        return values
+
+    def _check_speed(self, values: Mapping[Symbol, Expr]) -> None:
+        squared = self.speed_squared.xreplace(values)
+        if squared.is_positive is False:
+            raise ValueError(
+                f"constants must satisfy {text_of(self.speed_squared)} > 0, got {squared} "
+                "(it is the square of the sound speed; take a positive stiffness)"
+            )
+
+    def text(self) -> str:
+        """The whole reduction in plain text."""
+        return text_report(self)
+
+    def latex(self, **constants: Number) -> str:
+        """Orders, conditions, reduced equation and coefficients as one ``aligned`` block.
+
+        The coefficients are those at ``constants``; raises ValueError as coefficients does.
+        """
+        rows = [
+            (rf"\epsilon^{{{order}}}:", equation.latex()) for order, equation in self.orders.items()
+        ]
+        rows.append((r"\text{sound}:", latex_of(self.sound_condition)))
+        rows += [(r"\text{condition}:", condition.latex()) for condition in self.conditions]
+        rows.append((r"\text{reduced}:", self.pde.latex()))
+        rows += [("", self.latex_remainder(order)) for order in self.remainders]
+        rows += [("", self.latex_correction(power)) for power in self.corrections]
+        values = self.coefficients(**constants)
+        rows += [("", f"c = {latex_of(values.c)}")]
+        if self.pde.is_mkdv:
+            form = self.normal_form(**constants)
+            rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
+        return aligned(rows)
+
+    def latex_correction(self, power: int) -> str:
+        """``F_{power}`` of ``Y_T = F_0 + ...`` in LaTeX; KeyError if it was not reached."""
+        return f"F_{{{power}}} = {self.notation.latex(self.corrections[power])}"
+
+    def latex_remainder(self, order: int) -> str:
+        """What a solution of the reduced equation leaves at ``eps^order``, in LaTeX."""
+        return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
+
+    def json(self, **constants: Number) -> str:
+        """The reduction as a JSON document (layout: derive.serial), coefficients at ``constants``.
+
+        Raises ValueError as coefficients does.
+        """
+        return json.dumps(reduction_data(self, constants), indent=2)

@@ -1,0 +1,131 @@
+"""Text, LaTeX, JSON and the command line."""
+
+import json
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from derive import LATTICES, Reduction, Scaling, reduce
+from derive.__main__ import main
+from derive.differential import DifferentialPolynomial
+from derive.notation import Notation
+from derive.serial import polynomial_from_data
+
+
+@pytest.fixture(scope="module")
+def mkdv() -> Reduction:
+    return reduce(LATTICES["fput_strain"])
+
+
+def test_json_round_trip(mkdv: Reduction) -> None:
+    data = json.loads(mkdv.json())
+    field = mkdv.pde.flow.field
+
+    def read(entry: Any) -> DifferentialPolynomial:
+        return polynomial_from_data(entry, field)
+
+    assert {int(o): read(e) for o, e in data["orders"].items()} == {
+        o: equation.polynomial for o, equation in mkdv.orders.items()
+    }
+    assert read(data["pde"]) == mkdv.pde.polynomial
+    assert {int(p): read(e) for p, e in data["corrections"].items()} == mkdv.corrections
+    assert {int(o): read(e) for o, e in data["remainders"].items()} == mkdv.remainders
+    assert data["sound_condition"] == "c^2 = K2"
+    assert data["conditions"][0]["vanishes"] == "K3"
+
+
+def test_json_of_an_equation_without_normal_form() -> None:
+    kdv = reduce(LATTICES["fput_strain"], Scaling(amplitude=2), orders=6)
+    assert "normal_form" not in json.loads(kdv.json())
+
+
+def test_json_refuses_expressions_for_numbers(mkdv: Reduction) -> None:
+    entry = json.loads(mkdv.json())["pde"]
+    entry["terms"][0]["numerator"][0][1] = "__import__('os')"
+    with pytest.raises(ValueError, match="coefficient must be a rational number"):
+        polynomial_from_data(entry, mkdv.pde.flow.field)
+
+
+def test_latex_of_the_orders(mkdv: Reduction) -> None:
+    assert mkdv.orders[3].latex() == r"\left(c^{2} - K_{2}\right) Y_{XX} = 0"
+    assert mkdv.orders[4].latex() == r"K_{3} \left(Y^{2}\right)_{XX} = 0"
+    expected = r"Y_{T} + \frac{3 K_{4}}{2 c} Y^{2} Y_{X} + \frac{c}{24} Y_{XXX} = 0"
+    assert mkdv.pde.latex() == expected
+    assert r"Y_{X}^{3}" in mkdv.latex_correction(2)
+    assert mkdv.latex().count("{") == mkdv.latex().count("}")
+
+
+def test_zero_prints_as_zero(mkdv: Reduction) -> None:
+    zero = mkdv.pde.flow - mkdv.pde.flow
+    assert Notation().text(zero) == Notation().latex(zero) == "0"
+
+
+def test_report_shows_orders_condition_and_equation(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        "eps^4: K3 (Y^2)_XX = 0",
+        "condition: K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0",
+        "Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0",
+        "same as the reduced equation's linear part to k^3: yes",
+    ):
+        assert line in out
+
+
+def test_numbers_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--k2", "4", "--k4", "-1/2", "--orders", "5"]) == 0
+    out = capsys.readouterr().out
+    assert "of Y^2 Y_X: -3/8" in out
+    assert "s = -1" in out
+    assert "eps^7" not in out
+
+
+@pytest.mark.parametrize("option", ["--latex", "--json"])
+def test_other_formats_take_the_numbers(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([option, "--k2", "4", "--k3", "0", "--k4", "1"]) == 0
+    out = capsys.readouterr().out
+    if option == "--json":
+        assert json.loads(out)["coefficients"]["nonlinear"] == "3/4"
+    else:
+        assert r"a = \frac{\sqrt{6}}{2}" in out
+        assert "$" not in out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--k2", "0"],
+        ["--k2", "nan"],
+        ["--k3", "1"],
+        ["--k4", "0"],
+        ["--k4", "1/0"],
+        ["--orders", "4"],
+        ["--orders", "99"],
+        ["--orders", "-1"],
+        ["--orders", "seven"],
+        ["--k2"],
+        ["--nonsense"],
+        ["--latex", "--json"],
+    ],
+)
+def test_wrong_input_is_one_line_and_status_two(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        status: object = main(arguments)
+    except SystemExit as stop:
+        status = stop.code
+    out, err = capsys.readouterr()
+    assert status == 2
+    assert not out
+    assert err.count("\n") == 1
+    assert err.startswith("python -m derive: ")
+
+
+def test_import_is_light() -> None:
+    """derive must not pull in numpy, scipy, numba or matplotlib."""
+    heavy = "{'numpy', 'scipy', 'numba', 'matplotlib', 'solutions', 'verify', 'reports'}"
+    code = f"import sys, derive, derive.__main__; sys.exit(len({heavy} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
