@@ -1,0 +1,153 @@
+"""The parameter of an elliptic function, with everything that depends on it alone.
+
+Sums of m and m1 = 1 - m lose the smaller of the two, so the record is made from the pair, or from
+the modulus k.  Its numbers are computed once, in a private mpmath context, and kept as
+double-double pairs (hi, lo).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from mpmath import MPContext
+
+from solutions.special.doubledouble import Pair, split
+
+_CONTEXT = MPContext()
+_CONTEXT.prec = 240
+_PAIR_TOLERANCE = 4e-16
+
+
+@dataclass(frozen=True)
+class EllipticParameter:
+    """m = k^2 and m1 = 1 - m, the complete integrals, and the constants of the theta series.
+
+    `circular` says which nome the series use: q = exp(-pi K'/K) for m <= 1/2 (sines and cosines
+    of pi u / (2K)), its complement q' = exp(-pi K/K') for m > 1/2 (hyperbolic functions of
+    pi u / (2K')).  Either nome is below 0.0433.
+
+    Attributes:
+        m, m1: the parameter and its complement.
+        K, E: complete elliptic integrals of the first and second kind (K = inf at m = 1).
+        slope: E / K, the mean of dn^2 and the linear growth of epsilon.
+        rate: pi / (2K), or pi / (2K') when not circular.
+        nome: q, or q' when not circular.
+        epsilon_rate: coefficient of the reduced argument in epsilon beside its series.
+        zeta_rate: the same for zeta.
+        sn_scale, cn_scale, dn_scale: factors of the theta quotients on even quarter periods.
+        cn_scale_odd, dn_scale_odd: the same on odd quarter periods (sn's is `sn_scale`).
+        theta_scale: factor of Theta, H and their shifts by K (see `kernels`).
+        gauss: coefficient of u^2 in the Gaussian factor of Theta when not circular.
+    """
+
+    circular: bool
+    m: Pair
+    m1: Pair
+    K: Pair
+    E: Pair
+    slope: Pair
+    rate: Pair
+    nome: Pair
+    epsilon_rate: Pair
+    zeta_rate: Pair
+    sn_scale: Pair
+    cn_scale: Pair
+    dn_scale: Pair
+    cn_scale_odd: Pair
+    dn_scale_odd: Pair
+    theta_scale: Pair
+    eta_scale: Pair
+    gauss: Pair
+
+
+def _complete(m: Any, m1: Any) -> tuple[Any, Any]:
+    """Return (K, E) for the parameter m with complement m1, both exact."""
+    ctx = _CONTEXT
+    K = ctx.inf if m1 == 0 else ctx.pi / (2 * ctx.agm(1, ctx.sqrt(m1)))
+    return K, ctx.ellipe(m)
+
+
+def _circular_constants(m: Any, m1: Any) -> dict[str, Any]:
+    ctx = _CONTEXT
+    K, E = _complete(m, m1)
+    q = ctx.exp(-ctx.pi * _complete(m1, m)[0] / K) if m else ctx.zero
+    sn_scale = 2 * ctx.root(q / m, 4) if m else ctx.one
+    root = ctx.root(m1, 4)
+    return {
+        "circular": True, "K": K, "E": E, "slope": E / K, "rate": ctx.pi / (2 * K), "nome": q,
+        "epsilon_rate": E / K, "zeta_rate": ctx.zero,
+        "sn_scale": sn_scale, "cn_scale": sn_scale * root, "dn_scale": root,
+        "cn_scale_odd": sn_scale * root, "dn_scale_odd": root,
+        "theta_scale": ctx.one, "eta_scale": 2 * ctx.root(q, 4), "gauss": ctx.zero,
+    }  # fmt: skip
+
+
+def _hyperbolic_constants(m: Any, m1: Any) -> dict[str, Any]:
+    ctx = _CONTEXT
+    K, E = _complete(m, m1)
+    K1, E1 = _complete(m1, m)
+    q = ctx.exp(-ctx.pi * K / K1)
+    sn_scale = 1 / ctx.root(m, 4)
+    dn_scale = ctx.root(m1 / q, 4) / 2 if m1 else ctx.one
+    dn_scale_odd = 2 * ctx.root(q * m1, 4)
+    amplitude = ctx.sqrt(K / K1) if m1 else ctx.nan
+    return {
+        "circular": False, "K": K, "E": E, "slope": E / K, "rate": ctx.pi / (2 * K1), "nome": q,
+        "epsilon_rate": 1 - E1 / K1, "zeta_rate": -ctx.pi / (2 * K * K1),
+        "sn_scale": sn_scale, "cn_scale": sn_scale * dn_scale, "dn_scale": dn_scale,
+        "cn_scale_odd": sn_scale * dn_scale_odd, "dn_scale_odd": dn_scale_odd,
+        "theta_scale": amplitude, "eta_scale": amplitude * 2 * ctx.root(q, 4) if m1 else ctx.nan,
+        "gauss": ctx.pi / (4 * K * K1),
+    }  # fmt: skip
+
+
+def _from_exact(m: Any, m1: Any) -> EllipticParameter:
+    """Make the record from m and m1 = 1 - m, held exactly enough in the private context."""
+    constants = (_circular_constants if m <= 0.5 else _hyperbolic_constants)(m, m1)
+    circular = constants.pop("circular")
+    pairs = {name: split(value) for name, value in constants.items()}
+    return EllipticParameter(circular=circular, m=split(m), m1=split(m1), **pairs)
+
+
+@lru_cache(maxsize=256)
+def elliptic_parameter(
+    m: float, m1: float, m_lo: float = 0.0, m1_lo: float = 0.0
+) -> EllipticParameter:
+    """Return the record for m + m_lo and m1 + m1_lo; the smaller of the two defines both.
+
+    >>> elliptic_parameter(0.0, 1.0).K[0]
+    1.5707963267948966
+
+    Raises:
+        ValueError: unless 0 <= m <= 1, 0 <= m1 <= 1 and m + m1 = 1 to rounding.
+    """
+    if not (0 <= m <= 1 and 0 <= m1 <= 1):
+        raise ValueError(f"m and m1 must lie in [0, 1], got m = {m}, m1 = {m1}")
+    if abs(m + m1 - 1) > _PAIR_TOLERANCE:
+        raise ValueError(
+            f"m + m1 must equal 1, got m = {m}, m1 = {m1} (pass m = k*k, m1 = (1 - k)*(1 + k))"
+        )
+    ctx = _CONTEXT
+    if m1 <= m:
+        complement = ctx.mpf(m1) + m1_lo
+        return _from_exact(1 - complement, complement)
+    exact = ctx.mpf(m) + m_lo
+    return _from_exact(exact, 1 - exact)
+
+
+@lru_cache(maxsize=256)
+def parameter_of_modulus(k: float, k_lo: float = 0.0) -> EllipticParameter:
+    """Return the record for the modulus k + k_lo, with m1 = (1 - k)(1 + k) exact.
+
+    >>> parameter_of_modulus(1 - 2.0**-40).m1[0]
+    1.8189894035450...e-12
+
+    Raises:
+        ValueError: unless 0 <= k <= 1.
+    """
+    if not 0 <= k <= 1:
+        raise ValueError(f"k must satisfy 0 <= k <= 1, got {k} (the project's waves have k <= 1)")
+    modulus = _CONTEXT.mpf(k) + k_lo
+    return _from_exact(modulus**2, (1 - modulus) * (1 + modulus))
