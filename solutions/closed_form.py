@@ -1,0 +1,69 @@
+"""The record of one closed-form solution."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import sympy as sp
+
+from solutions.equation import Equation
+from solutions.parameter import Parameter
+
+__all__ = ["ClosedForm", "FarFields", "Reference"]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where a formula is printed: a citation, and the paper's equation label or section."""
+
+    citation: str
+    label: str
+
+
+@dataclass(frozen=True)
+class FarFields:
+    """What the wave tends to as X goes to -infinity (``left``) and +infinity (``right``)."""
+
+    left: sp.Expr
+    right: sp.Expr
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A solution ``U(xi, tau)`` of ``equation``, written once.
+
+    ``expression`` is the canonical form, as printed. ``background`` is the bare wave of the same
+    phase that the figures subtract (zero for a bare wave itself); ``period`` is the background's
+    period in ``xi``, None if it is constant. ``stabilise`` makes the form that is evaluated in
+    floating point from the canonical one.
+    """
+
+    name: str
+    title: str
+    expression: sp.Expr
+    equation: Equation
+    parameters: tuple[Parameter, ...]
+    background: sp.Expr
+    far_fields: FarFields
+    reference: Reference
+    period: sp.Expr | None = None
+    stabilise: Callable[[], sp.Expr] | None = field(default=None, compare=False, repr=False)
+
+    @cached_property
+    def stable(self) -> sp.Expr:
+        """The same function in a form that neither overflows nor cancels."""
+        return self.expression if self.stabilise is None else self.stabilise()
+
+    @property
+    def residual(self) -> sp.Expr:
+        """The equation's left-hand side at this form, unsimplified."""
+        return self.equation.residual(self.expression)
+
+    def check(self, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
+        """Exact parameter values, or a ValueError naming what is missing, unknown or outside."""
+        known = [parameter.name for parameter in self.parameters]
+        for name in values:
+            if name not in known:
+                accepted = ", ".join(known) or "no parameters"
+                raise ValueError(f"{self.name} has no parameter {name} (it takes {accepted})")
+        return {parameter.symbol: parameter.check(values) for parameter in self.parameters}

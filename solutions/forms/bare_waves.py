@@ -1,0 +1,84 @@
+"""The bare periodic waves: sn for K4 < 0, cn and dn for K4 > 0.
+
+Each solves ``U'' = v U - 2 s U**3`` with phase ``xi - v tau``; speed and amplitude follow from
+the second derivative of the Jacobi function. They are the backgrounds of the localised waves,
+which take phase and wave from here.
+"""
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm, FarFields, Reference
+from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV
+from solutions.forms.modulus import modulus
+from solutions.special import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
+from solutions.symbols import k, tau, xi
+
+__all__ = [
+    "CN_PHASE",
+    "CN_WAVE",
+    "DN_PHASE",
+    "DN_WAVE",
+    "QUARTER_PERIOD",
+    "SN_PHASE",
+    "SN_WAVE",
+    "WAVE_CN",
+    "WAVE_DN",
+    "WAVE_SN",
+    "shifted_area",
+]
+
+QUARTER_PERIOD: sp.Expr = sp.elliptic_k(k**2)
+
+SN_PHASE: sp.Expr = xi + (1 + k**2) * tau
+CN_PHASE: sp.Expr = xi - (2 * k**2 - 1) * tau
+DN_PHASE: sp.Expr = xi - (2 - k**2) * tau
+
+SN_WAVE: sp.Expr = k * jacobi_sn(SN_PHASE, k**2)
+CN_WAVE: sp.Expr = k * jacobi_cn(CN_PHASE, k**2)
+DN_WAVE: sp.Expr = jacobi_dn(DN_PHASE, k**2)
+
+
+def shifted_area(u: sp.Expr) -> sp.Expr:
+    """``epsilon(u + K) - E``, the integral of ``k'**2/dn**2`` from 0 to u; small as k goes to 1.
+
+    By the addition theorem ``epsilon(u) = shifted_area(u) + k**2 sn(u) cn(u)/dn(u)``.
+    """
+    mean = sp.elliptic_e(k**2) / QUARTER_PERIOD
+    return jacobi_zeta(u + QUARTER_PERIOD, k**2) + mean * u
+
+
+WAVE_SN = ClosedForm(
+    name="wave_sn",
+    title="snoidal wave",
+    expression=SN_WAVE,
+    equation=DEFOCUSING_MKDV,
+    parameters=(modulus("the zero solution", "the kink"),),
+    background=sp.S.Zero,
+    far_fields=FarFields(SN_WAVE, SN_WAVE),
+    reference=Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves"),
+    period=4 * QUARTER_PERIOD,
+)
+
+WAVE_CN = ClosedForm(
+    name="wave_cn",
+    title="cnoidal wave",
+    expression=CN_WAVE,
+    equation=FOCUSING_MKDV,
+    parameters=(modulus("the zero solution", "the sech soliton"),),
+    background=sp.S.Zero,
+    far_fields=FarFields(CN_WAVE, CN_WAVE),
+    reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
+    period=4 * QUARTER_PERIOD,
+)
+
+WAVE_DN = ClosedForm(
+    name="wave_dn",
+    title="dnoidal wave",
+    expression=DN_WAVE,
+    equation=FOCUSING_MKDV,
+    parameters=(modulus("the constant 1", "the sech soliton"),),
+    background=sp.S.Zero,
+    far_fields=FarFields(DN_WAVE, DN_WAVE),
+    reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
+    period=2 * QUARTER_PERIOD,
+)

@@ -1,0 +1,126 @@
+"""The dark breather on the sn wave, as printed in theta functions (K4 < 0).
+
+``H`` and ``Theta`` are the first and fourth theta functions of ``pi u/(2 K)``, ``Z`` is Jacobi's
+zeta function. In floating point, ``H(u) = sqrt(k) sn(u) Theta(u)`` and the addition theorem
+``Theta(xi+2a) Theta(xi-2a) = gamma**2 Theta(xi)**2 (1 - k**2 sn(xi)**2 sn(2a)**2)`` leave sn and
+the logarithm of one theta quotient, which shifts the phase eta.
+"""
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm, FarFields, Reference
+from solutions.equation import DEFOCUSING_MKDV
+from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE
+from solutions.forms.modulus import modulus
+from solutions.parameter import Bound, Parameter
+from solutions.special import (
+    jacobi_cn,
+    jacobi_dn,
+    jacobi_eta,
+    jacobi_sn,
+    jacobi_theta,
+    jacobi_zeta,
+)
+from solutions.symbols import X_0, alpha, k, tau, xi
+
+__all__ = ["BREATHER_SN", "inverse_width", "speed"]
+
+_m = k**2
+_sn, _cn, _dn = (f(alpha, _m) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
+_zeta = jacobi_zeta(alpha, _m)
+_pole = 1 + k * _sn**2
+
+_gamma = jacobi_theta(2 * alpha, _m) / jacobi_theta(0, _m)
+_beta_over_gamma = 1 - 2 * (1 + k) ** 2 * _sn**2 / _pole**2
+_background_speed = sp.diff(SN_PHASE, tau)
+
+inverse_width: sp.Expr = _zeta + k * _sn * _cn * _dn / _pole
+speed: sp.Expr = _background_speed + (2 * k * (1 + k) ** 2 * (1 - k * _sn**2) * _sn * _dn * _cn) / (
+    (_zeta * _pole + k * _sn * _dn * _cn) * _pole**2
+)
+
+_eta = inverse_width * (xi + speed * tau + X_0)
+
+
+_AHEAD, _BEHIND, _HERE = SN_PHASE + 2 * alpha, SN_PHASE - 2 * alpha, SN_PHASE
+
+_H_ahead, _H_behind, _H_here = sp.symbols("H_ahead H_behind H_here", real=True)
+_T_ahead, _T_behind, _T_here = sp.symbols("T_ahead T_behind T_here", positive=True)
+_grow, _g = sp.symbols("grow gamma", positive=True)
+
+
+def _fraction() -> tuple[sp.Expr, sp.Expr]:
+    """The printed numerator and denominator; ``grow`` is exp(2 eta), gamma one symbol."""
+    beta = _beta_over_gamma * _g
+    numerator = _H_ahead / _grow + _H_behind * _grow + 2 * beta * _H_here
+    denominator = _T_ahead / _grow + _T_behind * _grow + 2 * _g * _T_here
+    return sp.sqrt(k) * numerator, denominator
+
+
+def _printed() -> sp.Expr:
+    numerator, denominator = _fraction()
+    values = {
+        _H_ahead: jacobi_eta(_AHEAD, _m),
+        _H_behind: jacobi_eta(_BEHIND, _m),
+        _H_here: jacobi_eta(_HERE, _m),
+        _T_ahead: jacobi_theta(_AHEAD, _m),
+        _T_behind: jacobi_theta(_BEHIND, _m),
+        _T_here: jacobi_theta(_HERE, _m),
+        _grow: sp.exp(2 * _eta),
+        _g: _gamma,
+    }
+    return (numerator / denominator).xreplace(values)
+
+
+def _bounded(sides: sp.Expr, tanh: sp.Expr, sech: sp.Expr) -> sp.Expr:
+    """``sides`` divided by ``grow + 1/grow``."""
+    terms = sp.collect(sp.expand(sides), _grow, evaluate=False)
+    weights = {_grow: (1 + tanh) / 2, 1 / _grow: (1 - tanh) / 2, sp.S.One: sech / 2}
+    return sum((terms[power] * weights[power] for power in terms), sp.S.Zero)
+
+
+def _stable() -> sp.Expr:
+    """H in sn; the theta quotient moved into the phase; divided by its growing exponentials."""
+    numerator, denominator = _fraction()
+    quotient, product = sp.symbols("quotient product", positive=True)
+    sn = {u: jacobi_sn(u, _m) for u in (_AHEAD, _BEHIND, _HERE)}
+    root = sp.sqrt(k)
+    thetas = {_T_ahead: quotient, _T_behind: 1 / quotient, _T_here: 1 / (_g * product)}
+    etas = {
+        _H_ahead: root * sn[_AHEAD] * _T_ahead,
+        _H_behind: root * sn[_BEHIND] * _T_behind,
+        _H_here: root * sn[_HERE] * _T_here,
+    }
+    logarithm = sp.log(jacobi_theta(_AHEAD, _m)) - sp.log(jacobi_theta(_BEHIND, _m))
+    shifted = 2 * _eta - logarithm / 2
+    across = jacobi_dn(_HERE, _m) ** 2 + (k * sn[_HERE] * jacobi_cn(2 * alpha, _m)) ** 2
+    tanh, sech = sp.symbols("tanh sech", real=True)
+    parts = [
+        _bounded(part.xreplace(etas).xreplace(thetas).subs(_grow, _grow * quotient), tanh, sech)
+        for part in (numerator, denominator)
+    ]
+    values = {tanh: sp.tanh(shifted), sech: sp.sech(shifted), product: sp.sqrt(across)}
+    with sp.evaluate(False):  # SymPy would ask for seconds whether tanh and sech are finite
+        return (parts[0] / parts[1]).xreplace(values)
+
+
+BREATHER_SN = ClosedForm(
+    name="breather_sn",
+    title="dark breather on the snoidal wave",
+    expression=_printed(),
+    equation=DEFOCUSING_MKDV,
+    parameters=(
+        modulus("the zero solution", "the kink"),
+        Parameter(
+            alpha,
+            lower=Bound(sp.S.Zero, "the bare snoidal wave"),
+            upper=Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
+        ),
+        Parameter(X_0, default=sp.S.Zero),
+    ),
+    background=SN_WAVE,
+    far_fields=FarFields(SN_WAVE.subs(xi, xi + 2 * alpha), SN_WAVE.subs(xi, xi - 2 * alpha)),
+    reference=Reference("mucalica2024dark", "dark breather on snoidal-wave"),
+    period=4 * QUARTER_PERIOD,
+    stabilise=_stable,
+)

@@ -1,0 +1,169 @@
+"""The rogue wave on the cn wave, as printed (K4 > 0), in real and imaginary parts.
+
+The integral in theta is written out in real parts; that it equals the printed one is a test.
+With N, M, S the printed combinations ``(1 + theta**2) y - theta y'/lambda`` and so on, the
+denominator ``G_2 = (1 - 2 k**2) |N|**2 + |M|**2 + |S|**2`` cancels as k goes to 1. Because
+``N**2 = M**2 + S**2``, it is also ``2 k'**2 |N|**2 + 4 Im(M conj S)**2/(|M|**2+|S|**2+|N|**2)``,
+a sum of squares: that is evaluated in floating point, after division by ``1 + |theta|**2``.
+Likewise ``S + y**3 y'/Q`` is evaluated through ``shifted_area``.
+"""
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm, FarFields, Reference
+from solutions.equation import FOCUSING_MKDV
+from solutions.forms.bare_waves import CN_PHASE, CN_WAVE, QUARTER_PERIOD, shifted_area
+from solutions.forms.modulus import modulus
+from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
+from solutions.symbols import complementary_modulus, k, tau, xi
+
+__all__ = ["ROGUE_CN", "integral", "integrand"]
+
+_y, _slope, _kp = sp.symbols("y slope k_prime", real=True)
+_theta_re, _theta_im = sp.symbols("theta_re theta_im", real=True)
+_theta = _theta_re + sp.I * _theta_im
+_lambda = (k + sp.I * _kp) / 2
+_weight = _y**2 + sp.I * k * _kp
+_inverse_lambda = 2 * (k - sp.I * _kp)  # lambda has modulus 1/2
+
+
+Parts = tuple[sp.Expr, sp.Expr]
+"""Real and imaginary part."""
+
+
+def integrand(u: sp.Expr) -> sp.Expr:
+    """The (complex) integrand of the printed integral in theta_cn."""
+    y = k * jacobi_cn(u, k**2)
+    return y**2 / (y**2 + sp.I * k * complementary_modulus) ** 2
+
+
+def integral(u: sp.Expr, growth: Callable[[sp.Expr], sp.Expr] | None = None) -> Parts:
+    """Real and imaginary part of the integral of ``integrand`` from 0 to ``u``.
+
+    ``growth`` replaces the combination ``S + y**3 y'/Q`` by an equal one.
+    """
+    z = sp.Dummy("z", real=True)
+    square = k**2 * complementary_modulus**2
+    speed = 2 * k**2 - 1
+    y, pole = _pole(z)
+    real = speed * z / 2 - _area(z) - (speed / 2 + y**2) * pole
+    fourth = (z - pole) / 2 + speed / (4 * square) * (growth or _growth)(z)
+    return real.subs(z, u), (-2 * k * complementary_modulus * fourth).subs(z, u)
+
+
+def _pole(z: sp.Symbol) -> Parts:
+    """``y = k cn`` and ``y y'/Q`` with ``Q = y**4 + k**2 k'**2``."""
+    y = k * jacobi_cn(z, k**2)
+    return y, y * sp.diff(y, z) / (y**4 + k**2 * complementary_modulus**2)
+
+
+def _area(z: sp.Symbol) -> sp.Expr:
+    """``S``, the integral of y**2."""
+    return jacobi_epsilon(z, k**2) - complementary_modulus**2 * z
+
+
+def _growth(z: sp.Symbol) -> sp.Expr:
+    y, pole = _pole(z)
+    return _area(z) + y**2 * pole
+
+
+def _stable_growth(z: sp.Symbol) -> sp.Expr:
+    """``S + y**3 y'/Q``, of order k'**2, without its cancellation as k goes to 1."""
+    sn, cn, dn = (f(z, k**2) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
+    s, c, d = sp.symbols("s c d", positive=True)
+    y, pole = _pole(z)
+    periodic = (y**2 * pole).xreplace({sn: s, cn: c, dn: d}) + k**2 * s * c / d
+    ratio = (periodic * d / (s * c)).expand().subs(d, sp.sqrt(1 - k**2 + k**2 * c**2))
+    ratio = sp.factor(sp.cancel(ratio / (1 - k**2)))
+    rest = complementary_modulus**2 * ratio.subs(c, cn) * sn * cn / dn
+    return shifted_area(z) - complementary_modulus**2 * z + rest
+
+
+def theta(growth: Callable[[sp.Expr], sp.Expr] | None = None) -> Parts:
+    """Real and imaginary part of theta_cn in xi, tau and k."""
+    real, imaginary = sp.symbols("integral_re integral_im", real=True)
+    printed = -4 * _lambda * _weight * (real + sp.I * imaginary)
+    integral_re, integral_im = integral(CN_PHASE, growth)
+    values = _background_values() | {real: integral_re - tau, imaginary: integral_im}
+    theta_re, theta_im = (part.xreplace(values) for part in _parts(printed))
+    return theta_re, theta_im
+
+
+def _background_values() -> dict[sp.Expr, sp.Expr]:
+    return {_y: CN_WAVE, _slope: sp.diff(CN_WAVE, xi), _kp: complementary_modulus}
+
+
+def _parts(polynomial: sp.Expr) -> Parts:
+    """Real and imaginary part of a polynomial in real symbols and I."""
+    expanded = sp.Poly(sp.expand(polynomial), sp.I)
+    powers = {power: coefficient for (power,), coefficient in expanded.terms()}
+    return sp.factor(powers.get(0, sp.S.Zero)), sp.factor(powers.get(1, sp.S.Zero))
+
+
+def _combinations(one: sp.Expr, theta: sp.Expr, square: sp.Expr) -> list[Parts]:
+    """N, M, S of the printed formula with 1, theta, theta**2 replaced by the arguments."""
+    N = (one + square) * _y - _inverse_lambda * theta * _slope
+    M = (one - square) * _weight
+    S = _inverse_lambda / 2 * (one + square) * _slope - 2 * theta * _y
+    return [_parts(combination) for combination in (N, M, S)]
+
+
+def _squared(z: Parts) -> sp.Expr:
+    return z[0] ** 2 + z[1] ** 2
+
+
+def _in_xi_tau(fraction: sp.Expr, theta: Parts, weights: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+    """``y + fraction`` with theta put into ``weights`` and everything in xi, tau and k."""
+    angles = {_theta_re: theta[0], _theta_im: theta[1]}
+    inner = {symbol: value.xreplace(angles) for symbol, value in weights.items()}
+    return (_y + fraction).xreplace(inner | angles | _background_values())
+
+
+def _printed() -> sp.Expr:
+    N, M, S = _combinations(sp.S.One, _theta, _theta**2)
+    G_1 = 4 * k * _kp * (M[1] * N[0] - M[0] * N[1])
+    G_2 = (1 - 2 * k**2) * _squared(N) + _squared(M) + _squared(S)
+    return _in_xi_tau(G_1 / G_2, theta(), {})
+
+
+def _stable() -> sp.Expr:
+    """Sum-of-squares denominator, everything divided by powers of ``1 + |theta|**2``.
+
+    ``w_i`` are 1, theta and theta**2 so divided. The two imaginary parts use
+    ``(1 - theta**2) (1 + conj(theta)**2)`` and ``2 (1 - theta**2) conj(theta)`` in the coordinates
+    ``n_i`` of theta on the unit sphere, where nothing cancels.
+    """
+    one, re, im, square_re, square_im = w = sp.symbols("w_:5", real=True)
+    n = sp.symbols("n_:3", real=True)
+    N, M, S = _combinations(one, re + sp.I * im, square_re + sp.I * square_im)
+    even, odd = _weight * (n[0] - sp.I * n[1] * n[2]), _weight * (n[0] * n[1] - sp.I * n[2])
+    turn = _inverse_lambda / 2
+    G_1 = 4 * k * _kp * (_y * _parts(even)[1] - _slope * _parts(odd * (k + sp.I * _kp))[1])
+    cross = _slope * _parts(even)[1] - _y * _parts(odd * turn)[1]
+    G_2 = 2 * _kp**2 * _squared(N) + 4 * cross**2 / (_squared(M) + _squared(S) + _squared(N))
+    size = _theta_re**2 + _theta_im**2
+    difference = (_theta_re - _theta_im) * (_theta_re + _theta_im)
+    divided = (sp.S.One, _theta_re, _theta_im, difference, 2 * _theta_re * _theta_im)
+    sphere = (1 - size, 2 * _theta_re, 2 * _theta_im)
+    weights = {
+        symbol: value / (1 + size) for symbol, value in zip(w + n, divided + sphere, strict=True)
+    }
+    return _in_xi_tau(G_1 / G_2, theta(_stable_growth), weights)
+
+
+_FAR_FIELD = -CN_WAVE
+
+ROGUE_CN = ClosedForm(
+    name="rogue_cn",
+    title="rogue wave on the cnoidal wave",
+    expression=_printed(),
+    equation=FOCUSING_MKDV,
+    parameters=(modulus("the zero solution", "the triple-pole soliton"),),
+    background=CN_WAVE,
+    far_fields=FarFields(_FAR_FIELD, _FAR_FIELD),
+    reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
+    period=4 * QUARTER_PERIOD,
+    stabilise=_stable,
+)

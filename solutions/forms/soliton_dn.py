@@ -1,0 +1,101 @@
+"""The algebraic soliton on the dn wave, as printed (K4 > 0).
+
+The integral in theta is written out: ``E`` is the Jacobi epsilon function (``E' = dn**2``). That
+it equals the printed integral is a test. In floating point, the wave is evaluated with
+``cos f = (1 - theta**2)/(1 + theta**2)`` and ``sin f = 2 theta/(1 + theta**2)``.
+"""
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm, FarFields, Reference
+from solutions.equation import FOCUSING_MKDV
+from solutions.forms.bare_waves import DN_PHASE, DN_WAVE, QUARTER_PERIOD, shifted_area
+from solutions.forms.modulus import modulus
+from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
+from solutions.symbols import complementary_modulus, k, tau, xi
+
+__all__ = ["SOLITON_DN", "integral", "integrand", "theta"]
+
+_y, _slope, _theta, _cos, _sin = sp.symbols("y slope theta cos_f sin_f", real=True)
+_FUNCTIONS = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon)
+_lambda = (1 + complementary_modulus) / 2
+
+
+def integrand(u: sp.Expr) -> sp.Expr:
+    """The integrand of the printed integral in theta_dn."""
+    return jacobi_dn(u, k**2) ** 2 / (jacobi_dn(u, k**2) ** 2 + complementary_modulus) ** 2
+
+
+def integral(u: sp.Expr) -> sp.Expr:
+    """The integral of ``integrand`` from 0 to ``u``, in closed form."""
+    z = sp.Dummy("z", real=True)
+    y = jacobi_dn(z, k**2)
+    periodic = y * sp.diff(y, z) / (complementary_modulus * (y**2 + complementary_modulus))
+    linear = z + jacobi_epsilon(z, k**2) / complementary_modulus
+    return ((linear + periodic) / (2 * (1 + complementary_modulus) ** 2)).subs(z, u)
+
+
+def _stable_integral(u: sp.Expr) -> sp.Expr:
+    """``integral`` with E through ``shifted_area``, what divides by k' cancelled."""
+    s, c, d, kp, E = sp.symbols("s c d k_prime E", positive=True)
+    z = sp.Dummy("z", real=True)
+    functions = {f(z, k**2): v for f, v in zip(_FUNCTIONS, (s, c, d, E), strict=True)}
+    symbolic = integral(z).xreplace(functions).subs(complementary_modulus, kp)
+    slope = sp.diff(symbolic, E)
+    rest = sp.factor(sp.cancel((symbolic - symbolic.subs({s: 0, E: 0})).subs(E, k**2 * s * c / d)))
+    total = slope * E + symbolic.subs({s: 0, E: 0}) + rest
+    back = {symbol: function for function, symbol in functions.items()} | {E: shifted_area(z)}
+    return total.subs(back).subs(kp, complementary_modulus).subs(z, u)
+
+
+def theta(integral: Callable[[sp.Expr], sp.Expr] = integral) -> sp.Expr:
+    """theta_dn in xi, tau and k."""
+    weight = DN_WAVE**2 + complementary_modulus
+    return -4 * _lambda * weight * (integral(DN_PHASE) - tau)
+
+
+def _fraction() -> tuple[sp.Expr, sp.Expr]:
+    """Numerator and denominator of what is printed beside Y_dn, in y, y' and theta."""
+    numerator = (1 - _theta**2) * (_y**2 + complementary_modulus)
+    return numerator, (1 + _theta**2) * _y - _theta * _slope / _lambda
+
+
+def _bounded(quadratic: sp.Expr) -> sp.Expr:
+    """A quadratic in theta divided by ``1 + theta**2``, in cos f and sin f."""
+    halves = {0: (1 + _cos) / 2, 1: _sin / 2, 2: (1 - _cos) / 2}
+    polynomial = sp.Poly(quadratic, _theta)
+    return sp.expand(sum(c * halves[power] for (power,), c in polynomial.terms()))
+
+
+def _assemble(numerator: sp.Expr, denominator: sp.Expr, angle: sp.Expr) -> sp.Expr:
+    values = {
+        _cos: (1 - angle**2) / (1 + angle**2),
+        _sin: 2 * angle / (1 + angle**2),
+        _theta: angle,
+        _slope: sp.diff(DN_WAVE, xi),
+        _y: DN_WAVE,
+    }
+    return (_y + numerator / denominator).xreplace(values)
+
+
+def _stable() -> sp.Expr:
+    numerator, denominator = _fraction()
+    return _assemble(_bounded(numerator), _bounded(denominator), theta(_stable_integral))
+
+
+_FAR_FIELD = -jacobi_dn(DN_PHASE + QUARTER_PERIOD, k**2)
+
+SOLITON_DN = ClosedForm(
+    name="soliton_dn",
+    title="algebraic soliton on the dnoidal wave",
+    expression=_assemble(*_fraction(), theta()),
+    equation=FOCUSING_MKDV,
+    parameters=(modulus("the algebraic soliton rational_1", "the double-pole soliton"),),
+    background=DN_WAVE,
+    far_fields=FarFields(_FAR_FIELD, _FAR_FIELD),
+    reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
+    period=2 * QUARTER_PERIOD,
+    stabilise=_stable,
+)

@@ -1,0 +1,29 @@
+"""The symbols that every closed form is written in.
+
+``xi = a X`` and ``tau = b T`` are the normal form's variables (``derive.NormalForm``).
+``k`` is the elliptic modulus; the special functions take the parameter ``m = k**2``.
+``alpha`` places the dark breather's eigenvalue, ``X_0`` its centre (in units of ``xi``);
+``A`` is the amplitude of a soliton or kink.
+"""
+
+import sympy as sp
+
+__all__ = ["X_0", "A", "alpha", "complementary_modulus", "k", "shift_symbol", "tau", "xi"]
+
+xi = sp.Symbol("xi", real=True)
+tau = sp.Symbol("tau", real=True)
+k = sp.Symbol("k", positive=True)
+alpha = sp.Symbol("alpha", positive=True)
+X_0 = sp.Symbol("X_0", real=True)
+A = sp.Symbol("A", positive=True)
+
+complementary_modulus: sp.Expr = sp.sqrt(1 - k**2)
+
+
+def shift_symbol(index: int) -> sp.Symbol:
+    """The free parameter ``tau_index`` of a rational solution (``index`` odd, at least 5).
+
+    >>> shift_symbol(5)
+    tau_5
+    """
+    return sp.Symbol(f"tau_{index}", real=True)

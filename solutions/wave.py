@@ -1,0 +1,133 @@
+"""A closed form with numbers in, in the lattice's slow variables."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from derive.normal_form import NormalForm
+from solutions.closed_form import ClosedForm
+from solutions.evaluator import Evaluator, Variables, long_number
+from solutions.exact import exact_number
+from solutions.reference_evaluation import evaluate_mp
+
+__all__ = ["Side", "Wave", "WaveValues"]
+
+Array = NDArray[np.float64]
+Side = Literal["left", "right"]
+
+
+class WaveValues(NamedTuple):
+    """``Y`` and its derivatives with respect to X and T, arrays of one shape."""
+
+    Y: Array
+    Y_X: Array
+    Y_T: Array
+
+
+class Wave:
+    """``Y(X, T) = U(a X, b T)`` for a closed form U, a normal form (a, b, s, c) and parameters.
+
+    Parameters are keyword arguments named as in ``form.parameters``; a float means its decimal
+    literal. Evaluation is in double precision, phases in double-double; ``mp`` is the reference.
+
+    Raises ValueError for bad parameters and if the normal form has the wrong sign s.
+
+    >>> from derive import mkdv_normal_form
+    >>> from solutions import closed_form
+    >>> wave = Wave(closed_form("soliton_dn"), mkdv_normal_form(K2=1, K4=1), k=0.7)
+    >>> round(float(wave(0.0, 0.0).Y), 12)  # 2 + sqrt(1 - k**2)
+    2.714142842854
+    """
+
+    def __init__(self, form: ClosedForm, normal_form: NormalForm, **parameters: object) -> None:
+        if int(normal_form.s) != form.equation.s:
+            needed, got = (">", "<") if form.equation.s > 0 else ("<", ">")
+            raise ValueError(
+                f"K4 must satisfy K4 {needed} 0 for {form.name}, got K4 {got} 0 "
+                f"({form.name} solves the {form.equation.name} equation)"
+            )
+        self.form = form
+        self.normal_form = normal_form
+        self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
+        self._rates = {name: long_number(getattr(normal_form, name)) for name in ("a", "b", "c")}
+        self._slow = Variables(self._rates["a"], self._rates["b"])
+
+    def __call__(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
+        """Y, Y_X, Y_T at the broadcast points (X, T)."""
+        return self._evaluate(self.form.stable, self._slow, X, T)
+
+    def at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+        """Y, Y_X, Y_T at site n (any real) and lattice time t.
+
+        The phases are formed in double-double from (n, t, eps); ``X = eps (n - c t)`` and
+        ``T = eps**3 t`` are never rounded.
+        """
+        return self._evaluate(self.form.stable, self._lattice(eps), n, t)
+
+    def background(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
+        """The bare background wave of the same phase (or the constant) at (X, T)."""
+        return self._evaluate(self.form.background, self._slow, X, T)
+
+    def background_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+        """``background`` at site n and lattice time t."""
+        return self._evaluate(self.form.background, self._lattice(eps), n, t)
+
+    def far_field(self, X: ArrayLike, T: ArrayLike, side: Side) -> WaveValues:
+        """What the wave tends to as X goes to -infinity ("left") or +infinity ("right")."""
+        return self._evaluate(self._far_expression(side), self._slow, X, T)
+
+    def far_field_at(self, n: ArrayLike, t: ArrayLike, eps: float, side: Side) -> WaveValues:
+        """``far_field`` at site n and lattice time t."""
+        return self._evaluate(self._far_expression(side), self._lattice(eps), n, t)
+
+    def mp(self, X: object, T: object, digits: int = 50) -> tuple[Any, Any, Any]:
+        """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression."""
+        return evaluate_mp(self.form, self.normal_form, self.parameters, X, T, digits)
+
+    @cached_property
+    def wavelength(self) -> float | None:
+        """The period of the background in X, None if the background is constant."""
+        if self.form.period is None:
+            return None
+        return float(long_number(self.form.period.xreplace(self.parameters)) / self._rates["a"])
+
+    @cached_property
+    def constant_background(self) -> float | None:
+        """The constant that the wave tends to on both sides, None if there is none."""
+        sides = self.form.far_fields
+        if self.form.period is not None or sides.left != sides.right:
+            return None
+        return float(sides.left.xreplace(self.parameters))
+
+    def _far_expression(self, side: Side) -> sp.Expr:
+        if side not in ("left", "right"):
+            raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+        return getattr(self.form.far_fields, side)
+
+    def _lattice(self, eps: float) -> Variables:
+        exact = long_number(exact_number("eps", eps))
+        if not exact > 0:
+            raise ValueError(f"eps must satisfy eps > 0, got {eps}")
+        a, b, c = (self._rates[name] for name in ("a", "b", "c"))
+        return Variables(a * exact, b * exact**3, -a * c * exact)
+
+    @cached_property
+    def _evaluators(self) -> dict[sp.Expr, Evaluator]:
+        return {}
+
+    def _evaluate(
+        self, expression: sp.Expr, variables: Variables, x: ArrayLike, t: ArrayLike
+    ) -> WaveValues:
+        for name, values in (("position", x), ("time", t)):
+            if not np.all(np.isfinite(values)):
+                raise ValueError(f"every {name} must be finite, got NaN or infinity")
+        if expression not in self._evaluators:
+            self._evaluators[expression] = Evaluator(expression, self.parameters)
+        evaluator = self._evaluators[expression]
+        U, U_xi, U_tau = evaluator(evaluator.phases(variables), x, t)
+        with np.errstate(under="ignore"):
+            return WaveValues(U, float(self._rates["a"]) * U_xi, float(self._rates["b"]) * U_tau)

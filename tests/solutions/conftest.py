@@ -1,0 +1,61 @@
+"""Admissible parameters and a private mpmath context for the closed forms."""
+
+from collections.abc import Callable
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+from derive import NormalForm, mkdv_normal_form
+from solutions import ClosedForm
+from solutions.special.mp import mp_module
+from solutions.symbols import tau, xi
+
+Draw = Callable[[ClosedForm], dict[str, float]]
+
+
+@pytest.fixture
+def draw(rng: np.random.Generator) -> Draw:
+    """Random admissible parameters of a closed form, as floats."""
+
+    def parameters(form: ClosedForm) -> dict[str, float]:
+        values: dict[str, float] = {}
+        for parameter in form.parameters:
+            low, high = {"k": (0.05, 0.99), "A": (0.3, 2.0)}.get(parameter.name, (-1.0, 1.0))
+            values[parameter.name] = round(float(rng.uniform(low, high)), 4)
+            if parameter.name == "alpha":
+                quarter = float(mpmath.ellipk(values["k"] ** 2))
+                values["alpha"] = round(quarter * float(rng.uniform(0.1, 0.9)), 4)
+        return values
+
+    return parameters
+
+
+@pytest.fixture
+def ctx() -> Any:
+    """A private mpmath context of 60 digits."""
+    context = mpmath.MPContext()
+    context.dps = 60
+    return context
+
+
+@pytest.fixture
+def in_mp(ctx: Any) -> Callable[..., Any]:
+    """``in_mp(form, expression, values)``: the expression as an mpmath function of (xi, tau)."""
+
+    def function(form: ClosedForm, expression: sp.Expr, values: dict[str, float]) -> Any:
+        exact = {s: ctx.mpf(v.p) / v.q for s, v in form.check(values).items()}
+        modules = [mp_module(ctx), "mpmath"]
+        shared = not expression.has(sp.tanh)  # sp.cse asks for seconds whether tanh is finite
+        compiled = sp.lambdify([xi, tau, *exact], expression, modules, cse=shared)
+        return lambda x, t: compiled(ctx.mpf(x), ctx.mpf(t), *exact.values())
+
+    return function
+
+
+@pytest.fixture
+def normal_forms() -> dict[int, NormalForm]:
+    """One normal form for each sign s."""
+    return {1: mkdv_normal_form(K2=4, K4=1), -1: mkdv_normal_form(K2=1, K4=-1)}
