@@ -1,0 +1,1 @@
+"""Check closed forms against their equations, and the reduction against the lattice."""

@@ -1,0 +1,128 @@
+"""Wrong formulas made from a right one, to show that the checks can tell them apart.
+
+A formula's subexpressions are each changed throughout, as if the line that defines them were
+misprinted: the coefficient of a term (written or 1) by one part in a hundred, its sign, the term
+left out, a modulus k put for the parameter m = k**2 and the other way about.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+from verify.tree import distinct_nodes, replaced
+
+COEFFICIENT_CHANGE = sp.Rational(101, 100)
+DEPTH = 4
+"""Levels of a subexpression that a description shows."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A formula with one change, and the change in words."""
+
+    description: str
+    expression: sp.Expr
+
+
+def mutants(expression: sp.Expr, modulus: sp.Symbol | None = None) -> Iterator[Mutant]:
+    """Every formula that differs from ``expression`` by one change; each one once.
+
+    ``modulus`` is the symbol k whose powers k and k**2 are swapped; without it there are no such
+    mutants.  A mutant can still be a solution where the equation has a symmetry (U to -U, a
+    shift): that is for the caller to see.
+
+    >>> x, k = sp.symbols("x k")
+    >>> for mutant in mutants(3 * x**2 + sp.sin(k**2 * x), k):
+    ...     print(mutant.description)
+    term 3*x**2: coefficient times 101/100
+    term 3*x**2: sign flipped
+    term 3*x**2: dropped
+    term sin(k**2*x): coefficient times 101/100
+    term sin(k**2*x): sign flipped
+    term sin(k**2*x): dropped
+    argument k**2*x: coefficient times 101/100
+    k**2 in k**2*x: k for k**2
+    """
+    seen = {expression}
+    for description, target, replacement in _changes(expression, modulus):
+        changed = replaced(expression, target, replacement)
+        if changed not in seen:
+            seen.add(changed)
+            yield Mutant(description, changed)
+
+
+def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:
+    """``expression`` as text, with dots for what lies deeper than ``depth``.
+
+    >>> x = sp.Symbol("x")
+    >>> abbreviated(sp.sin(1 + sp.cos(x**2 + 3)), depth=2)
+    'sin(... + 1)'
+    """
+    return str(_shallow(expression, depth))
+
+
+def _shallow(expression: sp.Expr, depth: int) -> sp.Expr:
+    if not expression.args:
+        return expression
+    if depth == 0:
+        return sp.Symbol("...")
+    arguments = (_shallow(argument, depth - 1) for argument in expression.args)
+    return expression.func(*arguments, evaluate=False)
+
+
+Change = tuple[str, sp.Expr, sp.Expr]
+"""A description, a subexpression, and what takes its place."""
+
+
+def _changes(expression: sp.Expr, modulus: sp.Symbol | None) -> Iterator[Change]:
+    if not expression.is_Add:
+        yield from _coefficient_changes(f"term {abbreviated(expression)}", expression, expression)
+    for node in distinct_nodes(expression):
+        if node.is_Add:
+            yield from _term_changes(node)
+        elif node.is_Mul and node.args[0].is_Number:
+            yield from _coefficient_changes(f"factor {abbreviated(node)}", node, node)
+        elif node.is_Function:
+            yield from _argument_changes(node)
+        if modulus is not None:
+            yield from _modulus_changes(node, modulus)
+
+
+def _term_changes(total: sp.Expr) -> Iterator[Change]:
+    for place, term in enumerate(total.args):
+        rest = sp.Add(*total.args[:place], *total.args[place + 1 :])
+        words = f"term {abbreviated(term)}"
+        for description, _, changed in _coefficient_changes(words, term, term):
+            yield description, total, rest + changed
+        yield f"{words}: dropped", total, rest
+
+
+def _argument_changes(function: sp.Expr) -> Iterator[Change]:
+    """The arguments that are no sums (the terms of those come with the sums)."""
+    for place, argument in enumerate(function.args):
+        if argument.is_Add:
+            continue
+        words = f"argument {abbreviated(argument)}"
+        for description, _, changed in _coefficient_changes(words, argument, argument):
+            arguments = (*function.args[:place], changed, *function.args[place + 1 :])
+            yield description, function, function.func(*arguments)
+
+
+def _coefficient_changes(place: str, target: sp.Expr, term: sp.Expr) -> Iterator[Change]:
+    yield f"{place}: coefficient times {COEFFICIENT_CHANGE}", target, COEFFICIENT_CHANGE * term
+    yield f"{place}: sign flipped", target, -term
+
+
+def _modulus_changes(node: sp.Expr, k: sp.Symbol) -> Iterator[Change]:
+    m = k**2
+    if node == m:
+        return
+    if m in node.args:
+        swapped = node.func(*(k if argument == m else argument for argument in node.args))
+        yield f"k**2 in {abbreviated(node)}: k for k**2", node, swapped
+    if k in node.args:
+        swapped = node.func(*(m if argument == k else argument for argument in node.args))
+        yield f"k in {abbreviated(node)}: k**2 for k", node, swapped
