@@ -1,0 +1,81 @@
+"""Catches: tracebacks at the command line, a wrong exit status, a file that cannot be read back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from verify.lattice.cli import run_command
+
+SHORT = """
+title = "A short run"
+wave = "soliton_dn"
+eps = 0.05
+t0 = -10
+snapshots = [-10, 10]
+curve_points = 5
+[lattice]
+K2 = 1
+K4 = 1
+[parameters]
+k = 0.7
+[scheme]
+step = 0.5
+[domain]
+kind = "ring"
+sites = 512
+compared = 100
+"""
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    return path
+
+
+def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    output = tmp_path / "run.nc"
+    assert run_command([str(short), "--output", str(output)]) == 0
+    out = capsys.readouterr().out
+    for expected in ("A short run", "relative error", "kahan_li_8: 40 steps, 512 sites", "-10"):
+        assert expected in out
+    with xr.open_dataset(output, engine="scipy") as read:
+        assert read.strain.shape == (2, 201)
+        assert np.array_equal(read.time, [-10.0, 10.0])
+        assert "soliton_dn" in read.attrs["scene"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("k = 0.7", "k = 1.2", "k must satisfy 0 < k < 1, got 1.2"),
+        ("step = 0.5", "step = 5", "step must satisfy step <= "),
+        ("K4 = 1", "K4 = -1", "K4 must satisfy K4 > 0"),
+        ("soliton_dn", "[red]", "[red]"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(
+    short: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, expected: str
+) -> None:
+    short.write_text(SHORT.replace(old, new))
+    assert run_command([str(short)]) == 2
+    captured = capsys.readouterr()
+    lines = [line for line in captured.err.splitlines() if "error:" in line]
+    assert captured.out == ""
+    assert len(lines) == 1
+    assert expected in lines[0]
+
+
+def test_an_unknown_scene_lists_the_shipped_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(["nowhere"]) == 2
+    assert "breather_sn_k_0.5" in capsys.readouterr().err
+
+
+def test_an_output_in_no_folder_is_refused_before_the_run(
+    short: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command([str(short), "--output", "/nonexistent/run.nc"]) == 2
+    assert "--output must lie in an existing folder" in capsys.readouterr().err

@@ -1,0 +1,78 @@
+"""Catches: a window that feeds the wrong values, drops the wrong cells or lets its seam in."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from verify.lattice import Scene, run
+from verify.lattice import domain as domain_module
+from verify.lattice.domain import Window, frame
+from verify.lattice.initial import build_wave, transported_data
+from verify.lattice.state import State
+
+
+def strain(scene: Scene) -> np.ndarray:
+    return np.asarray(run(replace(scene, observables=("strain",))).strain)
+
+
+def test_window_equals_a_wide_ring(window_scene: Callable[..., Scene]) -> None:
+    """The window moves by 400 sites here; the ring holds them all."""
+    scene = window_scene()
+    wide = replace(scene, domain="ring", sites=4096)
+    assert np.max(np.abs(strain(scene) - strain(wide))) < 1e-6 * scene.eps
+
+
+def test_a_wrong_far_field_is_seen(
+    window_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The comparison above has teeth: a feed wrong by 1 % moves the compared sites."""
+    scene = window_scene(compared=250)
+    right = strain(scene)
+
+    def wrong(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
+        y, s = transported_data(*arguments)  # type: ignore[arg-type]
+        return 1.01 * y, s
+
+    monkeypatch.setattr(domain_module, "transported_data", wrong)
+    assert np.max(np.abs(strain(scene) - right)) > 1e-4 * scene.eps
+
+
+def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
+    window_scene: Callable[..., Scene],
+) -> None:
+    scene = window_scene()
+    window = Window(scene, build_wave(scene))
+    state = window.start()
+    kept = state.strain(state.sites)
+    state.t += 10.0
+    window.follow(state)
+    assert state.left == frame(scene, state.t) - scene.sites // 2
+    fed = 2 * 20 + domain_module.MARGIN
+    np.testing.assert_array_equal(state.strain(state.sites)[:-fed], kept[20 : 20 - fed])
+    expected = transported_data(
+        window.wave, scene, window.background_speed, state.sites[-fed:], state.t
+    )
+    np.testing.assert_array_equal(state.strain(state.sites[-fed:]), expected[0])
+    np.testing.assert_array_equal(state.velocity(state.sites[-fed:]), expected[1])
+
+
+def test_the_feed_moves_at_the_sound_speed_of_the_background(
+    window_scene: Callable[..., Scene],
+) -> None:
+    scene = window_scene()
+    window = Window(scene, build_wave(scene))
+    assert window.background_speed == pytest.approx(np.sqrt(4.0 + 3.0 * 0.1**2), abs=1e-14)
+
+
+def test_the_middle_is_the_site_nearest_to_c_t(window_scene: Callable[..., Scene]) -> None:
+    scene = window_scene()
+    assert [frame(scene, t) for t in (-0.3, -0.2, 0.0, 0.2, 0.3, 100.0)] == [-1, 0, 0, 0, 1, 200]
+
+
+def test_storage_survives_negative_sites() -> None:
+    state = State(0.0, -5, np.zeros(4), np.zeros(4))
+    state.store(np.arange(-5, -1), np.arange(4.0), np.arange(4.0))
+    assert state.strain(np.array([-4, -2])).tolist() == [1.0, 3.0]
+    assert state.sites.tolist() == [-5, -4, -3, -2]

@@ -1,0 +1,49 @@
+"""When a run must stop: non-finite or runaway strains, or waves that no longer exist."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.lattice.constants import Constants
+from verify.lattice.state import State
+
+GROWTH = 100.0
+"""Growth of the largest strain, relative to the initial one, that counts as a blow-up."""
+
+
+@dataclass(frozen=True)
+class BlowUp:
+    """What was first seen, when and where."""
+
+    criterion: str
+    t: float
+    site: int
+
+    def __str__(self) -> str:
+        return f"blow-up: {self.criterion} at t = {self.t:g}, site {self.site}"
+
+
+def find_blow_up(constants: Constants, state: State, initial_amplitude: float) -> BlowUp | None:
+    """The first criterion that the state meets, None if it is sound.
+
+    Criteria, in order: a strain or velocity that is not finite; the lattice's hyperbolicity,
+    K2 + 2 K3 y + 3 K4 y^2 > 0, lost (disturbances then grow at once, fastest at the zone
+    boundary); the largest strain grown by more than ``GROWTH``.
+    """
+    broken = ~(np.isfinite(state.y) & np.isfinite(state.s))
+    if broken.any():
+        return _seen("the strain is not finite", state, broken)
+    with np.errstate(over="ignore"):
+        soft = constants.stiffness(state.y) <= 0.0
+    if soft.any():
+        return _seen("K2 + 2 K3 y + 3 K4 y^2 <= 0", state, soft)
+    large = np.abs(state.y) > GROWTH * initial_amplitude
+    if large.any():
+        return _seen(f"the largest strain has grown {GROWTH:g}-fold", state, large)
+    return None
+
+
+def _seen(criterion: str, state: State, where: NDArray[np.bool_]) -> BlowUp:
+    sites = state.sites
+    return BlowUp(criterion, state.t, int(sites[where[sites % state.size]][0]))

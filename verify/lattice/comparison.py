@@ -1,0 +1,78 @@
+"""The lattice against the wave on the compared sites at one time."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solutions import Wave, WaveValues
+from verify.lattice.domain import compared_sites
+from verify.lattice.error import relative_sup_error
+from verify.lattice.scene import Scene
+from verify.lattice.state import Sites, State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Strains of the run and of the wave on the compared sites; each is made when first used."""
+
+    scene: Scene
+    wave: Wave
+    state: State
+
+    @cached_property
+    def sites(self) -> Sites:
+        """The compared sites."""
+        return compared_sites(self.scene, self.state.t)
+
+    @cached_property
+    def numeric(self) -> Array:
+        """Strains of the run."""
+        return self.state.strain(self.sites)
+
+    @cached_property
+    def analytic(self) -> Array:
+        """Strains eps Y of the wave."""
+        return self._strain(self.wave.at(*self._place))
+
+    @cached_property
+    def background(self) -> Array:
+        """Strains of the bare wave of the same phase."""
+        return self._strain(self.wave.background_at(*self._place))
+
+    @cached_property
+    def far_field(self) -> Array:
+        """Strains of the wave's true far field: the left one behind c t, the right one ahead."""
+        left = self._strain(self.wave.far_field_at(*self._place, "left"))
+        right = self._strain(self.wave.far_field_at(*self._place, "right"))
+        return np.where(np.arange(left.size) < self.scene.compared, left, right)
+
+    @property
+    def has_far_field(self) -> bool:
+        """Whether there is a second denominator.
+
+        There is none on a constant background, where it is the first one, and for a bare periodic
+        wave, whose far field is the wave itself.
+        """
+        form = self.wave.form
+        return self.wave.constant_background is None and form.far_fields.left != form.expression
+
+    @property
+    def error(self) -> float:
+        """Relative sup error against the bare background."""
+        return relative_sup_error(self.numeric, self.analytic, self.background)
+
+    @property
+    def error_far_field(self) -> float:
+        """Relative sup error against the true far field."""
+        return relative_sup_error(self.numeric, self.analytic, self.far_field)
+
+    @property
+    def _place(self) -> tuple[Sites, float, float]:
+        return self.sites, self.state.t, self.scene.eps
+
+    def _strain(self, values: WaveValues) -> Array:
+        return self.scene.eps * values.Y

@@ -1,0 +1,131 @@
+"""Which sites are computed: a window moving with the wave, or a fixed ring.
+
+Both store their sites on a ring, so the kernels know one boundary only. What crosses the ring's
+seam is wrong; a domain keeps it away from the compared sites.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from solutions import Wave
+from verify.lattice.initial import initial_data, transported_data
+from verify.lattice.scene import Scene
+from verify.lattice.state import State, empty_state
+
+STRIDE = 64
+"""Most sites by which a window moves at once."""
+
+MARGIN = 64
+"""Sites beyond the distance of sound that a signal's dispersive front may reach."""
+
+
+class Domain(Protocol):
+    """What a run needs of a domain."""
+
+    stay: float
+
+    def start(self) -> State:
+        """The initial state."""
+
+    def follow(self, state: State) -> None:
+        """Move to the sites that belong to ``state.t``."""
+
+
+def frame(scene: Scene, t: float) -> int:
+    """The site nearest to c t: the middle of the compared region."""
+    return math.floor(scene.constants.sound_speed() * t + 0.5)
+
+
+def compared_sites(scene: Scene, t: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """The sites within ``compared`` of c t."""
+    return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
+
+
+@dataclass
+class Ring:
+    """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
+
+    Its seam, where the wave does not close up, sends signals at the speed of sound. Raises
+    ValueError if they could reach a compared site before the run ends.
+    """
+
+    scene: Scene
+    wave: Wave
+    stay: float = math.inf
+
+    def start(self) -> State:
+        """The initial state on all sites of the ring."""
+        scene = self.scene
+        middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
+        state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
+        state.store(state.sites, *initial_data(self.wave, scene, state.sites))
+        self._check(state)
+        return state
+
+    def follow(self, state: State) -> None:
+        """Nothing: the ring stays where it is."""
+
+    def _check(self, state: State) -> None:
+        duration = self.scene.end - self.scene.t0
+        fastest = self.scene.constants.highest_frequency(state.y) / 2.0
+        travelled = self.scene.constants.sound_speed() * duration / 2.0 + fastest * duration
+        least = 2 * (self.scene.compared + math.ceil(travelled) + MARGIN)
+        if self.scene.sites < least:
+            raise ValueError(
+                f"sites must satisfy sites >= {least} on this ring, got {self.scene.sites} "
+                "(else signals from the seam reach the compared sites; widen it or end earlier)"
+            )
+
+
+@dataclass
+class Window:
+    """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
+
+    The front is fed with the initial wave's own far field, moved at the background's speed of
+    sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
+    the window outruns those at its rear. Raises ValueError for a wave without a constant
+    background, and for compared sites too near the window's ends.
+    """
+
+    scene: Scene
+    wave: Wave
+
+    def __post_init__(self) -> None:
+        background = self.wave.constant_background
+        if background is None:
+            raise ValueError(
+                f"domain must be 'ring' for {self.scene.wave}, got 'window' "
+                "(its background is not constant)"
+            )
+        self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
+        self.stay = STRIDE / self.scene.constants.sound_speed()
+        least = 2 * (self.scene.compared + 2 * (STRIDE + MARGIN))
+        if self.scene.sites < least:
+            raise ValueError(
+                f"sites must satisfy sites >= {least} in this window, got {self.scene.sites} "
+                "(its ends would touch the compared sites; widen it)"
+            )
+
+    def start(self) -> State:
+        """The initial state, centred on c t0."""
+        scene = self.scene
+        state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
+        state.store(state.sites, *initial_data(self.wave, scene, state.sites))
+        return state
+
+    def follow(self, state: State) -> None:
+        """Move the window to c t, feeding the cells in front."""
+        left = frame(self.scene, state.t) - self.scene.sites // 2
+        moved = left - state.left
+        state.left = left
+        front = state.sites[-(2 * moved + MARGIN) :]
+        data = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
+        state.store(front, *data)
+
+
+def build_domain(scene: Scene, wave: Wave) -> Domain:
+    """The domain that the scene asks for."""
+    return Window(scene, wave) if scene.domain == "window" else Ring(scene, wave)

@@ -1,0 +1,79 @@
+"""The wave of a scene, and the lattice's initial data made from it."""
+
+from functools import cache
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+import derive
+from solutions import ClosedForm, Wave, closed_form
+from solutions.exact import exact_number
+from verify.lattice.quantity import exact_quantity
+from verify.lattice.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class _InitialVelocity(Protocol):
+    def __call__(self, Y_X: Array, Y_T: Array, c: float, eps: float) -> Array: ...
+
+
+def build_wave(scene: Scene) -> Wave:
+    """The scene's wave with its numbers in.
+
+    Raises ValueError for an unknown wave, a parameter outside its domain, K3 != 0 and K4 of the
+    wrong sign for the wave's equation.
+    """
+    form = closed_form(scene.wave)
+    _check_reduction(scene, form)
+    values = dict(scene.parameters)
+    modulus = exact_number("k", values["k"]) if "k" in values else None
+    exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
+    return Wave(form, derive.mkdv_normal_form(scene.K2, scene.K4), **exact)
+
+
+def _check_reduction(scene: Scene, form: ClosedForm) -> None:
+    if scene.K3 != 0:
+        raise ValueError(
+            f"K3 must be 0 for an mKdV wave, got {scene.K3:g} "
+            "(order eps^4 of the reduction reads K3 (Y^2)_XX = 0)"
+        )
+    if scene.K4 * form.equation.s <= 0:
+        sign = ">" if form.equation.s > 0 else "<"
+        raise ValueError(
+            f"K4 must satisfy K4 {sign} 0 for {form.name}, got {scene.K4:g} "
+            f"(it solves the {form.equation.name} equation)"
+        )
+
+
+@cache
+def _initial_velocity() -> _InitialVelocity:
+    expression = derive.initial_velocity()
+    symbols = {symbol.name: symbol for symbol in expression.free_symbols}
+    arguments = [symbols[name] for name in ("Y_X", "Y_T", "c", "eps")]
+    function: _InitialVelocity = sp.lambdify(arguments, expression, "numpy")
+    return function
+
+
+def initial_data(wave: Wave, scene: Scene, sites: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Strain y_n = eps Y and velocity s_n of the ansatz at the sites, at time t0."""
+    value = wave.at(sites, scene.t0, scene.eps)
+    c = scene.constants.sound_speed()
+    return scene.eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, scene.eps)
+
+
+def transported_data(
+    wave: Wave, scene: Scene, speed: float, sites: NDArray[np.int64], t: float
+) -> tuple[Array, Array]:
+    """The initial strain moved rigidly until ``t``: y_n(t) = y(n - speed (t - t0), t0).
+
+    Far from the crest, on a constant background, this is what the lattice itself does with the
+    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there.
+    """
+    X = scene.eps * ((sites - scene.constants.sound_speed() * scene.t0) - speed * (t - scene.t0))
+    value = wave(X, scene.eps**3 * scene.t0)
+    rest = np.zeros_like(X)
+    velocity = _initial_velocity()(value.Y_X, rest, speed, scene.eps)
+    return scene.eps * value.Y, velocity

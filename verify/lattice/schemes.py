@@ -1,0 +1,75 @@
+"""The catalogue of schemes. Adding one is one table here."""
+
+from fractions import Fraction
+
+from verify.lattice.scheme import Composition, RungeKutta, Scheme
+
+_0, _HALF, _1 = Fraction(0), Fraction(1, 2), Fraction(1)
+
+RK4 = RungeKutta(
+    name="rk4",
+    order=4,
+    A=(
+        (_0, _0, _0, _0),
+        (_HALF, _0, _0, _0),
+        (_0, _HALF, _0, _0),
+        (_0, _0, _1, _0),
+    ),
+    b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 3), Fraction(1, 6)),
+    reference="Kutta 1901; the paper's scheme",
+)
+
+STOERMER_VERLET = Composition(
+    name="stoermer_verlet",
+    order=2,
+    half=("1",),
+    reference="Hairer, Lubich, Wanner, Acta Numerica 12 (2003) 399",
+)
+
+SUZUKI_UMENO_8 = Composition(
+    name="suzuki_umeno_8",
+    order=8,
+    half=(
+        "0.74167036435061295344822780",
+        "-0.40910082580003159399730010",
+        "0.19075471029623837995387626",
+        "-0.57386247111608226665638773",
+        "0.29906418130365592384446354",
+        "0.33462491824529818378495798",
+        "0.31529309239676659663205666",
+        "-0.79688793935291635401978884",
+    ),
+    reference="Suzuki, Umeno 1993, 15 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
+)
+
+KAHAN_LI_8 = Composition(
+    name="kahan_li_8",
+    order=8,
+    half=(
+        "0.13020248308889008087881763",
+        "0.56116298177510838456196441",
+        "-0.38947496264484728640807860",
+        "0.15884190655515560089621075",
+        "-0.39590389413323757733623154",
+        "0.18453964097831570709183254",
+        "0.25837438768632204729397911",
+        "0.29501172360931029887096624",
+        "-0.60550853383003451169892108",
+    ),
+    reference="Kahan, Li 1997, 17 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
+)
+
+SCHEMES: tuple[Scheme, ...] = (RK4, STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
+
+
+def scheme_named(name: str) -> Scheme:
+    """The scheme of that name; ValueError lists the known ones.
+
+    >>> scheme_named("rk4").stages
+    4
+    """
+    for scheme in SCHEMES:
+        if scheme.name == name:
+            return scheme
+    known = ", ".join(scheme.name for scheme in SCHEMES)
+    raise ValueError(f"scheme must be one of {known}, got {name!r}")

@@ -1,0 +1,167 @@
+"""Numba kernels of the strain FPUT lattice on a ring, site by site.
+
+    y_n' = s_n,    s_n' = D[K2 y + K3 y^2 + K4 y^3]_n,    D f_n = f_{n+1} - 2 f_n + f_{n-1}
+
+(paper, eq. "FPUT in strain" as a first-order system). Site n is stored at index n mod N, and the
+kernels know nothing of windows: a domain (`domain.py`) decides which sites the indices stand for.
+
+A constant that is zero is passed as ``None``. Numba prunes branches on ``None`` by type, so each
+combination of constants is compiled by itself and the absent terms are absent from its machine
+code. All jitted functions live in this file, because numba's cache on disk does not notice a
+change in a function called from another file.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+BLOCK = 1024
+"""Sites drifted before they are kicked; 1024 sites of y, s and force fit the L1 cache."""
+
+_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+
+
+def present(constant: float) -> float | None:
+    """The constant, or ``None`` for zero: the form in which the kernels take K3 and K4.
+
+    >>> present(0.0), present(2.5)
+    (None, 2.5)
+    """
+    return None if constant == 0 else float(constant)
+
+
+@_jit
+def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
+    """V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form; absent terms are ``None``."""
+    if K4 is None:
+        if K3 is None:
+            return K2 * y
+        return y * (K2 + K3 * y)
+    if K3 is None:
+        return y * (K2 + K4 * (y * y))
+    return y * (K2 + y * (K3 + K4 * y))
+
+
+@_jit
+def _drift_force(
+    y: Array, s: Array, f: Array, a: float, K2: float, K3: float | None, K4: float | None
+) -> None:
+    for i in range(y.size):
+        moved = y[i] + a * s[i]
+        y[i] = moved
+        f[i] = force(moved, K2, K3, K4)
+
+
+@_jit
+def _kick(s: Array, left: Array, middle: Array, right: Array, b: float) -> None:
+    for i in range(s.size):
+        s[i] += b * (left[i] - 2.0 * middle[i] + right[i])
+
+
+@_jit
+def _drift_kick(
+    y: Array, s: Array, f: Array, a: float, b: float, K2: float, K3: float | None, K4: float | None
+) -> None:
+    """One drift y += a s and one kick s += b D V'(y) in a single pass over the ring."""
+    size = y.size
+    for low in range(0, size, BLOCK):
+        high = min(low + BLOCK, size)
+        _drift_force(y[low:high], s[low:high], f[low:high], a, K2, K3, K4)
+        start = max(low - 1, 1)
+        stop = high - 1
+        if stop > start:
+            _kick(
+                s[start:stop],
+                f[start - 1 : stop - 1],
+                f[start:stop],
+                f[start + 1 : stop + 1],
+                b,
+            )
+    s[0] += b * (f[size - 1] - 2.0 * f[0] + f[1])
+    s[size - 1] += b * (f[size - 2] - 2.0 * f[size - 1] + f[0])
+
+
+@_jit
+def advance_composition(
+    y: Array,
+    s: Array,
+    drifts: Array,
+    kicks: Array,
+    steps: int,
+    K2: float,
+    K3: float | None,
+    K4: float | None,
+) -> None:
+    """Advance the ring (y, s) in place by ``steps`` steps of a drift-kick composition.
+
+    ``drifts`` (one longer than ``kicks``) and ``kicks`` are already multiplied by the time step;
+    the last drift of a step and the first of the next are done as one. At least 3 sites.
+    """
+    f = np.empty_like(y)
+    stages = kicks.size
+    joint = drifts[stages] + drifts[0]
+    for step in range(steps):
+        for i in range(stages):
+            a = joint if i == 0 and step > 0 else drifts[i]
+            _drift_kick(y, s, f, a, kicks[i], K2, K3, K4)
+    if steps > 0:
+        for i in range(y.size):
+            y[i] += drifts[stages] * s[i]
+
+
+@_jit
+def _acceleration(
+    y: Array, f: Array, g: Array, K2: float, K3: float | None, K4: float | None
+) -> None:
+    size = y.size
+    for i in range(size):
+        f[i] = force(y[i], K2, K3, K4)
+    for i in range(size - 2):
+        g[i + 1] = f[i] - 2.0 * f[i + 1] + f[i + 2]
+    g[0] = f[size - 1] - 2.0 * f[0] + f[1]
+    g[size - 1] = f[size - 2] - 2.0 * f[size - 1] + f[0]
+
+
+@_jit
+def _accumulate(total: Array, weight: float, term: Array) -> None:
+    if weight != 0.0:
+        for i in range(total.size):
+            total[i] += weight * term[i]
+
+
+@_jit
+def advance_nystroem(
+    y: Array,
+    s: Array,
+    nodes: Array,
+    inner: Array,
+    outer: Array,
+    weights: Array,
+    h: float,
+    steps: int,
+    K2: float,
+    K3: float | None,
+    K4: float | None,
+) -> None:
+    """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
+
+    Stage i: g_i = D V'(y + nodes_i h s + h^2 sum_j inner_ij g_j); then
+    y += h s + h^2 sum outer_i g_i and s += h sum weights_i g_i. At least 3 sites.
+    """
+    stages = nodes.size
+    g = np.empty((stages, y.size))
+    f = np.empty_like(y)
+    stage = np.empty_like(y)
+    for _ in range(steps):
+        for i in range(stages):
+            stage[:] = y
+            _accumulate(stage, nodes[i] * h, s)
+            for j in range(i):
+                _accumulate(stage, inner[i, j] * h * h, g[j])
+            _acceleration(stage, f, g[i], K2, K3, K4)
+        _accumulate(y, h, s)
+        for i in range(stages):
+            _accumulate(y, outer[i] * h * h, g[i])
+            _accumulate(s, weights[i] * h, g[i])
