@@ -13,7 +13,7 @@ __all__ = ["LinearPhase"]
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _fill(p: Pair, q: Pair, r: Pair, x: Array, t: Array, high: Array, low: Array) -> None:
     for i in range(x.size):
         moving = add(multiply(p, (x[i], 0.0)), multiply(q, (t[i], 0.0)))
