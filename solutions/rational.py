@@ -10,10 +10,12 @@ written as a Schur-type determinant) is::
 Everything here is exact, on python-flint's polynomials over the rationals.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from importlib import import_module
+from typing import Any
 
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -22,6 +24,7 @@ from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.gaussian_polynomial import GaussianPolynomial
 from solutions.parameter import Parameter
+from solutions.precision import HardRange
 from solutions.symbols import shift_symbol, tau, xi
 
 __all__ = ["CO_MOVING", "RationalTau", "horner_form", "rational", "rational_tau"]
@@ -148,10 +151,9 @@ def _gcd(left: Fraction, right: Fraction) -> Fraction:
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
     """``(-1)**j [1 - 2 (A B_x - A_x B)/(A**2 + B**2)]``, each polynomial in Horner form."""
     family = rational_tau(order, free)
-    x = _SPACE_TIME[0]
-    A, B = (_to_sympy(part, family.symbols) for part in (family.A, family.B))
-    parts = [sp.horner(part, *family.symbols) for part in (A, B, sp.diff(A, x), sp.diff(B, x))]
-    return _wave(order, *parts)
+    parts = [sp.horner(_to_sympy(part, *family.symbols), *family.symbols) for part in _parts(family)]
+    wave = _wave(order, *parts)
+    return wave.subs(dict(zip(_SPACE_TIME, (CO_MOVING, tau), strict=True)), simultaneous=True)
 
 
 def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
@@ -165,28 +167,44 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
     """
     shifts = tuple(sorted(free))
     family = rational_tau(order, shifts)
-    x = _SPACE_TIME[0]
-    A, B = (_to_sympy(part, family.symbols) for part in (family.A, family.B))
+    symbols = (CO_MOVING, tau, *family.symbols[2:])
     level = sp.Integer((-1) ** order)
     return ClosedForm(
         name=f"rational_{order}",
         title=f"rational solution of order {order}",
-        expression=_wave(order, A, B, sp.diff(A, x), sp.diff(B, x)),
+        expression=_wave(order, *(_to_sympy(part, *symbols) for part in _parts(family))),
         equation=FOCUSING_MKDV,
         parameters=tuple(Parameter(shift_symbol(i), default=sp.S.Zero) for i in shifts),
         background=level,
         far_fields=FarFields(level, level),
         reference=Reference("ankiewicz2018rogue", "standard mKdV"),
         stabilise=lambda: horner_form(order, shifts),
+        hard=HardRange(sp.true, "A and B cancel among their terms, more with every order"),
+        evaluator=lambda parameters: _evaluator(family, parameters),
     )
 
 
+def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
+    """Imported at first use, so that reading the formulas needs no compiler."""
+    return import_module("solutions.rational_evaluator").RationalEvaluator(family, shifts)
+
+
+def _parts(family: RationalTau) -> list[fmpq_mpoly]:
+    """A, B, A_x and B_x."""
+    return [family.A, family.B, family.A.derivative("x"), family.B.derivative("x")]
+
+
 def _wave(order: int, A: sp.Expr, B: sp.Expr, A_x: sp.Expr, B_x: sp.Expr) -> sp.Expr:
-    phase = 2 * (A * B_x - A_x * B) / (A**2 + B**2)
-    wave = (-1) ** order * (1 - phase)
-    return wave.subs(dict(zip(_SPACE_TIME, (CO_MOVING, tau), strict=True)), simultaneous=True)
+    return (-1) ** order * (1 - 2 * (A * B_x - A_x * B) / (A**2 + B**2))
 
 
-def _to_sympy(polynomial: fmpq_mpoly, symbols: tuple[sp.Symbol, ...]) -> sp.Expr:
-    terms = {exponents: sp.Rational(int(c.p), int(c.q)) for exponents, c in polynomial.terms()}
-    return sp.Poly(terms or {(0,) * len(symbols): 0}, *symbols).as_expr()
+def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
+    """The expanded polynomial in these generators."""
+    powers = [[sp.S.One] for _ in generators]
+    for row, generator, degree in zip(powers, generators, polynomial.degrees(), strict=True):
+        row.extend(generator**n for n in range(1, degree + 1))
+    terms = (
+        sp.Mul(sp.Rational(int(c.p), int(c.q)), *(row[n] for row, n in zip(powers, exponents, strict=True)))
+        for exponents, c in polynomial.terms()
+    )
+    return sp.Add(*terms)
