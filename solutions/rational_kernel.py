@@ -1,10 +1,11 @@
 """The rational solutions in double-double: two bivariate Horner schemes with their derivatives.
 
-A and B of ``f = A + i B`` have degree d when x counts 1 and t counts 3. At each point both are
-scaled by a power of two S with ``|x| <= S`` and ``|t| <= S**3``, so that no power overflows: a
-term of degree ``d - n`` gets the factor ``S**-n``. A row of the workspace holds ``BLOCK`` high
-parts, then as many low parts, as in ``solutions.pair_machine``. numba's disk cache sees changes of
-this file only: after a change in ``solutions.special.doubledouble`` remove ``__pycache__``.
+A and B of ``f = A + i B`` have degree d when x counts 1 and t counts 3. Their rows, polynomials in
+t, are summed once for points that share t. The sums over rows run on blocks of points, with x
+divided by a power of two S and a term of degree ``d - n`` by ``S**n``, so that no power overflows.
+A row of the workspace holds ``BLOCK`` high parts, then as many low parts, as in
+``solutions.pair_machine``. numba's disk cache sees changes of this file only: after a change in
+``solutions.special.doubledouble`` remove ``__pycache__``.
 """
 
 import math
@@ -18,10 +19,10 @@ from solutions.special.doubledouble import Pair, add, divide, multiply, scale, s
 __all__ = ["rational_loop"]
 
 Array = NDArray[np.float64]
-BLOCK = 64
+BLOCK = 128
 
-_VALUE, _X, _XX, _T, _XT, _ROW, _ROW_T, _ROWS = 0, 1, 2, 3, 4, 5, 6, 7
-"""Rows of a polynomial's workspace: it, its derivatives (_XX is half the second), one row's."""
+_VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
+"""Rows of a polynomial's workspace: it and its derivatives (_XX is half the second)."""
 
 
 @njit(error_model="numpy")
@@ -33,83 +34,73 @@ def _step(z: Array, x: Array, y: Array) -> None:
 
 
 @njit(error_model="numpy")
-def _step_scaled(z: Array, x: Array, c: Pair, weight: Array) -> None:
-    """``z = z x + c weight``, the weights being powers of two."""
+def _step_weighted(z: Array, x: Array, y: Array, weight: Array) -> None:
+    """``z = z x + y weight``, the weights being powers of two."""
     for i in range(BLOCK):
         product = multiply((z[i], z[i + BLOCK]), (x[i], x[i + BLOCK]))
-        z[i], z[i + BLOCK] = add(product, (c[0] * weight[i], c[1] * weight[i]))
+        z[i], z[i + BLOCK] = add(product, (y[i] * weight[i], y[i + BLOCK] * weight[i]))
 
 
 @njit(error_model="numpy")
-def _prepare(x: Array, t: Array, weights: Array, square: Array) -> None:
-    """Scale x and t, fill ``weights[n] = S**-n`` and ``square = t**2``."""
+def _prepare(x: Array, t: Array, weights: Array) -> None:
+    """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``."""
     for i in range(BLOCK):
-        size = max(0, math.frexp(x[i])[1], math.ceil(math.frexp(t[i])[1] / 3))
-        down = 0.5**size
+        down = 0.5 ** max(0, math.frexp(x[i])[1], math.ceil(math.frexp(t[i])[1] / 3))
         x[i], x[i + BLOCK] = x[i] * down, x[i + BLOCK] * down
-        t[i], t[i + BLOCK] = t[i] * down**3, t[i + BLOCK] * down**3
         weight = 1.0
         for n in range(weights.shape[0]):
             weights[n, i] = weight
             weight *= down
-        pair = t[i], t[i + BLOCK]
-        square[i], square[i + BLOCK] = multiply(pair, pair)
 
 
 @njit(error_model="numpy")
-def _row(c: Array, first: int, step: int, x: Array, weights: Array, rows: Array) -> None:
-    """One row's value and derivative in ``x`` (t, or its square if ``step`` is 2).
-
-    ``c[j]`` are the coefficients of ``t**j``; ``weights[n0 - 3 j]`` belongs to it.
-    """
-    value, slope = rows[_ROW], rows[_ROW_T]
-    value[:] = 0.0
-    slope[:] = 0.0
+def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, Pair]:
+    """The row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
+    variable = square if step == 2 else t
+    value = slope = (0.0, 0.0)
     top = c.shape[0] - 1
     for j in range(top - (top - first) % step, first - 1, -step):
-        _step(slope, x, value)
-        _step_scaled(value, x, (c[j, 0], c[j, 1]), weights[weights.shape[0] - 1 - 3 * j])
+        slope = add(multiply(slope, variable), value)
+        value = add(multiply(value, variable), (c[j, 0], c[j, 1]))
+    if step == 1:
+        return value, slope
+    slope = scale(multiply(slope, t), 2.0)
+    if first == 0:
+        return value, slope
+    return multiply(value, t), add(value, multiply(slope, t))
 
 
 @njit(error_model="numpy")
-def _in_t(first: int, t: Array, square: Array, rows: Array) -> None:
-    """From a row in ``t**2`` to ``t**first`` times it, and the derivative in t."""
-    value, slope = rows[_ROW], rows[_ROW_T]
-    for i in range(BLOCK):
-        v, s = (value[i], value[i + BLOCK]), (slope[i], slope[i + BLOCK])
-        time = t[i], t[i + BLOCK]
-        if first == 1:
-            s = add(v, scale(multiply((square[i], square[i + BLOCK]), s), 2.0))
-            v = multiply(v, time)
-        else:
-            s = scale(multiply(s, time), 2.0)
-        value[i], value[i + BLOCK] = v
-        slope[i], slope[i + BLOCK] = s
-
-
-@njit(error_model="numpy")
-def _polynomial(
-    c: Array, parity: int, x: Array, t: Array, square: Array, weights: Array, rows: Array
-) -> None:
-    """Fill the rows with the polynomial and its derivatives; ``c[i, j]`` belongs to x^i t^j.
+def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
+    """Fill the lanes of each row; ``c[i, j]`` belongs to x^i t^j.
 
     ``parity`` is the common parity of ``i + j``, or -1 if there is none.
     """
     degree = c.shape[0] - 1
-    rows[:] = 0.0
+    for i in range(degree + 1):
+        columns = c[i, : (degree - i) // 3 + 1]
+        first, step = (0, 1) if parity < 0 else ((i + parity) % 2, 2)
+        value = slope = (0.0, 0.0)
+        for lane in range(BLOCK):
+            low = lane + BLOCK
+            if lane == 0 or t[lane] != t[lane - 1] or t[low] != t[low - 1]:
+                time = t[lane], t[low]
+                value, slope = _row(columns, first, step, time, multiply(time, time))
+            values[i, lane], values[i, low] = value
+            slopes[i, lane], slopes[i, low] = slope
+
+
+@njit(error_model="numpy")
+def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Array) -> None:
+    """Fill the rows of ``out`` with the polynomial and its derivatives."""
+    degree = values.shape[0] - 1
+    out[:] = 0.0
     for i in range(degree, -1, -1):
-        columns, powers = c[i, : (degree - i) // 3 + 1], weights[: degree - i + 1]
-        if parity < 0:
-            _row(columns, 0, 1, t, powers, rows)
-        else:
-            first = (i + parity) % 2
-            _row(columns, first, 2, square, powers, rows)
-            _in_t(first, t, square, rows)
-        _step(rows[_XX], x, rows[_X])
-        _step(rows[_X], x, rows[_VALUE])
-        _step(rows[_VALUE], x, rows[_ROW])
-        _step(rows[_XT], x, rows[_T])
-        _step(rows[_T], x, rows[_ROW_T])
+        _step(out[_XX], x, out[_X])
+        _step(out[_X], x, out[_VALUE])
+        _step_weighted(out[_VALUE], x, values[i], weights[degree - i])
+        _step(out[_XT], x, out[_T])
+        _step_weighted(out[_T], x, slopes[i], weights[degree - i])
 
 
 @njit(error_model="numpy")
@@ -162,21 +153,24 @@ def rational_loop(
     """
     degree, points = A.shape[0] - 1, x.shape[1]
     weights = np.empty((degree + 1, BLOCK))
-    place, time, square = np.empty((3, 2 * BLOCK))
-    rows_A, rows_B = np.empty((2, _ROWS, 2 * BLOCK))
+    place, time = np.empty((2, 2 * BLOCK))
+    values, slopes = np.empty((2, degree + 1, 2 * BLOCK))
+    rows_A, rows_B = np.empty((2, 5, 2 * BLOCK))
     for start in range(0, points, BLOCK):
         for i in range(BLOCK):
             source = min(start + i, points - 1)
             place[i], place[i + BLOCK] = x[0, source], x[1, source]
             time[i], time[i + BLOCK] = t[0, source], t[1, source]
-        _prepare(place, time, weights, square)
-        _polynomial(A, parities[0], place, time, square, weights, rows_A)
-        _polynomial(B, parities[1], place, time, square, weights, rows_B)
+        _prepare(place, time, weights)
+        _rows(A, parities[0], time, values, slopes)
+        _polynomial(values, slopes, place, weights, rows_A)
+        _rows(B, parities[1], time, values, slopes)
+        _polynomial(values, slopes, place, weights, rows_B)
         for i in range(min(BLOCK, points - start)):
             w_x, w_xx, w_xt = _angle_rates(rows_A, rows_B, i)
             down = weights[1, i]
             value = subtract((1.0, 0.0), scale(w_x, 2.0 * down))
-            w_xx, w_xt = scale(w_xx, down**2), scale(w_xt, down**4)
+            w_xx, w_xt = scale(w_xx, down**2), scale(w_xt, down)
             rate = subtract(scale(w_xx, 12.0), scale(w_xt, 2.0))
             out[0, 0, start + i], out[0, 1, start + i] = scale(value, sign)
             out[1, 0, start + i], out[1, 1, start + i] = scale(w_xx, -2.0 * sign)
