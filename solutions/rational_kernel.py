@@ -146,7 +146,7 @@ def _angle_rates(A: Array, B: Array, i: int) -> tuple[Pair, Pair, Pair]:
 def rational_loop(
     A: Array, B: Array, parities: tuple[int, int], sign: float, x: Array, t: Array, out: Array
 ) -> None:
-    """Fill ``out`` (3, 2, points) with U, U_xi and U_tau from the pairs ``x`` and ``t`` (2, points).
+    """Fill ``out`` (3, 2, points) with U, U_xi, U_tau from the pairs ``x`` and ``t`` (2, points).
 
     ``A`` and ``B`` hold the coefficients (degree + 1, degree // 3 + 1, 2); ``sign`` is the
     background; ``x`` is ``xi - 6 tau``.
