@@ -7,8 +7,8 @@ import numpy as np
 from verify.lattice.observables.entry import Moment
 from verify.lattice.scene import Scene
 
-LOOK_STEPS = 64
-"""Fewest steps between two looks: what a look costs is then below a hundredth of the run."""
+LOOK_EVALUATIONS = 1088
+"""Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
 
 
 @dataclass
@@ -46,7 +46,8 @@ def moments_of(scene: Scene, kind: Moment) -> Moments:
     if scene.look_points is not None:
         return Moments(_equidistant(scene, scene.look_points))
     share = (scene.end - scene.t0) / scene.curve_points
-    return Moments((), max(LOOK_STEPS * scene.step, share) * (1.0 - 1e-12))
+    least = LOOK_EVALUATIONS / scene.scheme_table.stages * scene.step
+    return Moments((), max(least, share) * (1.0 - 1e-12))
 
 
 def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
