@@ -188,7 +188,7 @@ def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Sc
     found = entry_named("crest_track").measure(view)
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
-    assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.02 * missed
+    assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.03 * missed
 
 
 @pytest.mark.parametrize("name", ["rational_2_eps_0.05", "soliton_dn_k_0.7"])
@@ -245,7 +245,7 @@ def test_the_spectrum_finds_the_carrier_and_noise_at_the_zone_boundary() -> None
 
 
 def test_the_map_keeps_a_crest_narrower_than_its_cells(window_scene: Callable[..., Scene]) -> None:
-    scene = window_scene(compared=300, sites=2048, eps=0.05, t0=-50.0, look_points=2)
-    measured = run(replace(scene, snapshots=(0.0,), observables=("space_time", "strain")))
+    scene = window_scene(compared=300, sites=2048, eps=0.05, look_points=2)
+    measured = run(replace(scene, observables=("space_time", "strain")))
     assert measured.sizes["map_site"] == 201
-    assert measured.space_time.values[-1].max() == measured.strain.values.max()
+    assert measured.space_time.values[-1].max() == measured.strain.values[-1].max()
