@@ -1,1 +1,1 @@
-"""Studies: how exact an evaluation is, what hard cases do, what accuracy costs."""
+"""Studies: how exact an evaluation is, what hard cases do, what proofs and accuracy cost."""
