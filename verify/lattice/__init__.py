@@ -9,6 +9,7 @@
 from verify.lattice.blow_up import BlowUp
 from verify.lattice.constants import Constants
 from verify.lattice.error import relative_sup_error
+from verify.lattice.restart import load_run, resume, save_run
 from verify.lattice.run import run
 from verify.lattice.scene import OBSERVABLES, Scene, load_scene, shipped_scenes
 from verify.lattice.scheme import Composition, RungeKutta, Scheme
@@ -24,9 +25,12 @@ __all__ = [
     "RungeKutta",
     "Scene",
     "Scheme",
+    "load_run",
     "load_scene",
     "relative_sup_error",
+    "resume",
     "run",
+    "save_run",
     "scheme_named",
     "shipped_scenes",
     "stability_limit",

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from verify.lattice.restart import save_run
 from verify.lattice.run import run
 from verify.lattice.scene import Scene, load_scene, shipped_scenes
 
@@ -32,7 +33,7 @@ def run_command(arguments: Sequence[str]) -> int:
         _check_output(options.output)
         dataset = _run_with_bar(_find_scene(options.scene), errors)
         if options.output is not None:
-            dataset.to_netcdf(options.output, engine="scipy")
+            save_run(dataset, options.output)
     except (ValueError, OSError) as error:
         errors.print(f"error: {error}", markup=False)
         return 2

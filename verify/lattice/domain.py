@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from solutions import Wave
+from verify.lattice.blow_up import BlowUp
+from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
@@ -27,11 +29,15 @@ class Domain(Protocol):
 
     stay: float
 
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+
     def start(self) -> State:
         """The initial state."""
 
-    def follow(self, state: State) -> None:
-        """Move to the sites that belong to ``state.t``."""
+    def follow(self, state: State) -> BlowUp | None:
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
 
 
 def frame(scene: Scene, t: float) -> int:
@@ -55,6 +61,7 @@ class Ring:
     scene: Scene
     wave: Wave
     stay: float = math.inf
+    mismatch: float = 0.0
 
     def start(self) -> State:
         """The initial state on all sites of the ring."""
@@ -65,7 +72,7 @@ class Ring:
         self._check(state)
         return state
 
-    def follow(self, state: State) -> None:
+    def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""
 
     def _check(self, state: State) -> None:
@@ -86,7 +93,8 @@ class Window:
 
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
-    the window outruns those at its rear. Raises ValueError for a wave without a constant
+    the window outruns those at its rear. A monitor compares each feed with the sites behind it.
+    Raises ValueError for a wave without a constant
     background, and for compared sites too near the window's ends.
     """
 
@@ -100,6 +108,7 @@ class Window:
                 f"domain must be 'ring' for {self.scene.wave}, got 'window' "
                 "(its background is not constant)"
             )
+        self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.stay = STRIDE / self.scene.constants.sound_speed()
         least = 2 * (self.scene.compared + 2 * (STRIDE + MARGIN))
@@ -109,6 +118,11 @@ class Window:
                 "(its ends would touch the compared sites; widen it)"
             )
 
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+        return self.monitor.mismatch
+
     def start(self) -> State:
         """The initial state, centred on c t0."""
         scene = self.scene
@@ -116,14 +130,17 @@ class Window:
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
 
-    def follow(self, state: State) -> None:
-        """Move the window to c t, feeding the cells in front."""
+    def follow(self, state: State) -> BlowUp | None:
+        """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
         left = frame(self.scene, state.t) - self.scene.sites // 2
         moved = left - state.left
         state.left = left
-        front = state.sites[-(2 * moved + MARGIN) :]
-        data = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
-        state.store(front, *data)
+        fed = 2 * moved + MARGIN
+        front = state.sites[-(fed + WATCHED) :]
+        y, s = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
+        fault = self.monitor.compare(state, front[:WATCHED], y[:WATCHED])
+        state.store(front[WATCHED:], y[WATCHED:], s[WATCHED:])
+        return fault
 
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:

@@ -2,31 +2,25 @@
 
 from importlib.metadata import version
 
-import numpy as np
 import xarray as xr
 
 from verify.lattice.discretisation import COST, StrainSamples, measured_error
 from verify.lattice.initial import build_wave
-from verify.lattice.observables import Observable, Variables, build_observables
+from verify.lattice.observables import axis_values, entry_named
+from verify.lattice.recorder import Observable, Variables, build_recorders
 from verify.lattice.recording import Progress, Recording, record
 from verify.lattice.scene import Scene
+from verify.lattice.state import State
 
 PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
-MEASURED = {"units": "strain / eps", "long_name": "sup difference to the refined run"}
 
 
 def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
     """Run the scene and return what it asks for.
 
-    Dimensions: ``time`` (the snapshots), ``site`` (offset from the site nearest to c t) and
-    ``curve_time``. Variables, each only if its observable is asked for:
-
-    * strain: ``strain``, ``analytic``, ``background`` (time, site), ``n`` (the site's number on
-      the lattice), ``error`` and, on periodic backgrounds, ``error_far_field`` (time);
-    * error_curve: ``error_curve``, ``error_curve_far_field`` (curve_time);
-    * energy: ``energy`` (energy_time);
-    * time_step_error, domain_error (time): sup difference of y/eps to the run with half the step,
-      with twice the sites.
+    Dimensions: ``time`` (the snapshots), ``curve_time``, ``look_time``, ``site`` (offset from the
+    site nearest to c t) and what else the observables add. The table of observables
+    (`observables/table.py`) says which variables each of them adds; none other is there.
 
     Attributes: the scene as JSON, versions, cost, and ``blow_up`` (empty if there was none). A run
     that blows up keeps the times before it. ``progress`` is called with the share of the work
@@ -34,20 +28,26 @@ def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
 
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit.
     """
+    return run_from(scene, None, progress)
+
+
+def run_from(scene: Scene, restart: State | None, progress: Progress | None) -> xr.Dataset:
+    """``run`` from the scene's initial data or from a state of an earlier run of it."""
     meter = _Meter(scene, progress)
     wave = build_wave(scene)
-    observables = build_observables(scene)
+    recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
     measures = [measure for measure in scene.observables if measure in COST]
-    seen: list[Observable] = [*observables, samples] if measures else observables
-    recording = record(scene, wave, seen, meter.part(1.0))
+    seen: list[Observable] = [*recorders, samples] if measures else [*recorders]
+    recording = record(scene, wave, seen, meter.part(1.0), restart)
     variables: Variables = {}
-    for observable in observables:
-        variables |= observable.variables()
+    for recorder in recorders:
+        variables |= recorder.variables()
     for measure in measures:
         part = meter.part(COST[measure])
         values = measured_error(scene, wave, measure, samples.samples, part)
-        variables[measure] = (("time",), values, MEASURED)
+        attributes = entry_named(measure).variables[0].attributes
+        variables[measure] = (("time",), values, attributes)
     return _dataset(scene, recording, variables)
 
 
@@ -74,9 +74,10 @@ def _dataset(scene: Scene, recording: Recording, variables: Variables) -> xr.Dat
     if recording.march.blow_up is not None:
         reached = tuple(t for t in reached if t < recording.march.state.t)
     coordinates: dict[str, object] = {"time": ("time", list(reached), {"units": "lattice time"})}
-    if "strain" in variables:
-        offsets = np.arange(-scene.compared, scene.compared + 1)
-        coordinates["site"] = ("site", offsets, {"long_name": "offset from the site nearest c t"})
+    for dimension in {name for dimensions, _, _ in variables.values() for name in dimensions}:
+        axis = axis_values(dimension, scene.compared)
+        if axis is not None:
+            coordinates[dimension] = (dimension, *axis)
     names = {name for name, (dimensions, _, _) in variables.items() if dimensions == (name,)}
     coordinates |= {name: variables[name] for name in names}
     data = {name: value for name, value in variables.items() if name not in names}
@@ -96,6 +97,7 @@ def _attributes(scene: Scene, recording: Recording) -> dict[str, object]:
         "sites": scene.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
+        "feed_mismatch": march.domain.mismatch,
         "blow_up": "" if march.blow_up is None else str(march.blow_up),
         "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
     }

@@ -9,11 +9,12 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from verify.lattice.constants import Constants
+from verify.lattice.observables import NAMES, entry_named
 from verify.lattice.scene_toml import read_scene_file
 from verify.lattice.scheme import Scheme
 from verify.lattice.schemes import scheme_named
 
-OBSERVABLES = ("strain", "error_curve", "energy", "time_step_error", "domain_error")
+OBSERVABLES = NAMES
 DOMAINS = ("window", "ring")
 FOLDER = files("verify.lattice.scenes")
 
@@ -26,7 +27,9 @@ class Scene:
     compared region about the site nearest to c t; ``sites`` the size of the computed domain:
     a ``window`` that moves with the wave (constant backgrounds) or a fixed ``ring``. ``step`` is
     the largest time step. The error curve is sampled at ``curve_points`` equidistant times and
-    the snapshots. ``parameters`` are the wave's, as (name, value) pairs.
+    the snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the
+    march stops anyway, or at ``look_points`` equidistant times if that is given. ``parameters`` are
+    the wave's, as (name, value) pairs.
 
     Raises ValueError in one line: argument, condition, value, remedy.
     """
@@ -47,6 +50,7 @@ class Scene:
     observables: tuple[str, ...] = ("strain", "error_curve")
     scheme: str = "kahan_li_8"
     curve_points: int = 201
+    look_points: int | None = None
     title: str = ""
 
     @classmethod
@@ -72,8 +76,11 @@ class Scene:
                 raise ValueError(f"{key} must satisfy {key} > 0, got {getattr(self, key):g}")
         _one_of("domain", self.domain, DOMAINS)
         scheme_named(self.scheme)
-        if "energy" in self.observables and self.domain != "ring":
-            raise ValueError("energy needs domain 'ring', got 'window' (a window drops sites)")
+        if self.look_points is not None:
+            _whole("look_points", self.look_points)
+        for name in self.observables:
+            if entry_named(name).needs_ring and self.domain != "ring":
+                raise ValueError(f"{name} needs domain 'ring', got 'window' (a window drops sites)")
         self.constants.sound_speed()
 
     @cached_property

@@ -1,6 +1,6 @@
 """Scene files: TOML with a whitelist of keys.
 
-title, wave, eps, t0, snapshots, observables, curve_points
+title, wave, eps, t0, snapshots, observables, curve_points, look_points
 [lattice]     K2, K3, K4
 [parameters]  the wave's own: numbers, or multiples of K such as "K/2"
 [scheme]      name, step
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-TOP = ("title", "wave", "eps", "t0", "snapshots", "observables", "curve_points")
+TOP = ("title", "wave", "eps", "t0", "snapshots", "observables", "curve_points", "look_points")
 TABLES = {
     "lattice": {"K2": "K2", "K3": "K3", "K4": "K4"},
     "scheme": {"name": "scheme", "step": "step"},
