@@ -65,9 +65,12 @@ def lattice_mode(wave: TravellingWave, kappa: float) -> Mode:
 
 
 def fastest_mode(wave: TravellingWave, wavelengths: int) -> Mode:
-    """The fastest growing perturbation on a ring of that many wavelengths."""
+    """The fastest growing perturbation on a ring of that many wavelengths.
+
+    Bloch wavenumbers above pi / P are left out: they repeat those below as complex conjugates.
+    """
     spacing = 2.0 * math.pi / (wavelengths * wave.period)
-    modes = [lattice_mode(wave, spacing * count) for count in range(wavelengths)]
+    modes = [lattice_mode(wave, spacing * count) for count in range(wavelengths // 2 + 1)]
     return max(modes, key=lambda mode: mode.rate.real)
 
 
