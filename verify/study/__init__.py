@@ -1,0 +1,1 @@
+"""Studies on the lattice: hard cases, costs, convergence."""
