@@ -9,7 +9,10 @@ and every load is aligned. The loop goes up the rows once: the forces of the las
 velocity of the last one stay in registers, so that a row costs two loads, two stores and the
 arithmetic. LLVM's own vectoriser does not find this form; it takes three passes over memory.
 
-Numba's cache on disk does not notice a change in this file: clear it after one.
+The code says vectors of four doubles and multiply-adds that may be contracted; LLVM lowers both to
+what the processor has, so that one without AVX2 or FMA runs the same code in halves.
+
+Numba's cache on disk does not notice a change in this file: clear it (`make clean`) after one.
 """
 
 from collections.abc import Callable
@@ -40,17 +43,17 @@ def _splat(builder: Any, value: Any) -> Any:
 
 
 def _fma(builder: Any, factor: Any, other: Any, term: Any) -> Any:
-    """factor * other + term, rounded once."""
-    kind = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{LANES}f64")
-    return builder.call(function, [factor, other, term])
+    """factor * other + term, rounded once where the processor can."""
+    product = builder.fmul(factor, other, flags=("contract",))
+    return builder.fadd(product, term, flags=("contract",))
 
 
 class _Rows:
     """Rows of an array of doubles, loaded and stored as vectors."""
 
-    def __init__(self, builder: Any, data: Any) -> None:
+    def __init__(self, context: Any, builder: Any, kind: Any, value: Any) -> None:
         self._builder = builder
+        data = context.make_array(kind)(context, builder, value).data
         self._data = builder.bitcast(data, _VECTOR.as_pointer())
 
     def load(self, row: Any) -> Any:
@@ -73,35 +76,32 @@ def _force(builder: Any, y: Any, K2: Any, K3: Any, K4: Any) -> Any:
 
 def _generate(present: tuple[bool, bool]) -> Callable[..., Any]:
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        arrays = [
-            context.make_array(kind)(context, builder, value)
-            for kind, value in zip(signature.args[:2], arguments[:2], strict=True)
-        ]
-        y, s = (_Rows(builder, array.data) for array in arrays)
-        count = arguments[2]
-        a, b, K2 = (_splat(builder, value) for value in arguments[3:6])
+        y, s, forces = (
+            _Rows(context, builder, kind, value)
+            for kind, value in zip(signature.args[:3], arguments[:3], strict=True)
+        )
+        level, first, past = arguments[3:6]
+        a, b, K2 = (_splat(builder, value) for value in arguments[6:9])
         K3, K4 = (
             _splat(builder, value) if there else None
-            for there, value in zip(present, arguments[6:], strict=True)
+            for there, value in zip(present, arguments[9:], strict=True)
         )
         minus_two = _splat(builder, ir.Constant(ir.DoubleType(), -2.0))
-
-        def moved(row: Any) -> tuple[Any, Any]:
+        places = [builder.add(builder.mul(level, _INDEX(2)), _INDEX(i)) for i in range(2)]
+        begin = [*map(forces.load, places), s.load(builder.sub(first, _INDEX(1)))]
+        carried = [cgutils.alloca_once_value(builder, value) for value in begin]
+        with cgutils.for_range_slice(builder, first, past, _INDEX(1)) as (row, _):
+            left, middle, before = (builder.load(slot) for slot in carried)
             velocity = s.load(row)
             strain = _fma(builder, a, velocity, y.load(row))
             y.store(row, strain)
-            return velocity, _force(builder, strain, K2, K3, K4)
-
-        _, first = moved(_INDEX(0))
-        velocity, second = moved(_INDEX(1))
-        carried = [cgutils.alloca_once_value(builder, value) for value in (first, second, velocity)]
-        with cgutils.for_range_slice(builder, _INDEX(2), count, _INDEX(1)) as (row, _):
-            left, middle, before = (builder.load(slot) for slot in carried)
-            velocity, right = moved(row)
+            right = _force(builder, strain, K2, K3, K4)
             bend = _fma(builder, minus_two, middle, builder.fadd(left, right))
             s.store(builder.sub(row, _INDEX(1)), _fma(builder, b, bend, before))
             for slot, value in zip(carried, (middle, right, velocity), strict=True):
                 builder.store(value, slot)
+        for place, slot in zip(places, carried, strict=False):
+            forces.store(place, builder.load(slot))
         return context.get_dummy_value()
 
     return codegen
@@ -109,14 +109,26 @@ def _generate(present: tuple[bool, bool]) -> Callable[..., Any]:
 
 @intrinsic
 def stage(
-    _context: Any, y: Any, s: Any, rows: Any, a: Any, b: Any, K2: Any, K3: Any, K4: Any
+    _context: Any,
+    y: Any,
+    s: Any,
+    forces: Any,
+    level: Any,
+    first: Any,
+    past: Any,
+    a: Any,
+    b: Any,
+    K2: Any,
+    K3: Any,
+    K4: Any,
 ) -> Any:
-    """Drift ``rows`` >= 3 rows of (y, s) from the first and kick all but the first and the last.
+    """Drift the rows ``first`` .. ``past - 1`` of (y, s), kick those one row lower.
 
-    ``y`` and ``s`` are contiguous arrays of doubles of at least ``rows * LANES`` elements; K3 or
-    K4 is ``None`` when absent. The strains of all rows are moved, the velocities of the outer two
-    rows keep their values.
+    ``y``, ``s`` and ``forces`` are contiguous arrays of doubles. Rows 2 level and 2 level + 1 of
+    ``forces`` hold V' at the rows first - 2 and first - 1, and at the end that at past - 2 and
+    past - 1, so that the next call goes on where this one stopped. 1 <= first <= past; K3 or K4
+    is ``None`` when absent.
     """
     present = (K3 is not types.none, K4 is not types.none)
-    signature = types.void(y, s, types.intp, *(types.float64,) * 3, K3, K4)
+    signature = types.void(y, s, forces, *(types.intp,) * 3, *(types.float64,) * 3, K3, K4)
     return signature, _generate(present)
