@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 from verify.lattice.scheme import Composition, RungeKutta, Scheme
+from verify.lattice.splitting import BLANES_MOAN_6
 
 _0, _HALF, _1 = Fraction(0), Fraction(1, 2), Fraction(1)
 
@@ -59,7 +60,7 @@ KAHAN_LI_8 = Composition(
     reference="Kahan, Li 1997, 17 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
 )
 
-SCHEMES: tuple[Scheme, ...] = (RK4, STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
+SCHEMES: tuple[Scheme, ...] = (RK4, STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8, BLANES_MOAN_6)
 
 
 def scheme_named(name: str) -> Scheme:

@@ -51,13 +51,9 @@ def lattice_mode(wave: TravellingWave, kappa: float) -> Mode:
     On the sites, W and W e^{2 pi i x} are the same perturbation; of such copies the one whose mean
     wavenumber lies in -pi .. pi is taken, which the truncation leaves whole.
     """
-    j = np.arange(-MODES, MODES + 1)
-    q = kappa + 2.0 * np.pi * j / wave.period
-    coupling = _toeplitz(wave.constants.stiffness(profile(wave.modes)), j)
-    drift = np.diag(1j * wave.speed * q)
-    bend = -4.0 * np.sin(0.5 * q)[:, None] ** 2 * coupling
-    rates, vectors = np.linalg.eig(np.block([[drift, np.eye(j.size)], [bend, drift]]))
-    weights = np.abs(vectors[: j.size]) ** 2
+    q, matrix = _lattice_problem(wave, kappa)
+    rates, vectors = np.linalg.eig(matrix)
+    weights = np.abs(vectors[: q.size]) ** 2
     central = np.abs(q @ weights) <= np.pi * weights.sum(axis=0)
     best = int(np.argmax(np.where(central, rates.real, -np.inf)))
     strain, velocity = np.split(vectors[:, best], 2)
@@ -65,10 +61,14 @@ def lattice_mode(wave: TravellingWave, kappa: float) -> Mode:
 
 
 def fastest_mode(wave: TravellingWave, wavelengths: int) -> Mode:
-    """The fastest growing perturbation on a ring of that many wavelengths."""
+    """The fastest growing perturbation on a ring of that many wavelengths.
+
+    Bloch wavenumbers above pi / P are left out: they repeat those below as complex conjugates.
+    """
     spacing = 2.0 * math.pi / (wavelengths * wave.period)
-    modes = [lattice_mode(wave, spacing * count) for count in range(wavelengths)]
-    return max(modes, key=lambda mode: mode.rate.real)
+    kappas = [spacing * count for count in range(wavelengths // 2 + 1)]
+    rates = [np.max(np.linalg.eigvals(_lattice_problem(wave, k)[1]).real) for k in kappas]
+    return lattice_mode(wave, kappas[int(np.argmax(rates))])
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float) -> float:
@@ -89,6 +89,16 @@ def horizon(rate: float, tolerance: float, rounding: float) -> float:
     27631
     """
     return math.log(tolerance / rounding) / rate if rate > 0 else math.inf
+
+
+def _lattice_problem(wave: TravellingWave, kappa: float) -> tuple[Array, Complex]:
+    """Wavenumbers q, and the matrix of (W, (lambda - v d/dx) W) in their Fourier modes."""
+    j = np.arange(-MODES, MODES + 1)
+    q = kappa + 2.0 * np.pi * j / wave.period
+    coupling = _toeplitz(wave.constants.stiffness(profile(wave.modes)), j)
+    drift = np.diag(1j * wave.speed * q)
+    bend = -4.0 * np.sin(0.5 * q)[:, None] ** 2 * coupling
+    return q, np.block([[drift, np.eye(j.size)], [bend, drift]])
 
 
 def _toeplitz(samples: Array, j: NDArray[np.int64]) -> Complex:

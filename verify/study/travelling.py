@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root
 
 from derive import mkdv_normal_form
 from solutions import Wave, closed_form
@@ -23,8 +22,10 @@ from verify.lattice.constants import Constants
 
 Array = NDArray[np.float64]
 
-MODES = 32
+MODES = 24
 """Highest Fourier mode of the profile."""
+
+NEWTON_STEPS = 12
 
 OVERSAMPLING = 8
 """Samples for each mode in the products; V' is cubic and V'' quadratic, so nothing is aliased."""
@@ -47,13 +48,15 @@ class TravellingWave:
     def strain(self, x: Array) -> Array:
         """f(x)."""
         weights = np.where(np.arange(self.modes.size) == 0, 1.0, 2.0) * self.modes
-        found: Array = np.cos(np.multiply.outer(x, self._wavenumbers)) @ weights
+        waves = np.cos(np.multiply.outer(x, self._wavenumbers))
+        found: Array = np.sum(waves * weights, axis=-1)
         return found
 
     def velocity(self, x: Array) -> Array:
         """dy_n/dt = -v f'(x)."""
         weights = 2.0 * self.modes * self._wavenumbers
-        found: Array = self.speed * np.sin(np.multiply.outer(x, self._wavenumbers)) @ weights
+        waves = np.sin(np.multiply.outer(x, self._wavenumbers))
+        found: Array = self.speed * np.sum(waves * weights, axis=-1)
         return found
 
 
@@ -71,17 +74,19 @@ def travelling_wave(form: str, k: float, period: int, K2: float, K4: float) -> T
     wave = Wave(closed_form(form), mkdv_normal_form(K2, K4), k=k)
     eps = float(wave.wavelength or math.nan) / period
     guess = _cosine_modes(wave, eps, period)
-    unknown = np.concatenate([[constants.sound_speed() ** 2], guess[2:]])
-    solved = root(_residual, unknown, (guess[:2], constants, period), tol=1e-15)
-    modes = np.concatenate([guess[:2], solved.x[1:]])
-    miss = float(np.max(np.abs(_residual(solved.x, guess[:2], constants, period))))
-    tail = float(np.max(np.abs(modes[-3:])))
-    if not max(miss, tail) < 1e-12:
+    modes, squared_speed = guess, constants.sound_speed() ** 2
+    for _ in range(NEWTON_STEPS):
+        residual, slopes = _linearised(modes, squared_speed, constants, period)
+        change = np.linalg.solve(slopes, -residual)
+        squared_speed += float(change[0])
+        modes = modes + np.concatenate([[0.0, 0.0], change[1:]])
+    miss, tail = float(np.max(np.abs(residual))), float(np.max(np.abs(modes[-3:])))
+    if not (max(miss, tail) < 1e-12 and squared_speed > 0.0):
         raise ValueError(
             f"period must give a smooth profile, got {period} with residual {miss:.1e} "
             f"and last modes {tail:.1e} (take a longer one)"
         )
-    return TravellingWave(constants, modes, math.sqrt(float(solved.x[0])), period, eps)
+    return TravellingWave(constants, modes, math.sqrt(squared_speed), period, eps)
 
 
 def _cosine_modes(wave: Wave, eps: float, period: int) -> Array:
@@ -100,11 +105,21 @@ def profile(modes: Array) -> Array:
     return samples
 
 
-def _residual(unknown: Array, known: Array, constants: Constants, period: int) -> Array:
-    """v^2 f_q - (sin(q/2)/(q/2))^2 V'(f)_q for the modes 1 .. MODES."""
-    modes = np.concatenate([known, unknown[1:]])
-    q = 2.0 * np.pi * np.arange(1, MODES + 1) / period
+def _linearised(
+    modes: Array, squared_speed: float, constants: Constants, period: int
+) -> tuple[Array, Array]:
+    """v^2 f_q - (sin(q/2)/(q/2))^2 V'(f)_q for the modes 1 .. MODES, and its slopes.
+
+    The unknowns are v^2 and the modes 2 .. MODES; the product with V''(f) couples the modes i and j
+    of an even function through those of V'' at i - j and i + j.
+    """
+    j = np.arange(1, MODES + 1)
+    q = 2.0 * np.pi * j / period
+    symbol = (np.sin(0.5 * q) / (0.5 * q)) ** 2
     y = profile(modes)
-    force = np.fft.rfft(y * (constants.K2 + constants.K4 * y * y)).real[1 : MODES + 1] / y.size
-    missed: Array = unknown[0] * modes[1:] - (np.sin(0.5 * q) / (0.5 * q)) ** 2 * force
-    return missed
+    force = np.fft.rfft(y * (constants.K2 + constants.K4 * y * y)).real / y.size
+    stiffness = np.fft.rfft(constants.stiffness(y)).real / y.size
+    coupling = stiffness[np.abs(np.subtract.outer(j, j))] + stiffness[np.add.outer(j, j)]
+    slopes = squared_speed * np.eye(MODES) - symbol[:, None] * coupling
+    slopes[:, 0] = modes[1:]
+    return squared_speed * modes[1:] - symbol * force[j], slopes

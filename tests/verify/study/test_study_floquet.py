@@ -42,8 +42,8 @@ def test_it_tends_to_the_reduced_equations_wave() -> None:
 
 
 def test_a_profile_too_sharp_for_its_modes_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"period must give a smooth profile, got 12 with resid"):
-        travelling_wave("wave_cn", 1.0 - 1e-7, 12, 1, 1)
+    with pytest.raises(ValueError, match=r"period must give a smooth profile, got 100 with resid"):
+        travelling_wave("wave_cn", 1.0 - 1e-7, 100, 1, 1)
 
 
 def test_the_mode_obeys_the_linearised_lattice() -> None:
@@ -71,9 +71,9 @@ def test_the_rate_does_not_depend_on_the_truncation(monkeypatch: pytest.MonkeyPa
     wave = travelling_wave("wave_cn", 0.8, 20, 1, 1)
     kappa = 2.0 * np.pi * 6 / (16 * 20)
     rate = lattice_mode(wave, kappa).rate.real
-    monkeypatch.setattr(floquet, "MODES", 24)
-    assert travelling.MODES == 32
-    assert lattice_mode(wave, kappa).rate.real == pytest.approx(rate, rel=1e-8)
+    monkeypatch.setattr(floquet, "MODES", 18)
+    assert travelling.MODES == 24
+    assert lattice_mode(wave, kappa).rate.real == pytest.approx(rate, rel=1e-6)
 
 
 def test_the_reduced_equations_rate_is_the_lattices_up_to_eps_squared() -> None:
