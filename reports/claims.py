@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import sympy as sp
 
-from reports.evidence import RK4_STEP, Evidence, rk4_name
+from reports.tables import measured
+from verify.study.claims_evidence import RK4_STEP, Evidence, rk4_name
 from solutions import closed_form
 from solutions.symbols import k, tau, xi
 
@@ -60,7 +61,7 @@ def error_peaks_with_the_wave(evidence: Evidence) -> Claim:
             largest, time = evidence.largest_error(name)
             scene = evidence.scenes[name]
             near.append(abs(time) < 0.1 * (scene.end - scene.t0))
-            shown.append(rf"$Y_{j}$, $\epsilon={eps}$: {largest.latex()} at $t={time:.0f}$")
+            shown.append(rf"$Y_{j}$, $\epsilon={eps}$: {measured(*largest)} at $t={time:.0f}$")
     return Claim(
         "The error is largest around the time of the largest amplitude ($t=0$)",
         r"\newline ".join(shown),
@@ -79,7 +80,7 @@ def error_grows_with_the_order(evidence: Evidence) -> Claim:
         tops = [evidence.largest_error(name)[0] for name in names]
         always += [tops[0].value < tops[1].value, bool(higher.all())]
         shown.append(
-            rf"$\epsilon={eps}$: largest {tops[0].latex()} and {tops[1].latex()}; "
+            rf"$\epsilon={eps}$: largest {measured(*tops[0])} and {measured(*tops[1])}; "
             rf"higher at {100 * higher.mean():.0f}\,\% of the times"
         )
     return Claim(
@@ -95,7 +96,8 @@ def error_stays_below_20_percent(evidence: Evidence) -> Claim:
     numbers = [evidence.largest_error(name)[0] for name in ("rational_3_eps_0.05", rk4_name(3))]
     return Claim(
         r"The error of $Y_3$ does not exceed 20\,\% at $\epsilon=0.05$",
-        rf"largest {numbers[0].latex()}\newline RK4, $\Delta t={RK4_STEP}$: {numbers[1].latex()}",
+        rf"largest {measured(*numbers[0])}\newline "
+        rf"RK4, $\Delta t={RK4_STEP}$: {measured(*numbers[1])}",
         verdict(*(number.value < TWENTY_PERCENT for number in numbers)),
         "the time step: the paper states none",
     )
@@ -107,7 +109,8 @@ def error_of_the_second_order_crest(evidence: Evidence) -> Claim:
     rk4 = evidence.relative_error(rk4_name(2), 0.0)
     return Claim(
         r"$Y_2$ fits reasonably well at $\epsilon=0.05$",
-        rf"$t=0$: {accurate.latex()}\newline RK4, $\Delta t={RK4_STEP}$, $t=0$: {rk4.latex()}",
+        rf"$t=0$: {measured(*accurate)}\newline "
+        rf"RK4, $\Delta t={RK4_STEP}$, $t=0$: {measured(*rk4)}",
         verdict(accurate.value < TWENTY_PERCENT),
         r"the time step, the crest's place in its cell (here on site 0); ``reasonably'' is read "
         r"as below 20\,\%",
@@ -119,7 +122,7 @@ def third_order_at_the_larger_eps(evidence: Evidence) -> Claim:
     largest, time = evidence.largest_error("rational_3_eps_0.075")
     return Claim(
         r"Very good agreement of $Y_3$, also at $\epsilon=0.075$",
-        rf"largest {largest.latex()} at $t={time:.0f}$",
+        rf"largest {measured(*largest)} at $t={time:.0f}$",
         verdict(largest.value < TWENTY_PERCENT),
         r"what ``very good'' means; here read as below 20\,\%",
     )
@@ -129,7 +132,7 @@ def breather_error_falls_with_k(evidence: Evidence) -> Claim:
     """The dark breather's largest error at the three moduli."""
     tops = [evidence.largest_error(f"breather_sn_k_{modulus}")[0] for modulus in BREATHER_MODULI]
     falls = all(a.value > b.value for a, b in pairwise(tops))
-    shown = [f"$k={m}$: {top.latex()}" for m, top in zip(BREATHER_MODULI, tops, strict=True)]
+    shown = [f"$k={m}$: {measured(*top)}" for m, top in zip(BREATHER_MODULI, tops, strict=True)]
     return Claim(
         "On the sn background the agreement is better for larger $k$",
         r"\newline ".join(shown),
@@ -145,7 +148,7 @@ def cn_lattice_stays_below_the_wave(evidence: Evidence) -> Claim:
     for time in evidence.scenes[name].snapshots[1:]:
         lattice, wave = evidence.peaks(name, time)
         below.append(lattice.value + lattice.error < wave)
-        shown.append(rf"$t={time:g}$: {lattice.latex()} against ${wave:.5f}$")
+        shown.append(rf"$t={time:g}$: {measured(*lattice)} against ${wave:.5f}$")
     return Claim(
         r"On the cn background the lattice's maximum $y_n/\epsilon$ is always below the wave's",
         r"\newline ".join(shown),
@@ -162,8 +165,8 @@ def dn_soliton_fits(evidence: Evidence) -> Claim:
     far = evidence.relative_error(name, last, "error_far_field")
     return Claim(
         "The dn soliton fits very well",
-        rf"$t={last:g}$: {bare.latex()} over the bare wave\newline "
-        rf"{far.latex()} over the far field",
+        rf"$t={last:g}$: {measured(*bare)} over the bare wave\newline "
+        rf"{measured(*far)} over the far field",
         verdict(bare.value < TWENTY_PERCENT),
         r"$|t|\le 100$; ``very well'' is read as below 20\,\%",
     )
