@@ -49,9 +49,7 @@ class Findings:
         return proved and accepted and refuted and not self.evidence.blown_up
 
 
-def find(
-    scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress
-) -> Findings:
+def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
     """Do the work of a report in the pool; raises as `run_jobs` does."""
     found = run_jobs(all_jobs(scenes, full), workers, progress)
 

@@ -10,7 +10,13 @@ from reports.tables import scientific, table
 from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
 from verify.study.evaluation import Accuracy
 
-TABULATED = ("double", "double-double", "balls, 40 digits", "mpmath, 15 digits", "mpmath, 60 digits")
+TABULATED = (
+    "double",
+    "double-double",
+    "balls, 40 digits",
+    "mpmath, 15 digits",
+    "mpmath, 60 digits",
+)
 """The arithmetics of the table; the figure has them all."""
 
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, r"\textmu s"), (1e-9, "ns"))

@@ -190,9 +190,7 @@ def _long(context: Any, exact: sp.Expr) -> Any:
     return context.mpf(exact._to_mpmath(context.prec))
 
 
-def _errors(
-    found: Sequence[Sequence[Row]], exact: Sequence[Row]
-) -> list[float]:
+def _errors(found: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]:
     """Errors relative to max(1, |value|); a value is the sum of its parts."""
     context = mpmath.MPContext()
     context.dps = EXACT_DIGITS
