@@ -3,11 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import sympy as sp
 
 from solutions.equation import Equation
 from solutions.parameter import Parameter
+from solutions.precision import HardRange
 
 __all__ = ["ClosedForm", "FarFields", "Reference"]
 
@@ -35,7 +37,9 @@ class ClosedForm:
     ``expression`` is the canonical form, as printed. ``background`` is the bare wave of the same
     phase that the figures subtract (zero for a bare wave itself); ``period`` is the background's
     period in ``xi``, None if it is constant. ``stabilise`` makes the form that is evaluated in
-    floating point from the canonical one.
+    floating point from the canonical one; ``hard`` says where double precision does not suffice
+    for it. ``evaluator`` makes, from exact parameters, what evaluates the form where that is not
+    the stable expression (``solutions.evaluator.PointEvaluator``).
     """
 
     name: str
@@ -48,6 +52,10 @@ class ClosedForm:
     reference: Reference
     period: sp.Expr | None = None
     stabilise: Callable[[], sp.Expr] | None = field(default=None, compare=False, repr=False)
+    hard: HardRange | None = None
+    evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
+        default=None, compare=False, repr=False
+    )
 
     @cached_property
     def stable(self) -> sp.Expr:

@@ -1,40 +1,38 @@
 """One expression with numbers in: value and derivatives at arrays of (x, t)."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from solutions.double_machine import run_double
 from solutions.linear_phase import LinearPhase
-from solutions.program import compile_program, constant_context
+from solutions.pair_machine import run_pairs
+from solutions.program import compile_program
 from solutions.special.double import evaluate, evaluate_thetas
 from solutions.special.doubledouble import split
+from solutions.special.extended import evaluate_pairs, evaluate_theta_pairs
 from solutions.special.parameter import EllipticParameter, elliptic_parameter
+from solutions.variables import Variables, long_number
 
-__all__ = ["Evaluator", "Variables", "long_number"]
-
-BLOCK = 4096
-"""Points evaluated at a time, so that temporaries stay in the cache."""
+__all__ = ["Evaluator", "PointEvaluator"]
 
 Array = NDArray[np.float64]
 
 
-def long_number(exact: sp.Expr) -> Any:
-    """An exact SymPy number as an mpf of the constants' precision."""
-    return constant_context.mpf(exact._to_mpmath(constant_context.prec))
+class PointEvaluator(Protocol):
+    """What a wave asks of an evaluator: phases, and three rows of values in either arithmetic."""
 
+    def phases(self, variables: Variables) -> list[LinearPhase]:
+        """The phases in the caller's variables."""
 
-class Variables:
-    """How xi and tau depend on the caller's variables: ``xi = a x + d t``, ``tau = b t``."""
+    def double(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """Value, xi derivative and tau derivative at the points (x, t): three rows."""
 
-    def __init__(self, a: Any, b: Any, d: Any = 0) -> None:
-        self.a, self.b, self.d = a, b, d
-
-    def phase(self, p: Any, q: Any, r: Any) -> LinearPhase:
-        """``p xi + q tau + r`` in the caller's variables."""
-        return LinearPhase(p * self.a, p * self.d + q * self.b, r)
+    def pairs(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """``double`` in double-double: an array (3, 2, points) of high and low parts."""
 
 
 class Evaluator:
@@ -47,7 +45,8 @@ class Evaluator:
     def __init__(self, expression: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr]) -> None:
         self._program = compile_program(expression, tuple(parameters))
         exact = [long_number(value) for value in parameters.values()]
-        self._constants = [float(c) for c in self._program.constants(*exact)]
+        constants = [split(c) for c in self._program.constants(*exact)]
+        self._constants = np.array(constants, dtype=float).reshape(-1, 2)
         flat = list(self._program.coefficients(*exact))
         self._coefficients = [tuple(flat[i : i + 3]) for i in range(0, len(flat), 3)]
         self._moduli = [_elliptic_parameter(m) for m in self._program.moduli(*exact)]
@@ -56,34 +55,40 @@ class Evaluator:
         """The program's phases in the caller's variables."""
         return [variables.phase(*coefficients) for coefficients in self._coefficients]
 
-    def __call__(
-        self, phases: list[LinearPhase], x: ArrayLike, t: ArrayLike
-    ) -> tuple[Array, Array, Array]:
-        """Value, xi derivative and tau derivative at the broadcast points (x, t)."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        flat_x, flat_t = np.ravel(x), np.ravel(t)
-        out = np.empty((3, flat_x.size))
-        for start in range(0, flat_x.size, BLOCK):
-            block = slice(start, start + BLOCK)
-            for row, values in enumerate(self._block(phases, flat_x[block], flat_t[block])):
-                out[row, block] = values
-        shaped = out.reshape(3, *x.shape)
-        return shaped[0], shaped[1], shaped[2]
+    def double(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """Value, xi derivative and tau derivative at the points (x, t): three rows."""
+        pairs = [phase(x, t) for phase in phases]
+        rows = [high for high, _ in pairs]
+        for u, modulus, thetas in self._calls(pairs):
+            values = evaluate(modulus, *u)
+            theta = evaluate_thetas(modulus, *u).theta if thetas else values.dn
+            rows += [values.sn, values.cn, values.dn, values.zeta, theta]
+        out = np.empty((3, x.size))
+        inputs = np.array(rows).reshape(len(rows), x.size)
+        run_double(self._program.bytecode, np.ascontiguousarray(self._constants[:, 0]), inputs, out)
+        return out
 
-    def _block(self, phases: list[LinearPhase], x: Array, t: Array) -> tuple[Any, Any, Any]:
+    def pairs(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """``double`` in double-double: an array (3, 2, points) of high and low parts."""
+        pairs = [phase(x, t) for phase in phases]
+        rows = [np.array(pair) for pair in pairs]
+        for u, modulus, thetas in self._calls(pairs):
+            values = evaluate_pairs(modulus, *u)
+            theta = evaluate_theta_pairs(modulus, *u) if thetas else values.dn
+            rows += [values.sn, values.cn, values.dn, values.zeta, theta]
+        out = np.empty((3, 2, x.size))
+        inputs = np.array(rows).reshape(len(rows), 2, x.size)
+        run_pairs(self._program.bytecode, self._constants, inputs, out)
+        return out
+
+    def _calls(
+        self, pairs: list[tuple[Array, Array]]
+    ) -> list[tuple[tuple[Array, Array], EllipticParameter, bool]]:
+        """Argument, parameter and whether Theta is wanted, of each Jacobi call."""
         program = self._program
-        pairs = [phase(np.ascontiguousarray(x), np.ascontiguousarray(t)) for phase in phases]
         by_symbol = dict(zip((ph.symbol for ph in program.phases), pairs, strict=True))
-        jacobi: list[Array] = []
-        for call, modulus, thetas in zip(
-            program.calls, self._moduli, program.uses_theta, strict=True
-        ):
-            u, u_lo = by_symbol[call.phase]
-            values = evaluate(modulus, u, u_lo)
-            theta = evaluate_thetas(modulus, u, u_lo).theta if thetas else u
-            jacobi += [values.sn, values.cn, values.dn, values.zeta, theta]
-        with np.errstate(under="ignore"):
-            return program.run(*(high for high, _ in pairs), *jacobi, *self._constants)
+        arguments = [by_symbol[call.phase] for call in program.calls]
+        return list(zip(arguments, self._moduli, program.uses_theta, strict=True))
 
 
 def _elliptic_parameter(m: Any) -> EllipticParameter:

@@ -1,7 +1,7 @@
 """A closed form with numbers in, in the lattice's slow variables."""
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -10,14 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.normal_form import NormalForm
 from solutions.closed_form import ClosedForm
-from solutions.evaluator import Evaluator, Variables, long_number
+from solutions.evaluator import Evaluator, PointEvaluator
 from solutions.exact import exact_number
+from solutions.pair_machine import scale_rows
+from solutions.points import evaluate_points
+from solutions.precision import Precision, check_precision
 from solutions.reference_evaluation import evaluate_mp
+from solutions.variables import Variables, long_number
 
 __all__ = ["Side", "Wave", "WaveValues"]
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
+Part = Literal["wave", "background", "left", "right"]
 
 
 class WaveValues(NamedTuple):
@@ -32,7 +37,9 @@ class Wave:
     """``Y(X, T) = U(a X, b T)`` for a closed form U, a normal form (a, b, s, c) and parameters.
 
     Parameters are keyword arguments named as in ``form.parameters``; a float means its decimal
-    literal. Evaluation is in double precision, phases in double-double; ``mp`` is the reference.
+    literal. Phases are in double-double; the rest is in double where that keeps the errors of Y,
+    Y_X and Y_T below 1e-13 of max(1, |value|), else in double-double (``form.hard`` says where),
+    or as ``precision`` asks: "double" or "double-double". ``mp`` is the reference.
 
     Raises ValueError for bad parameters and if the normal form has the wrong sign s.
 
@@ -43,7 +50,14 @@ class Wave:
     2.714142842854
     """
 
-    def __init__(self, form: ClosedForm, normal_form: NormalForm, **parameters: object) -> None:
+    def __init__(
+        self,
+        form: ClosedForm,
+        normal_form: NormalForm,
+        *,
+        precision: object = None,
+        **parameters: object,
+    ) -> None:
         if int(normal_form.s) != form.equation.s:
             needed, got = (">", "<") if form.equation.s > 0 else ("<", ">")
             raise ValueError(
@@ -53,12 +67,21 @@ class Wave:
         self.form = form
         self.normal_form = normal_form
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
+        self._asked = None if precision is None else check_precision(precision)
         self._rates = {name: long_number(getattr(normal_form, name)) for name in ("a", "b", "c")}
         self._slow = Variables(self._rates["a"], self._rates["b"])
 
+    @cached_property
+    def precision(self) -> Precision:
+        """The arithmetic that the wave itself is evaluated in."""
+        if self._asked is not None:
+            return self._asked
+        hard = self.form.hard
+        return "double" if hard is None else hard.precision(self.parameters)
+
     def __call__(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
         """Y, Y_X, Y_T at the broadcast points (X, T)."""
-        return self._evaluate(self.form.stable, self._slow, X, T)
+        return self._evaluate("wave", self._slow, X, T)
 
     def at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
         """Y, Y_X, Y_T at site n (any real) and lattice time t.
@@ -66,23 +89,37 @@ class Wave:
         The phases are formed in double-double from (n, t, eps); ``X = eps (n - c t)`` and
         ``T = eps**3 t`` are never rounded.
         """
-        return self._evaluate(self.form.stable, self._lattice(eps), n, t)
+        return self._evaluate("wave", self._lattice(eps), n, t)
+
+    def pairs_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+        """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
+        check_finite(n, t)
+        return WaveValues(*self._pairs("wave", self._lattice(eps), n, t))
+
+    def phase_zeros(self, t: float, eps: float) -> list[float]:
+        """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
+
+        The crest of a localised wave is near one of them.
+        """
+        phases = self._evaluator("wave").phases(self._lattice(eps))
+        zeros = {phase.zero(t) for phase in phases}
+        return sorted(zero for zero in zeros if zero is not None)
 
     def background(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
         """The bare background wave of the same phase (or the constant) at (X, T)."""
-        return self._evaluate(self.form.background, self._slow, X, T)
+        return self._evaluate("background", self._slow, X, T)
 
     def background_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
         """``background`` at site n and lattice time t."""
-        return self._evaluate(self.form.background, self._lattice(eps), n, t)
+        return self._evaluate("background", self._lattice(eps), n, t)
 
     def far_field(self, X: ArrayLike, T: ArrayLike, side: Side) -> WaveValues:
         """What the wave tends to as X goes to -infinity ("left") or +infinity ("right")."""
-        return self._evaluate(self._far_expression(side), self._slow, X, T)
+        return self._evaluate(check_side(side), self._slow, X, T)
 
     def far_field_at(self, n: ArrayLike, t: ArrayLike, eps: float, side: Side) -> WaveValues:
         """``far_field`` at site n and lattice time t."""
-        return self._evaluate(self._far_expression(side), self._lattice(eps), n, t)
+        return self._evaluate(check_side(side), self._lattice(eps), n, t)
 
     def mp(self, X: object, T: object, digits: int = 50) -> tuple[Any, Any, Any]:
         """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression."""
@@ -103,11 +140,6 @@ class Wave:
             return None
         return float(sides.left.xreplace(self.parameters))
 
-    def _far_expression(self, side: Side) -> sp.Expr:
-        if side not in ("left", "right"):
-            raise ValueError(f"side must be 'left' or 'right', got {side!r}")
-        return getattr(self.form.far_fields, side)
-
     def _lattice(self, eps: float) -> Variables:
         exact = long_number(exact_number("eps", eps))
         if not exact > 0:
@@ -116,18 +148,50 @@ class Wave:
         return Variables(a * exact, b * exact**3, -a * c * exact)
 
     @cached_property
-    def _evaluators(self) -> dict[sp.Expr, Evaluator]:
+    def _evaluators(self) -> dict[Part, PointEvaluator]:
         return {}
 
-    def _evaluate(
-        self, expression: sp.Expr, variables: Variables, x: ArrayLike, t: ArrayLike
-    ) -> WaveValues:
-        for name, values in (("position", x), ("time", t)):
-            if not np.all(np.isfinite(values)):
-                raise ValueError(f"every {name} must be finite, got NaN or infinity")
-        if expression not in self._evaluators:
-            self._evaluators[expression] = Evaluator(expression, self.parameters)
-        evaluator = self._evaluators[expression]
-        U, U_xi, U_tau = evaluator(evaluator.phases(variables), x, t)
+    def _evaluator(self, part: Part) -> PointEvaluator:
+        if part not in self._evaluators:
+            self._evaluators[part] = self._make_evaluator(part)
+        return self._evaluators[part]
+
+    def _make_evaluator(self, part: Part) -> PointEvaluator:
+        if part == "background":
+            return Evaluator(self.form.background, self.parameters)
+        if part != "wave":
+            return Evaluator(getattr(self.form.far_fields, part), self.parameters)
+        if self.form.evaluator is not None:
+            return self.form.evaluator(self.parameters)
+        return Evaluator(self.form.stable, self.parameters)
+
+    def _evaluate(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> WaveValues:
+        check_finite(x, t)
+        if (self.precision if part == "wave" else self._asked) == "double-double":
+            return WaveValues(*self._pairs(part, variables, x, t)[:, 0])
+        evaluator = self._evaluator(part)
+        U, U_xi, U_tau = evaluate_points(
+            partial(evaluator.double, evaluator.phases(variables)), x, t
+        )
         with np.errstate(under="ignore"):
             return WaveValues(U, float(self._rates["a"]) * U_xi, float(self._rates["b"]) * U_tau)
+
+    def _pairs(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> Array:
+        """Value and derivatives, high and low parts: an array (3, 2, ...)."""
+        evaluator = self._evaluator(part)
+        rows = evaluate_points(partial(evaluator.pairs, evaluator.phases(variables)), x, t)
+        return scale_rows(rows, (1, self._rates["a"], self._rates["b"]))
+
+
+def check_finite(position: ArrayLike, time: ArrayLike) -> None:
+    """Raise ValueError for NaN or infinity."""
+    for name, values in (("position", position), ("time", time)):
+        if not np.all(np.isfinite(values)):
+            raise ValueError(f"every {name} must be finite, got NaN or infinity")
+
+
+def check_side(side: Side) -> Side:
+    """``side``, or a ValueError if it is none."""
+    if side not in ("left", "right"):
+        raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+    return side

@@ -1,4 +1,4 @@
-"""sn, cn, dn, epsilon and zeta in double-double, about 30 digits, on NumPy arrays.
+"""sn, cn, dn, epsilon, zeta and Theta in double-double, about 30 digits, on NumPy arrays.
 
 The algorithm of `solutions.special.kernels`, with pairs throughout: errors below 1e-31 of
 max(1, |value|), plus 5e-33 |u| from the period.  numba's disk cache sees changes of this file
@@ -104,7 +104,7 @@ def _quotient(
     return sine, upper, lower, multiply(s, sines(x, RISING, p)), cosine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _pair_loop(u: Array, u_lo: Array, circular: bool, p: PairConstants, out: Array) -> None:
     """Fill out[:, 0] and out[:, 1] with the high and low parts at the points u + u_lo."""
     for i in range(u.size):
@@ -123,6 +123,46 @@ def _pair_loop(u: Array, u_lo: Array, circular: bool, p: PairConstants, out: Arr
         out[2, 0, i], out[2, 1, i] = multiply(multiply(dn_scale, dn), inverse)
         out[3, 0, i], out[3, 1, i] = add(growth, z)
         out[4, 0, i], out[4, 1, i] = add(multiply(p.zeta_rate, r), z)
+
+
+@njit(error_model="numpy")
+def _theta(r: Pair, odd: bool, circular: bool, p: PairConstants) -> Pair:
+    """Return Theta at an even or odd number of quarter periods from r, without its weight."""
+    _, c, g, x, _ = _circular(r, p) if circular else _hyperbolic(r, p)
+    theta3, theta4 = thetas(x, p)
+    if circular:
+        return theta3 if odd else theta4
+    if odd:
+        return multiply(p.theta_scale, theta3)
+    return divide(multiply(p.eta_scale, multiply(c, cosines(x, p))), g)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _theta_loop(u: Array, u_lo: Array, circular: bool, p: PairConstants, out: Array) -> None:
+    """Fill the rows of `out` with the high and low part of Theta at the points u + u_lo."""
+    for i in range(u.size):
+        j, r = _reduce(two_sum(u[i], u_lo[i]), p)
+        odd = j - 2.0 * math.floor(0.5 * j) != 0.0
+        theta = _theta(r, odd, circular, p)
+        if not circular:
+            theta = multiply(theta, decay(multiply(p.gauss, multiply(r, r)))[0])
+        out[0, i], out[1, i] = theta
+
+
+def evaluate_theta_pairs(
+    parameter: EllipticParameter, u: ArrayLike, u_lo: ArrayLike = 0.0
+) -> Array:
+    """Return Theta at u + u_lo in double-double, an array (2, *broadcast shape).
+
+    Raises:
+        ValueError: at m = 1, where the nome is 1.
+    """
+    if parameter.m1[0] == 0:
+        raise ValueError("m1 must satisfy m1 > 0, got 0 (Theta has no limit as m -> 1)")
+    high, low, shape = flat_pair(u, u_lo)
+    out = np.empty((2, high.size))
+    _theta_loop(high, low, parameter.circular, pair_constants(parameter), out)
+    return out.reshape(2, *shape)
 
 
 def evaluate_pairs(

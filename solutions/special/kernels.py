@@ -161,7 +161,7 @@ def _quadrant(j: float) -> tuple[bool, float]:
     return odd, (1.0 if j - 4.0 * math.floor(0.25 * j) < 2.0 else -1.0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def elliptic_loop(u: Array, u_lo: Array, circular: bool, p: SeriesConstants, out: Array) -> None:
     """Fill the rows of `out` with sn, cn, dn, epsilon and zeta at the points u + u_lo."""
     for i in range(u.size):
@@ -180,7 +180,7 @@ def elliptic_loop(u: Array, u_lo: Array, circular: bool, p: SeriesConstants, out
         out[4, i] = p.zeta_rate * r + z
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def theta_loop(u: Array, u_lo: Array, circular: bool, p: SeriesConstants, out: Array) -> None:
     """Fill the rows of `out` with H and Theta at the points u + u_lo."""
     for i in range(u.size):

@@ -42,6 +42,9 @@ class PairConstants(NamedTuple):
     epsilon_quarter: Pair
     epsilon_rate: Pair
     zeta_rate: Pair
+    theta_scale: Pair
+    eta_scale: Pair
+    gauss: Pair
 
 
 def pair_constants(p: EllipticParameter) -> PairConstants:
@@ -54,7 +57,7 @@ def pair_constants(p: EllipticParameter) -> PairConstants:
         p.K if math.isfinite(p.K[0]) else (0.0, 0.0), p.rate,
         powers[1], powers[2], powers[4], powers[6], powers[9], powers[12], q**16, q**20, q**25,
         p.sn_scale, p.cn_scale, p.dn_scale, p.cn_scale_odd, p.dn_scale_odd,
-        p.E, p.epsilon_rate, p.zeta_rate,
+        p.E, p.epsilon_rate, p.zeta_rate, p.theta_scale, p.eta_scale, p.gauss,
     )  # fmt: skip
 
 
