@@ -1,0 +1,44 @@
+# Two commands matter: `make report` writes reports/build/longwave.pdf, `make test` runs the tests.
+PY := .venv/bin/python
+STAMP := .venv/.longwave-installed
+WORKERS ?= 2
+
+.PHONY: report test test-slow lint format clean help
+
+help:
+	@echo "make report     derive, check, run the scenes, typeset: reports/build/longwave.pdf"
+	@echo "make test       the default test suite (WORKERS=$(WORKERS) processes)"
+	@echo "make test-slow  the tests marked slow"
+	@echo "make lint       ruff check, ruff format --check, mypy"
+	@echo "make format     let ruff rewrite the files"
+	@echo "make clean      remove the report and the tools' caches; .venv stays"
+
+# Reinstalls only when the dependencies or the bootstrap change.
+$(STAMP): pyproject.toml tools/bootstrap.sh
+	@sh tools/bootstrap.sh $@
+
+report: $(STAMP)
+	@$(PY) -m reports
+
+test: $(STAMP)
+	@$(PY) -m pytest -q -n $(WORKERS) --dist loadfile
+
+test-slow: $(STAMP)
+	@$(PY) -m pytest -q -m slow -n $(WORKERS) --dist loadfile
+
+lint: $(STAMP)
+	@$(PY) -m ruff check .
+	@$(PY) -m ruff format --check .
+	@$(PY) -m mypy
+
+format: $(STAMP)
+	@$(PY) -m ruff check --fix .
+	@$(PY) -m ruff format .
+
+docs/rogue_wave.png: $(STAMP)
+	@mkdir -p docs
+	@$(PY) -m reports.figures $@
+
+clean:
+	rm -rf reports/build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

@@ -1,0 +1,116 @@
+"""`python -m reports`: run the shipped scenes and write the report as a PDF."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from reports.assemble import write_figures, write_source
+from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
+from reports.evidence import Evidence, report_scenes
+from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.runs import run_scenes
+from solutions import CATALOGUE
+from verify.check import check_all
+from verify.verdict import Verdict
+
+BUILD = Path(__file__).parent / "build"
+TABLES = 4
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Build the report; return 0, 1 if a check, a run or LaTeX failed, 2 for bad input."""
+    options = parse(argv)
+    console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
+    try:
+        tex, sound = build(options.output, options.workers, console)
+        ensure_engine(console.print)
+        pdf = compile_pdf(tex)
+    except ValueError as error:
+        errors.print(f"error: {error}", markup=False, soft_wrap=True)
+        return 2
+    except (EngineMissingError, CompileError) as error:
+        errors.print(f"error: {error}", markup=False, soft_wrap=True)
+        return 1
+    console.print(shown(pdf), soft_wrap=True)
+    return 0 if sound else 1
+
+
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m reports",
+        description="Derive, check, run the scenes, and write it all as a PDF.",
+    )
+    parser.add_argument(
+        "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build"
+    )
+    parser.add_argument(
+        "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes to use"
+    )
+    return parser.parse_args(argv)
+
+
+def build(folder: Path, workers: int, console: Console) -> tuple[Path, bool]:
+    """Write figures, tables and source below the folder.
+
+    Returns the source's path, and whether every form stands and every run came to its end.
+    """
+    scenes = report_scenes()
+    bar = Progress(
+        TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn(), console=console
+    )
+    with bar:
+        running = bar.add_task("running the lattice", total=1.0)
+        runs = run_scenes(scenes, workers, lambda share: bar.update(running, completed=share))
+        verdicts = checked(bar)
+        evidence = Evidence(runs, scenes)
+        drawing = bar.add_task("drawing", total=len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES))
+        for _ in write_figures(evidence, folder):
+            bar.advance(drawing)
+        tex = write_source(evidence, verdicts, folder, advance(bar, "writing", TABLES))
+    blown = [run.attrs["blow_up"] for run in runs.values() if run.attrs["blow_up"]]
+    return tex, not blown and all(verdict.passed for verdict in verdicts)
+
+
+def checked(bar: Progress) -> list[Verdict]:
+    """Check every closed form, advancing a bar."""
+    task = bar.add_task("checking the forms", total=len(CATALOGUE))
+    verdicts = []
+    for verdict in check_all():
+        verdicts.append(verdict)
+        bar.advance(task)
+    return verdicts
+
+
+def advance(bar: Progress, name: str, total: int) -> "Step":
+    """Return a function that advances a new bar of that name by one."""
+    return Step(bar, bar.add_task(name, total=total))
+
+
+class Step:
+    """Advances one bar by one each time it is called."""
+
+    def __init__(self, bar: Progress, task: TaskID) -> None:
+        self.bar = bar
+        self.task = task
+
+    def __call__(self) -> None:
+        """Advance."""
+        self.bar.advance(self.task)
+
+
+def shown(path: Path) -> str:
+    """Return the path relative to the working directory where it lies below it."""
+    with suppress(ValueError):
+        return str(path.resolve().relative_to(Path.cwd()))
+    return str(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+"""`python -m reports.figures FILE`: draw the README's figure, the third-order rational wave."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from reports.figures.paper import snapshots
+from reports.figures.snapshots import snapshot_figure
+from reports.figures.style import save, styled
+from verify.lattice import load_scene, run
+
+SCENE = "rational_3_eps_0.05"
+HALF_WIDTH = 120
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the scene and write its figure; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m reports.figures", description=__doc__)
+    parser.add_argument("file", type=Path, help="the picture to write: .png, .pdf or .svg")
+    path = parser.parse_args(argv).file
+    try:
+        with styled():
+            save(readme_figure(), path)
+    except (OSError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def readme_figure() -> Figure:
+    """Run the scene for its snapshots alone and draw them."""
+    scene = replace(load_scene(SCENE), observables=("strain",))
+    return snapshot_figure([list(snapshots(run(scene), scene, HALF_WIDTH))])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

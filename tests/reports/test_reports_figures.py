@@ -1,0 +1,59 @@
+"""Figures: the paper's colours, all panels drawn, vector output that is the same each time."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from reports.figures.errors import ErrorCurve, error_figure
+from reports.figures.snapshots import Snapshot, snapshot_figure
+from reports.figures.style import CURVES, save, styled
+
+SITES = np.arange(-20.0, 21.0)
+
+
+def snapshot(time: float, eps: float = 0.05) -> Snapshot:
+    wave = eps / (1 + SITES**2)
+    return Snapshot(time, eps, SITES, 0.9 * wave, wave)
+
+
+def test_numerical_is_solid_blue_and_analytical_dashed_red() -> None:
+    figure = snapshot_figure([[snapshot(0.0)]])
+    lattice, wave = figure.axes[0].lines
+    assert (lattice.get_color(), lattice.get_linestyle()) == ("blue", "-")
+    assert (wave.get_color(), wave.get_linestyle()) == ("red", "--")
+    assert np.array_equal(lattice.get_ydata(), snapshot(0.0).numerical)
+    assert np.array_equal(wave.get_ydata(), snapshot(0.0).analytical)
+
+
+def test_panels_are_lettered_row_by_row_and_share_the_strain_axis() -> None:
+    times = (-1.0, 0.0, 1.0)
+    rows = [[snapshot(t, eps) for t in times] for eps in (0.05, 0.075)]
+    axes = snapshot_figure(rows).axes
+    assert [ax.get_title(loc="left")[:3] for ax in axes] == [f"({c})" for c in "ABCDEF"]
+    assert len({ax.get_ylim() for ax in axes[:3]}) == 1
+    assert axes[0].get_ylim() != axes[3].get_ylim()
+
+
+def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
+    curves = [ErrorCurve(str(n), np.arange(5.0), np.arange(5.0) + n) for n in range(3)]
+    (ax,) = error_figure([("(A)", curves)]).axes
+    assert ax.get_ylim()[0] == 0
+    assert len({(line.get_linestyle(), line.get_marker()) for line in ax.lines}) == 3
+    assert len({look["color"] for look in CURVES}) == len(CURVES)
+
+
+def test_pdf_is_written_twice_the_same(tmp_path: Path) -> None:
+    with styled():
+        paths = [save(snapshot_figure([[snapshot(0.0)]]), tmp_path / f"{n}.pdf") for n in "ab"]
+    first, second = (path.read_bytes() for path in paths)
+    assert first.startswith(b"%PDF")
+    assert first == second
+
+
+def test_the_users_settings_come_back() -> None:
+    with mpl.rc_context({"font.size": 23.0}):
+        with styled():
+            assert mpl.rcParams["font.size"] < 12
+        assert mpl.rcParams["font.size"] == pytest.approx(23.0)

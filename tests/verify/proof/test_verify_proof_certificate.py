@@ -1,0 +1,101 @@
+"""Certificates are repeated by the checker, and one changed digit is rejected."""
+
+import copy
+import json
+import random
+import re
+from typing import Any
+
+import pytest
+
+from solutions import CATALOGUE, closed_form
+from verify.proof import CertificateError, check_certificate, prove
+from verify.proof.digest import digest
+from verify.sampling import sample_points
+
+
+def certificate(name: str) -> dict[str, Any]:
+    form = closed_form(name)
+    points = sample_points(form, 4, 0)
+    verdict = prove(form.equation, form.expression, name=name, points=points, certify=True)
+    return json.loads(json.dumps(verdict.certificate))
+
+
+@pytest.mark.parametrize("name", [form.name for form in CATALOGUE])
+def test_every_certificate_is_accepted(name: str) -> None:
+    check_certificate(certificate(name))
+
+
+def test_one_digit_changed_anywhere_is_rejected() -> None:
+    text = json.dumps(certificate("soliton_dn"))
+    draw = random.Random(3)
+    for match in draw.sample(list(re.finditer(r"[0-9]", text)), 60):
+        other = draw.choice([d for d in "0123456789" if d != match.group()])
+        changed = text[: match.start()] + other + text[match.end() :]
+        with pytest.raises(CertificateError):
+            check_certificate(json.loads(changed))
+
+
+PARTS = ("image", "generators", "equation", "expression", "coefficients", "factors")
+
+
+@pytest.mark.parametrize("name", ["soliton_dn", "wave_cn", "kink"])
+def test_one_digit_changed_is_rejected_even_with_a_matching_digest(name: str) -> None:
+    data, draw = certificate(name), random.Random(5)
+    for part in PARTS:
+        text = json.dumps(data[part])
+        digits = list(re.finditer(r"[0-9]", text))
+        for match in draw.sample(digits, min(len(digits), 12)):
+            other = draw.choice([d for d in "123456789" if d != match.group()])
+            forged = copy.deepcopy(data)
+            forged[part] = json.loads(text[: match.start()] + other + text[match.end() :])
+            if forged[part] == data[part] or _renames(forged, data):
+                continue
+            forged["digest"] = digest(forged)
+            with pytest.raises(CertificateError):
+                check_certificate(forged)
+
+
+def _renames(left: dict[str, Any], right: dict[str, Any]) -> bool:
+    """Whether only the names of generators differ, which prove nothing."""
+    nameless = [
+        {**data, "digest": "", "generators": [{**g, "name": ""} for g in data["generators"]]}
+        for data in (left, right)
+    ]
+    return nameless[0] == nameless[1]
+
+
+def test_a_certificate_of_a_wrong_formula_cannot_be_forged() -> None:
+    data = certificate("kink")
+    data["image"]["numerator"][0][0] = "2"
+    data["digest"] = digest(data)
+    with pytest.raises(CertificateError, match="image of the formula"):
+        check_certificate(data)
+
+
+def test_garbage_is_rejected_in_words() -> None:
+    with pytest.raises(CertificateError, match="cannot be read"):
+        check_certificate({"format": "longwave proof 1"})
+
+
+def test_a_relation_that_holds_at_the_point_only_is_rejected() -> None:
+    """With k = (its value) every formula of one point would be proved."""
+    data = certificate("wave_cn")
+    names = [generator["name"] for generator in data["generators"]]
+    place = names.index("k")
+    values = {data["nodes"][node][1]: value for node, value in data["point"]}
+    data["generators"][place]["relation"] = [[1, [[values["k"], [0] * len(names)]]]]
+    data["digest"] = digest(data)
+    with pytest.raises(CertificateError, match="relation"):
+        check_certificate(data)
+
+
+def test_a_relation_with_itself_is_rejected() -> None:
+    data = certificate("wave_cn")
+    names = [generator["name"] for generator in data["generators"]]
+    place = names.index("sn")
+    square = [2 * int(i == place) for i in range(len(names))]
+    data["generators"][place]["relation"] = [[2, [["1", square]]]]
+    data["digest"] = digest(data)
+    with pytest.raises(CertificateError, match="not triangular"):
+        check_certificate(data)

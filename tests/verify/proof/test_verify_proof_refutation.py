@@ -1,0 +1,75 @@
+"""Wrong formulas are refuted with a witness; those that still solve are proved; none is left."""
+
+from collections import Counter
+
+import pytest
+import sympy as sp
+
+from solutions import CATALOGUE, ClosedForm, closed_form
+from solutions.symbols import k
+from verify.mutation import mutants
+from verify.proof import prove
+from verify.sampling import sample_points
+from verify.verdict import Outcome
+
+
+def _count(form: ClosedForm) -> Counter[Outcome]:
+    points = sample_points(form, 4, 0)
+    modulus = k if form.expression.has(k) else None
+    changed = mutants(form.expression, modulus)
+    return Counter(prove(form.equation, m.expression, points=points).outcome for m in changed)
+
+
+@pytest.mark.parametrize("name", ["kink", "soliton_sech", "wave_cn", "rational_1", "soliton_dn"])
+def test_no_mutant_is_undecided(name: str) -> None:
+    found = _count(closed_form(name))
+    assert found[Outcome.UNDECIDED] == 0
+    assert found[Outcome.REFUTED] > 5 * found[Outcome.PROVED] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+def test_no_mutant_of_any_form_is_undecided(form: ClosedForm) -> None:
+    found = _count(form)
+    assert set(found) <= {Outcome.REFUTED, Outcome.PROVED}
+    assert found[Outcome.REFUTED] > 0
+
+
+def test_the_witness_is_a_point_with_a_residual() -> None:
+    form = closed_form("kink")
+    verdict = prove(form.equation, 2 * form.expression)
+    assert verdict.outcome is Outcome.REFUTED
+    assert verdict.witness is not None
+    point = {
+        symbol: sp.Rational(verdict.witness[str(symbol)]) for symbol in form.expression.free_symbols
+    }
+    residual = form.equation.residual(2 * form.expression).xreplace(point)
+    assert abs(sp.N(residual, 30)) > 1e-10
+
+
+def test_a_change_below_double_precision_is_refuted() -> None:
+    form = closed_form("wave_dn")
+    changed = form.expression * (1 + sp.Rational(1, 10**30))
+    verdict = prove(form.equation, changed, points=sample_points(form, 2, 0))
+    assert verdict.outcome is Outcome.REFUTED
+
+
+def test_a_change_below_the_first_precision_is_refuted_by_a_higher_one() -> None:
+    form = closed_form("wave_dn")
+    changed = form.expression * (1 + sp.Rational(1, 10**80))
+    verdict = prove(form.equation, changed, points=sample_points(form, 2, 0))
+    assert verdict.outcome is Outcome.REFUTED
+
+
+def test_what_cannot_be_decided_says_why() -> None:
+    x = sp.Symbol("x")
+    u = sp.Function("u")(x)
+    verdict = prove(u.diff(x, 2) - x * u, sp.airyai(x))
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "airyai" in verdict.detail
+
+
+def test_an_equation_needs_one_unknown() -> None:
+    x = sp.Symbol("x")
+    with pytest.raises(ValueError, match="one unknown function, got 2"):
+        prove(sp.Function("u")(x) + sp.Function("v")(x), x)

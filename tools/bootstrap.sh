@@ -1,0 +1,55 @@
+#!/bin/sh
+# Usage: sh tools/bootstrap.sh STAMP
+# Makes .venv, installs longwave with its development tools into it, touches STAMP.
+# PYTHON names the interpreter to use; LONGWAVE_NO_APT=1 keeps apt untouched.
+set -eu
+
+stamp=${1:?usage: sh tools/bootstrap.sh STAMP}
+venv=.venv
+
+fail() {
+    echo "bootstrap: $*" >&2
+    exit 1
+}
+
+find_python() {
+    for candidate in ${PYTHON:-} python3 python3.14 python3.13 python3.12 python3.11; do
+        if "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            echo "$candidate"
+            return 0
+        fi
+    done
+    return 1
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"; else sudo -n "$@"; fi
+}
+
+may_use_apt() {
+    [ -z "${LONGWAVE_NO_APT:-}" ] && command -v apt-get >/dev/null && as_root true 2>/dev/null
+}
+
+has_ensurepip() {
+    "$1" -c 'import ensurepip, venv' 2>/dev/null
+}
+
+need_ensurepip() {
+    has_ensurepip "$1" && return 0
+    echo "bootstrap: $1 lacks ensurepip, so it cannot make a virtual environment." >&2
+    may_use_apt || fail "install the package python3-venv (Debian, Ubuntu), then repeat the command"
+    echo "bootstrap: installing python3-venv with apt-get (LONGWAVE_NO_APT=1 forbids this)" >&2
+    as_root apt-get -qq update
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq install -y python3-venv >&2
+    has_ensurepip "$1" || fail "$1 still lacks ensurepip: name another interpreter with PYTHON=..."
+}
+
+python=$(find_python) || fail "Python 3.11 or newer is missing: install it, or name it with PYTHON=..."
+if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    need_ensurepip "$python"
+    echo "bootstrap: making $venv with $("$python" --version)"
+    "$python" -m venv --clear "$venv"
+fi
+echo "bootstrap: installing longwave and its development tools into $venv"
+"$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check -e '.[dev]'
+touch "$stamp"

@@ -1,0 +1,27 @@
+"""Exact proofs of closed forms by differential algebra.
+
+`prove` decides whether a formula solves an equation for all its parameters, `prove_equal` whether
+two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
+constants symbolic; `prove_rational` and `prove_bilinear` take the rational solutions of
+any order.  A proof's certificate is repeated by `check_certificate`.  A new function is
+one entry in `table.TABLE`.
+"""
+
+from .bilinear import prove_bilinear
+from .checker import check_certificate
+from .closed_forms import prove_form
+from .meanings import CertificateError
+from .proof import prove, prove_equal
+from .rational_orders import prove_rational
+from .verdict import ProofVerdict
+
+__all__ = [
+    "CertificateError",
+    "ProofVerdict",
+    "check_certificate",
+    "prove",
+    "prove_bilinear",
+    "prove_equal",
+    "prove_form",
+    "prove_rational",
+]

@@ -1,0 +1,143 @@
+"""SymPy expressions and residuals in ball arithmetic (python-flint's arb and acb)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import reduce
+from math import factorial
+from operator import add, mul
+
+import sympy as sp
+from flint import acb, arb, ctx, fmpq
+
+from solutions.special.function import JacobiFunction
+
+from . import ballfunctions as functions
+from .jet import Index, Jet, Shape, constant, variable
+from .kernels import HYPERBOLIC, TRIGONOMETRIC
+
+Point = Mapping[sp.Symbol, sp.Rational]
+
+ELEMENTARY = {
+    sp.exp: functions.exponential,
+    sp.log: functions.logarithm,
+    sp.atan: functions.arctangent,
+}
+
+
+class BallEvaluator:
+    """Jets of expressions at a rational point, at the working precision of python-flint."""
+
+    def __init__(self, shape: Shape, variables: Sequence[sp.Symbol], point: Point) -> None:
+        self._shape = shape
+        self._found: dict[sp.Expr, Jet] = {
+            symbol: constant(shape, exact(value)) for symbol, value in point.items()
+        }
+        for place, symbol in enumerate(variables):
+            self._found[symbol] = variable(shape, place, exact(point[symbol]))
+        self._elliptic: dict[sp.Expr, functions.Elliptic] = {}
+
+    def jet(self, expression: sp.Expr) -> Jet:
+        """The jet of ``expression``.
+
+        Raises ValueError for a symbol without value or a function that is not known.
+        """
+        if expression not in self._found:
+            self._found[expression] = self._jet(expression)
+        return self._found[expression]
+
+    def know(self, values: Mapping[sp.Symbol, acb]) -> None:
+        """Give constants that are no rational numbers their balls."""
+        self._found |= {symbol: constant(self._shape, ball) for symbol, ball in values.items()}
+
+    def _jet(self, node: sp.Expr) -> Jet:
+        if node.is_Rational:
+            return constant(self._shape, exact(node))
+        if node is sp.I:
+            return constant(self._shape, acb(0, 1))
+        if node is sp.pi:
+            return constant(self._shape, acb.pi())
+        if node.is_Add or node.is_Mul:
+            return reduce(add if node.is_Add else mul, map(self.jet, node.args))
+        if node.is_Pow and node.exp.is_Rational:
+            return self._power(self.jet(node.base), Fraction(int(node.exp.p), int(node.exp.q)))
+        if isinstance(node, sp.conjugate | sp.re | sp.im | sp.Abs):
+            return self._real_part(node)
+        if isinstance(node, JacobiFunction):
+            elliptic = self._parameter(node.args[1])
+            taylor = getattr(elliptic, node.func.__name__.removeprefix("jacobi_"))
+            return self.jet(node.args[0]).composed(taylor)
+        if isinstance(node, sp.elliptic_k | sp.elliptic_e):
+            m = self.jet(node.args[0]).value
+            is_first = isinstance(node, sp.elliptic_k)
+            return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
+        if isinstance(node, HYPERBOLIC + TRIGONOMETRIC):
+            return self.jet(node.rewrite(sp.exp))
+        if node.func in ELEMENTARY:
+            return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
+        raise ValueError(f"no ball arithmetic is known for {node.func.__name__}")
+
+    def _power(self, base: Jet, exponent: Fraction) -> Jet:
+        if exponent.denominator == 1 and exponent > 0:
+            return reduce(mul, [base] * exponent.numerator)
+        return base.composed(functions.power(exponent))
+
+    def _real_part(self, node: sp.Expr) -> Jet:
+        inner = self.jet(node.args[0])
+        other, half = inner.conjugate(), constant(self._shape, acb(0.5))
+        if isinstance(node, sp.conjugate):
+            return other
+        if isinstance(node, sp.Abs):
+            return self._power(inner * other, Fraction(1, 2))
+        if isinstance(node, sp.re):
+            return half * (inner + other)
+        minus = constant(self._shape, acb(-1))
+        return constant(self._shape, acb(0, -0.5)) * (inner + minus * other)
+
+    def _parameter(self, m: sp.Expr) -> functions.Elliptic:
+        if m not in self._elliptic:
+            self._elliptic[m] = functions.Elliptic(self.jet(m).value)
+        return self._elliptic[m]
+
+
+def exact(value: sp.Rational) -> acb:
+    """A rational number as a ball."""
+    return acb(arb(fmpq(int(value.p), int(value.q))))
+
+
+def ball_value(expression: sp.Expr, point: Point, bits: int) -> acb:
+    """A ball around the value of ``expression`` at ``point``."""
+    with ctx.workprec(bits):
+        return BallEvaluator(Shape([(0,)]), (), point).jet(expression).value
+
+
+def residual_ball(
+    equation: sp.Expr,
+    unknown: sp.Expr,
+    expression: sp.Expr,
+    point: Point,
+    bits: int,
+) -> acb:
+    """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
+    variables = unknown.args
+    derivatives = [d for d in equation.atoms(sp.Derivative) if d.expr == unknown]
+    tops: list[Index] = [_index(d, variables) for d in derivatives]
+    with ctx.workprec(bits):
+        shape = Shape([*tops, tuple(0 for _ in variables)])
+        jet = BallEvaluator(shape, variables, point).jet(expression)
+        coefficients = dict(zip(shape.indices, jet.coefficients, strict=True))
+        stands_for: dict[sp.Expr, sp.Symbol] = {unknown: sp.Dummy()}
+        values: dict[sp.Symbol, acb] = {stands_for[unknown]: jet.value}
+        for derivative, index in zip(derivatives, tops, strict=True):
+            symbol = stands_for[derivative] = sp.Dummy()
+            scale = reduce(mul, map(factorial, index))
+            values[symbol] = coefficients[index] * scale
+        flat = BallEvaluator(Shape([(0,)]), (), point)
+        flat.know(values)
+        return flat.jet(equation.xreplace(stands_for)).value
+
+
+def _index(derivative: sp.Derivative, variables: Sequence[sp.Symbol]) -> Index:
+    counts = {symbol: int(count) for symbol, count in derivative.variable_count}
+    return tuple(counts.get(symbol, 0) for symbol in variables)

@@ -1,0 +1,124 @@
+"""Formulas as elements of a differential field made for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from flint import acb, ctx, fmpq_mpoly
+
+from solutions.special import jacobi_epsilon, jacobi_sn, jacobi_zeta
+
+from .algebra import DifferentialField
+from .balls import BallEvaluator, Point
+from .dependence import Dependence
+from .fraction import Fraction
+from .jet import Shape
+from .linear import LinearForms, linear_forms
+from .table import TABLE
+from .translation import Translation
+
+BITS = 320
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """``elements[i]`` is the image of ``expressions[i]`` in ``field``."""
+
+    field: DifferentialField
+    expressions: tuple[sp.Expr, ...]
+    elements: tuple[Fraction, ...]
+
+
+def compile_expressions(
+    expressions: Sequence[sp.Expr],
+    coefficients: Sequence[sp.Expr],
+    variables: Sequence[sp.Symbol],
+    point: Point,
+) -> Compilation:
+    """The images of ``expressions`` in a field that also contains ``coefficients``.
+
+    Raises Unsupported for a function without an entry in the table of generators, and
+    ZeroDivisionError if a denominator vanishes identically.
+    """
+    dependence = Dependence(variables)
+    written = _with_one_integral(expressions, dependence)
+    forms = LinearForms(linear_forms(written, dependence), point)
+    try:
+        return _compile(written, coefficients, variables, forms, point)
+    except _InconsistentForms:
+        return _compile(written, coefficients, variables, None, point)
+
+
+def _with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
+    """Epsilon without shifts, by its addition theorem, and zeta(z) = epsilon(z) - z E/K.
+
+    Without epsilon, zeta stays.
+    """
+    if not any(expression.has(jacobi_epsilon) for expression in expressions):
+        return list(expressions)
+
+    def epsilon(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        shift, variable = dependence.summands(sp.expand(z))
+        total = jacobi_epsilon(variable, m) + jacobi_epsilon(shift, m)
+        return total - m * sp.Mul(*(jacobi_sn(u, m) for u in (variable, shift, z)))
+
+    def zeta(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
+
+    return [e.replace(jacobi_epsilon, epsilon).replace(jacobi_zeta, zeta) for e in expressions]
+
+
+class _InconsistentForms(Exception):
+    """Linear forms that look dependent at the point are not."""
+
+
+def _compile(
+    expressions: Sequence[sp.Expr],
+    coefficients: Sequence[sp.Expr],
+    variables: Sequence[sp.Symbol],
+    forms: LinearForms | None,
+    point: Point,
+) -> Compilation:
+    translation = Translation([*expressions, *coefficients], variables, TABLE, forms)
+    images = [translation.image(expression) for expression in expressions]
+    for coefficient in coefficients:
+        translation.image(coefficient)
+    obligations = [translation.image(o) for o in forms.obligations] if forms else []
+    field = DifferentialField(translation, point)
+    if not all(field.fraction(obligation).is_zero for obligation in obligations):
+        raise _InconsistentForms
+    return Compilation(field, tuple(expressions), tuple(field.fraction(image) for image in images))
+
+
+def generator_balls(field: DifferentialField, point: Point) -> list[acb]:
+    """The values of the generators at a point; the precision is python-flint's."""
+    evaluator = BallEvaluator(Shape([(0,)]), (), point)
+    return [evaluator.jet(generator.meaning).value for generator in field.generators]
+
+
+def polynomial_ball(polynomial: fmpq_mpoly, values: Sequence[acb]) -> acb:
+    """``polynomial`` at ``values``, given in the order of the field's generators."""
+    total = acb(0)
+    for exponents, coefficient in polynomial.terms():
+        term = acb(coefficient)
+        for value, exponent in zip(reversed(values), exponents, strict=True):
+            if exponent:
+                term *= value ** int(exponent)
+        total += term
+    return total
+
+
+def regular_point(field: DifferentialField, points: Sequence[Point]) -> Point | None:
+    """A point where no denominator of the field vanishes, as balls show; None if none is found."""
+    with ctx.workprec(BITS):
+        for point in points:
+            try:
+                values = generator_balls(field, point)
+            except ValueError:
+                continue
+            balls = [polynomial_ball(factor, values) for factor in field.ring.factors]
+            if all(ball.is_finite() and not ball.contains(0) for ball in balls):
+                return point
+    return None

@@ -1,0 +1,32 @@
+"""The prover's verdict: a `verify.verdict.Verdict` with assumptions and a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from verify.verdict import Verdict
+
+METHOD = "differential algebra"
+
+
+@dataclass(frozen=True)
+class ProofVerdict(Verdict):
+    """``assumptions`` in words; ``certificate`` for `checker.check_certificate`, if asked for."""
+
+    assumptions: tuple[str, ...] = ()
+    certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
+
+    def timed(self, seconds: float) -> ProofVerdict:
+        """The same verdict with the time it took."""
+        return replace(self, seconds=seconds)
+
+    def json(self) -> dict[str, Any]:
+        """The record as plain data, without the certificate (a file of its own)."""
+        record = replace(self, certificate=None).__dict__.copy()
+        record.pop("certificate")
+        record["outcome"] = self.outcome.value
+        record["assumptions"] = list(self.assumptions)
+        record["witness"] = None if self.witness is None else dict(self.witness)
+        return record
