@@ -33,6 +33,15 @@ class LinearPhase:
     def __init__(self, p: Any, q: Any, r: Any) -> None:
         self._coefficients = (split(p), split(q), split(r))
 
+    def zero(self, t: float) -> float | None:
+        """The x at which the phase vanishes at time t, None if it does not depend on x.
+
+        >>> LinearPhase(2, -6, 3).zero(1.0)
+        1.5
+        """
+        (p, _), (q, _), (r, _) = self._coefficients
+        return None if p == 0 else -(q * t + r) / p
+
     def __call__(self, x: Array, t: Array) -> tuple[Array, Array]:
         """High and low part at the points (x, t), two flat arrays of one size."""
         high, low = np.empty_like(x), np.empty_like(x)

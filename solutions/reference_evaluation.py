@@ -41,20 +41,36 @@ def evaluate_mp(
 ) -> tuple[Any, Any, Any]:
     """Y, Y_X, Y_T at the exact X, T, to ``digits`` digits; derivatives by differences in mpmath.
 
-    The differences are taken at a precision that leaves ``digits`` of them; they know nothing of
-    the derivative rules, which makes them a check of these.
+    The differences know nothing of the derivative rules, which makes them a check of these. The
+    working precision is doubled until two results agree: the printed forms cancel near the ends
+    of their parameters' domains.
     """
     context, function = mp_function(form.expression, tuple(parameters))
-    with context.workdps(digits + GUARD_DIGITS):
-        values = [_convert(context, exact) for exact in parameters.values()]
-        a, b = _convert(context, normal_form.a), _convert(context, normal_form.b)
-        x, t = (a * _point(context, "X", X), b * _point(context, "T", T))
-        value = function(x, t, *values)
-        slope = context.diff(lambda s: function(s, t, *values), x)
-        rate = context.diff(lambda s: function(x, s, *values), t)
-        result = value, a * slope, b * rate
-    with context.workdps(digits):
-        return +result[0], +result[1], +result[2]
+    guard, before = GUARD_DIGITS, None
+    while True:
+        with context.workdps(digits + guard):
+            point = [_convert(context, exact) for exact in parameters.values()]
+            a, b = _convert(context, normal_form.a), _convert(context, normal_form.b)
+            x, t = a * _point(context, "X", X), b * _point(context, "T", T)
+            values = _with_differences(context, function, x, t, point)
+        with context.workdps(digits):
+            found = tuple(f * value for f, value in zip((1, a, b), values, strict=True))
+            if before is not None and _agree(context, found, before, digits):
+                return found[0], found[1], found[2]
+        guard, before = 2 * guard, found
+
+
+def _with_differences(
+    context: Any, function: Callable[..., Any], x: Any, t: Any, point: list[Any]
+) -> tuple[Any, Any, Any]:
+    value = function(x, t, *point)
+    slope = context.diff(lambda s: function(s, t, *point), x)
+    return value, slope, context.diff(lambda s: function(x, s, *point), t)
+
+
+def _agree(context: Any, one: tuple[Any, ...], other: tuple[Any, ...], digits: int) -> bool:
+    bound = context.mpf(10) ** (2 - digits)
+    return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(one, other, strict=True))
 
 
 def _point(context: Any, name: str, value: object) -> Any:

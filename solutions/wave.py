@@ -96,6 +96,15 @@ class Wave:
         check_finite(n, t)
         return WaveValues(*self._pairs("wave", self._lattice(eps), n, t))
 
+    def phase_zeros(self, t: float, eps: float) -> list[float]:
+        """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
+
+        The crest of a localised wave is near one of them.
+        """
+        phases = self._evaluator("wave").phases(self._lattice(eps))
+        zeros = {phase.zero(t) for phase in phases}
+        return sorted(zero for zero in zeros if zero is not None)
+
     def background(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
         """The bare background wave of the same phase (or the constant) at (X, T)."""
         return self._evaluate("background", self._slow, X, T)

@@ -46,7 +46,17 @@ def run_command(argv: list[str]) -> int:
     return run_scene(argv)
 
 
-COMMANDS: dict[str, Callable[[list[str]], int]] = {"run": run_command}
+def accuracy_command(argv: list[str]) -> int:
+    """Print the worst evaluation errors per wave; numba is imported here and not for the table."""
+    from verify.study.evaluation_cli import accuracy_command as measure
+
+    return measure(argv)
+
+
+COMMANDS: dict[str, Callable[[list[str]], int]] = {
+    "accuracy": accuracy_command,
+    "run": run_command,
+}
 
 
 def table_command(argv: list[str]) -> int:
@@ -74,7 +84,8 @@ def _parser() -> OneLineParser:
     parser = OneLineParser(
         prog="python -m verify",
         description="Check the closed forms against their equations.",
-        epilog="subcommand: run SCENE.toml integrates a scene on the lattice (run --help)",
+        epilog="subcommands: run SCENE.toml integrates a scene on the lattice (run --help); "
+        "accuracy measures the evaluation of every wave (accuracy --help)",
     )
     parser.add_argument(
         "--digits",

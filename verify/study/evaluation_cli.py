@@ -1,0 +1,65 @@
+"""``python -m verify accuracy``: worst evaluation errors per wave and derivative, as a table.
+
+Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
+"""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+from rich.console import Console
+from rich.table import Table
+
+from verify.study.evaluation import TOLERANCE, Accuracy, measure, worst_of
+from verify.study.evaluation_cases import all_cases, wave_names
+
+__all__ = ["accuracy_command"]
+
+PIPE_WIDTH = 120
+
+
+def accuracy_command(argv: list[str]) -> int:
+    """Measure, print, and say by the exit status whether every error is within the bound."""
+    parser = argparse.ArgumentParser(
+        prog="python -m verify accuracy",
+        description="Measure the evaluation of every wave against mpmath at 60 digits.",
+    )
+    parser.add_argument("--only", action="append", metavar="NAME", help="this wave; repeatable")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default all)")
+    parser.add_argument("--json", action="store_true", help="print the table as JSON")
+    options = parser.parse_args(argv)
+    unknown = sorted(set(options.only or ()) - set(wave_names()))
+    if unknown or options.jobs < 1:
+        problem = f"unknown wave {unknown[0]}" if unknown else "--jobs must be at least 1"
+        print(f"{parser.prog}: {problem} (waves: {', '.join(wave_names())})", file=sys.stderr)
+        return 2
+    results = list(_measured(options.only or wave_names(), options.jobs))
+    if options.json:
+        print(json.dumps([result.json() for result in results], indent=2))
+    else:
+        _print(results)
+    return 0 if all(result.passed for result in results) else 1
+
+
+def _measured(names: Sequence[str], jobs: int) -> Iterator[Accuracy]:
+    """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        pending = [(name, [pool.submit(measure, case) for case in all_cases(name)]) for name in names]
+        for name, cases in pending:
+            print(f"measuring {name}", file=sys.stderr)
+            yield worst_of(case.result() for case in cases)
+
+
+def _print(results: Sequence[Accuracy]) -> None:
+    table = Table(title=f"worst errors / max(1, |value|); promised: {TOLERANCE:.0e}")
+    for heading in ("wave", "arithmetic", "points", "Y", "Y_X", "Y_T", "worst at"):
+        table.add_column(heading, justify="left" if heading in ("wave", "worst at") else "right")
+    for result in results:
+        errors = [f"{error:.1e}" for error in result.errors]
+        arithmetic = ", ".join(result.precisions)
+        table.add_row(result.name, arithmetic, str(result.points), *errors, result.worst)
+    Console(width=None if sys.stdout.isatty() else PIPE_WIDTH).print(table)
