@@ -33,7 +33,7 @@ class HardRange:
         return "double-double" if self.condition.subs(numbers) == sp.true else "double"
 
 
-def check_precision(precision: str) -> Precision:
+def check_precision(precision: object) -> Precision:
     """``precision`` if it is one; a ValueError names both if it is not."""
     for known in PRECISIONS:
         if precision == known:

@@ -13,7 +13,8 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.bytecode import Assembler, Bytecode
+from solutions.assembler import Assembler
+from solutions.bytecode import Bytecode
 from solutions.lowering import Lowering
 from solutions.phase import JacobiCall, Phase
 from solutions.special.mp import mp_module

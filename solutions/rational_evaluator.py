@@ -9,9 +9,9 @@ from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from solutions.linear_phase import LinearPhase
-from solutions.rational import RationalTau
 from solutions.rational_kernel import rational_loop
 from solutions.special.doubledouble import split
+from solutions.tau_polynomials import RationalTau
 from solutions.variables import Variables
 
 __all__ = ["RationalEvaluator"]

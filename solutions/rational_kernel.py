@@ -116,46 +116,47 @@ def _dot(A: Pair, a: Pair, B: Pair, b: Pair) -> Pair:
 
 
 @njit(error_model="numpy")
-def _lane(rows: Array, i: int) -> tuple[Pair, Pair, Pair, Pair, Pair]:
-    """The polynomial and its derivatives at lane i."""
-    j = i + BLOCK
-    return (
-        (rows[_VALUE, i], rows[_VALUE, j]),
-        (rows[_X, i], rows[_X, j]),
-        (rows[_XX, i], rows[_XX, j]),
-        (rows[_T, i], rows[_T, j]),
-        (rows[_XT, i], rows[_XT, j]),
-    )
+def _lane(rows: Array, row: int, i: int) -> Pair:
+    """One lane of a flat workspace."""
+    return rows[2 * BLOCK * row + i], rows[2 * BLOCK * row + BLOCK + i]
 
 
 @njit(error_model="numpy")
-def _angle_rates(A: Array, B: Array, i: int) -> tuple[Pair, Pair, Pair]:
-    """The x, xx and xt derivatives of the angle of A + i B at lane i."""
-    a, a_x, a_xx, a_t, a_xt = _lane(A, i)
-    b, b_x, b_xx, b_t, b_xt = _lane(B, i)
-    inverse = divide((1.0, 0.0), _dot(a, a, b, b))
-    w_x = multiply(_cross(a, b_x, a_x, b), inverse)
-    growth_x, growth_t = _dot(a, a_x, b, b_x), _dot(a, a_t, b, b_t)
-    w_xx = subtract(_cross(a, b_xx, a_xx, b), multiply(w_x, growth_x))
-    mixed = add(_cross(a, b_xt, a_xt, b), _cross(a_t, b_x, a_x, b_t))
-    w_xt = subtract(mixed, scale(multiply(w_x, growth_t), 2.0))
-    return w_x, scale(multiply(w_xx, inverse), 2.0), multiply(w_xt, inverse)
+def _wave(A: Array, B: Array, weights: Array, sign: float, out: Array) -> None:
+    """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates."""
+    for i in range(BLOCK):
+        a, a_x, a_xx = _lane(A, _VALUE, i), _lane(A, _X, i), _lane(A, _XX, i)
+        b, b_x, b_xx = _lane(B, _VALUE, i), _lane(B, _X, i), _lane(B, _XX, i)
+        a_t, a_xt, b_t, b_xt = _lane(A, _T, i), _lane(A, _XT, i), _lane(B, _T, i), _lane(B, _XT, i)
+        inverse = divide((1.0, 0.0), _dot(a, a, b, b))
+        w_x = multiply(_cross(a, b_x, a_x, b), inverse)
+        w_xx = subtract(_cross(a, b_xx, a_xx, b), multiply(w_x, _dot(a, a_x, b, b_x)))
+        mixed = add(_cross(a, b_xt, a_xt, b), _cross(a_t, b_x, a_x, b_t))
+        w_xt = subtract(mixed, scale(multiply(w_x, _dot(a, a_t, b, b_t)), 2.0))
+        down, inverse = weights[i], scale(inverse, sign * weights[i])
+        w_xx, w_xt = scale(multiply(w_xx, inverse), 2.0 * down), multiply(w_xt, inverse)
+        value = subtract((sign, 0.0), scale(w_x, 2.0 * sign * down))
+        rate = subtract(scale(w_xx, 12.0), scale(w_xt, 2.0))
+        out[i], out[BLOCK + i] = value
+        out[2 * BLOCK + i], out[3 * BLOCK + i] = -2.0 * w_xx[0], -2.0 * w_xx[1]
+        out[4 * BLOCK + i], out[5 * BLOCK + i] = rate
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def rational_loop(
     A: Array, B: Array, parities: tuple[int, int], sign: float, x: Array, t: Array, out: Array
 ) -> None:
-    """Fill ``out`` (3, 2, points) with U, U_xi and U_tau from the pairs ``x`` and ``t`` (2, points).
+    """Fill ``out`` (3, 2, points) with U, U_xi, U_tau from the pairs ``x`` and ``t`` (2, points).
 
     ``A`` and ``B`` hold the coefficients (degree + 1, degree // 3 + 1, 2); ``sign`` is the
     background; ``x`` is ``xi - 6 tau``.
     """
     degree, points = A.shape[0] - 1, x.shape[1]
     weights = np.empty((degree + 1, BLOCK))
-    place, time = np.empty((2, 2 * BLOCK))
-    values, slopes = np.empty((2, degree + 1, 2 * BLOCK))
-    rows_A, rows_B = np.empty((2, 5, 2 * BLOCK))
+    place, time = np.empty(2 * BLOCK), np.empty(2 * BLOCK)
+    values, slopes = np.empty((degree + 1, 2 * BLOCK)), np.empty((degree + 1, 2 * BLOCK))
+    rows_A, rows_B = np.empty((5, 2 * BLOCK)), np.empty((5, 2 * BLOCK))
+    found = np.empty((3, 2, BLOCK))
     for start in range(0, points, BLOCK):
         for i in range(BLOCK):
             source = min(start + i, points - 1)
@@ -166,12 +167,6 @@ def rational_loop(
         _polynomial(values, slopes, place, weights, rows_A)
         _rows(B, parities[1], time, values, slopes)
         _polynomial(values, slopes, place, weights, rows_B)
-        for i in range(min(BLOCK, points - start)):
-            w_x, w_xx, w_xt = _angle_rates(rows_A, rows_B, i)
-            down = weights[1, i]
-            value = subtract((1.0, 0.0), scale(w_x, 2.0 * down))
-            w_xx, w_xt = scale(w_xx, down**2), scale(w_xt, down)
-            rate = subtract(scale(w_xx, 12.0), scale(w_xt, 2.0))
-            out[0, 0, start + i], out[0, 1, start + i] = scale(value, sign)
-            out[1, 0, start + i], out[1, 1, start + i] = scale(w_xx, -2.0 * sign)
-            out[2, 0, start + i], out[2, 1, start + i] = scale(rate, sign)
+        _wave(rows_A.reshape(-1), rows_B.reshape(-1), weights[1], sign, found.reshape(-1))
+        count = min(BLOCK, points - start)
+        out[:, :, start : start + count] = found[:, :, :count]

@@ -55,7 +55,7 @@ class Wave:
         form: ClosedForm,
         normal_form: NormalForm,
         *,
-        precision: str | None = None,
+        precision: object = None,
         **parameters: object,
     ) -> None:
         if int(normal_form.s) != form.equation.s:
@@ -190,8 +190,8 @@ def check_finite(position: ArrayLike, time: ArrayLike) -> None:
             raise ValueError(f"every {name} must be finite, got NaN or infinity")
 
 
-def check_side(side: str) -> Side:
+def check_side(side: Side) -> Side:
     """``side``, or a ValueError if it is none."""
-    if side == "left" or side == "right":
-        return side
-    raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+    if side not in ("left", "right"):
+        raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+    return side

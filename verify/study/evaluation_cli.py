@@ -48,7 +48,9 @@ def accuracy_command(argv: list[str]) -> int:
 def _measured(names: Sequence[str], jobs: int) -> Iterator[Accuracy]:
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        pending = [(name, [pool.submit(measure, case) for case in all_cases(name)]) for name in names]
+        pending = [
+            (name, [pool.submit(measure, case) for case in all_cases(name)]) for name in names
+        ]
         for name, cases in pending:
             print(f"measuring {name}", file=sys.stderr)
             yield worst_of(case.result() for case in cases)

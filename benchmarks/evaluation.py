@@ -1,0 +1,68 @@
+"""Time of Y, Y_X and Y_T at 1e5 points for every wave, beside mpmath.
+
+Run: ``python benchmarks/evaluation.py`` (about a minute). Times are the least of several runs.
+"""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import sympy as sp
+
+from verify.study.evaluation_cases import Case, wave_names
+
+POINTS = 100_000
+REPEATS = 7
+REFERENCE_POINTS = 3
+DIGITS = 15
+HARD_MODULI = {"rogue_cn": 1 - sp.Rational(1, 10**6), "soliton_dn": 1 - sp.Rational(1, 10**6)}
+
+
+def cases() -> list[Case]:
+    """One ordinary case a wave, then the cases that need double-double."""
+    half = sp.Rational(1, 2)
+    values = {"k": sp.Rational(7, 10), "alpha": half, "A": sp.S.One, "X_0": sp.S.Zero}
+    found = []
+    for name in wave_names():
+        names = [parameter.name for parameter in Case(name).form.parameters]
+        found.append(Case(name, tuple((key, values[key]) for key in names)))
+    return found + [Case(name, (("k", k),)) for name, k in HARD_MODULI.items()]
+
+
+def least_seconds(function: Callable[[], object], repeats: int) -> float:
+    """The least time of several calls."""
+    best = float("inf")
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def row(case: Case) -> str:
+    """One line: milliseconds for all points, in both arithmetics, and the ratio to mpmath."""
+    wave = case.wave()
+    X, T = np.linspace(-50.0, 50.0, POINTS), 0.3
+    wave(X, T), wave.pairs_at(X, T, 1.0)
+    seconds = least_seconds(lambda: wave(X, T), REPEATS)
+    pairs = least_seconds(lambda: wave.pairs_at(X, T, 1.0), 3)
+    wave.mp(0.1, T, DIGITS)
+    places = [0.3 + i for i in range(REFERENCE_POINTS)]
+    slow = least_seconds(lambda: [wave.mp(x, T, DIGITS) for x in places], 1) / REFERENCE_POINTS
+    times = f"{1e3 * seconds:9.1f} {1e3 * pairs:15.1f} {slow * POINTS:11.0f}"
+    return (
+        f"{case.name:13} {case!s:18.18} {wave.precision:14}{times} {slow * POINTS / seconds:10.0f}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    print(f"Y, Y_X, Y_T at {POINTS} points; mpmath at {DIGITS} digits, from {REFERENCE_POINTS}")
+    heading = f"{'ms':>9} {'double-double':>15} {'mpmath s':>11} {'ratio':>10}"
+    print(f"{'wave':13} {'parameters':18} {'arithmetic':14}{heading}")
+    for case in cases():
+        print(row(case), flush=True)
+
+
+if __name__ == "__main__":
+    main()

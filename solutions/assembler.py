@@ -1,0 +1,168 @@
+"""From SymPy statements to bytecode.
+
+``Assembler`` makes instructions on numbered values, equal ones shared and everything constant
+folded into a pool; it drops what no output needs and assigns registers, of which few are live at
+a time.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import sympy as sp
+
+from solutions.bytecode import WITH_CONSTANT, Bytecode, Operation
+from solutions.registers import allocate
+
+__all__ = ["Assembler"]
+
+_FUNCTIONS = {
+    sp.log: Operation.LOGARITHM,
+    sp.exp: Operation.EXPONENTIAL,
+    sp.tanh: Operation.TANH,
+    sp.sech: Operation.SECH,
+}
+
+
+class Assembler:
+    """Instructions on numbered values; the inputs are the first values.
+
+    >>> x, c = sp.symbols("x c")
+    >>> assembler = Assembler([x])
+    >>> result = assembler.value(c * x + 2 * c)
+    >>> assembler.assemble([result]).pool
+    (c, 2*c)
+    """
+
+    def __init__(self, inputs: Sequence[sp.Symbol]) -> None:
+        self._inputs = len(inputs)
+        self._values: dict[sp.Expr, int] = {symbol: i for i, symbol in enumerate(inputs)}
+        self._instructions: list[tuple[Operation, int, int]] = []
+        self._numbered: dict[tuple[Operation, int, int], int] = {}
+        self._pool: dict[sp.Expr, int] = {}
+        self._fixed: dict[sp.Expr, sp.Expr] = {}
+
+    def define(self, symbol: sp.Symbol, expression: sp.Expr) -> None:
+        """Let ``symbol`` stand for ``expression`` in what follows."""
+        expression = expression.xreplace(self._fixed)
+        if self._is_constant(expression):
+            self._fixed[symbol] = expression
+        else:
+            self._values[symbol] = self._value(expression)
+
+    def value(self, expression: sp.Expr) -> int:
+        """The number of the value that holds ``expression``."""
+        return self._value(expression.xreplace(self._fixed))
+
+    def _value(self, expression: sp.Expr) -> int:
+        if expression not in self._values:
+            self._values[expression] = self._compile(expression)
+        return self._values[expression]
+
+    def assemble(self, outputs: Sequence[int]) -> Bytecode:
+        """The code for these values."""
+        operands = [_operands(*instruction) for instruction in self._instructions]
+        kept, place, registers = allocate(self._inputs, operands, outputs)
+        rows = []
+        for index in kept:
+            operation, a, b = self._instructions[index]
+            second = b if operation in WITH_CONSTANT else place[b]
+            first = 0 if operation is Operation.CONSTANT else place[a]
+            rows.append((operation, place[self._inputs + index], first, second))
+        code = np.array(rows, dtype=np.int64).reshape(-1, 4)
+        found = tuple(place[value] for value in outputs)
+        return Bytecode(code, registers, self._inputs, found, tuple(self._pool))
+
+    def _compile(self, expression: sp.Expr) -> int:
+        if self._is_constant(expression):
+            return self._emit(Operation.CONSTANT, 0, self._constant(expression))
+        if expression.is_Add:
+            return self._sum(expression)
+        if expression.is_Mul:
+            return self._product(expression)
+        if expression.is_Pow:
+            return self._power(expression.base, expression.exp)
+        if expression.func in _FUNCTIONS:
+            return self._unary(_FUNCTIONS[expression.func], self._value(expression.args[0]))
+        raise ValueError(f"no instruction for {expression.func.__name__}")
+
+    def _sum(self, expression: sp.Expr) -> int:
+        constant, terms = self._split(expression)
+        total, negative = self._signed(terms[0])
+        for term in terms[1:]:
+            other, other_negative = self._signed(term)
+            if negative == other_negative:
+                total = self._emit(Operation.ADD, *sorted((total, other)))
+            else:
+                first, second = (other, total) if negative else (total, other)
+                total, negative = self._emit(Operation.SUBTRACT, first, second), False
+        if constant == 0:
+            return self._negated(total) if negative else total
+        operation = Operation.FROM_CONSTANT if negative else Operation.ADD_CONSTANT
+        return self._emit(operation, total, self._constant(constant))
+
+    def _signed(self, term: sp.Expr) -> tuple[int, bool]:
+        negative = bool(term.as_coeff_Mul()[0].is_negative)
+        return self._value(-term if negative else term), negative
+
+    def _product(self, expression: sp.Expr) -> int:
+        constant, factors = self._split(expression)
+        numbers = sorted(self._value(factor) for factor in factors)
+        total = numbers[0]
+        for number in numbers[1:]:
+            total = self._emit(Operation.MULTIPLY, *sorted((total, number)))
+        if constant == 1:
+            return total
+        return self._emit(Operation.MULTIPLY_CONSTANT, total, self._constant(constant))
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
+        if not (2 * exponent).is_Integer:
+            raise ValueError(f"exponents must be multiples of 1/2, got {exponent}")
+        if exponent < 0:
+            return self._unary(Operation.RECIPROCAL, self._value(base**-exponent))
+        if not exponent.is_Integer:
+            root = self._unary(Operation.SQUARE_ROOT, self._value(base))
+            return self._integer_power(root, int(2 * exponent))
+        return self._integer_power(self._value(base), int(exponent))
+
+    def _integer_power(self, base: int, exponent: int) -> int:
+        if exponent == 1:
+            return base
+        half = self._integer_power(base, exponent // 2)
+        square = self._emit(Operation.MULTIPLY, half, half)
+        if exponent % 2 == 0:
+            return square
+        return self._emit(Operation.MULTIPLY, *sorted((base, square)))
+
+    def _split(self, expression: sp.Expr) -> tuple[sp.Expr, list[sp.Expr]]:
+        """The constant part of a sum or product, and the other arguments."""
+        fixed = [part for part in expression.args if self._is_constant(part)]
+        varying = [part for part in expression.args if not self._is_constant(part)]
+        return expression.func(*fixed), varying
+
+    def _is_constant(self, expression: sp.Expr) -> bool:
+        return not any(symbol in self._values for symbol in expression.free_symbols)
+
+    def _constant(self, expression: sp.Expr) -> int:
+        return self._pool.setdefault(expression, len(self._pool))
+
+    def _negated(self, value: int) -> int:
+        return self._emit(Operation.MULTIPLY_CONSTANT, value, self._constant(sp.S.NegativeOne))
+
+    def _unary(self, operation: Operation, value: int) -> int:
+        return self._emit(operation, value, value)
+
+    def _emit(self, operation: Operation, first: int, second: int) -> int:
+        key = (operation, first, second)
+        if key not in self._numbered:
+            self._numbered[key] = self._inputs + len(self._instructions)
+            self._instructions.append(key)
+        return self._numbered[key]
+
+
+def _operands(operation: Operation, first: int, second: int) -> tuple[int, ...]:
+    """The values that an instruction reads."""
+    if operation is Operation.CONSTANT:
+        return ()
+    if operation in WITH_CONSTANT or first == second:
+        return (first,)
+    return first, second
