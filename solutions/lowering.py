@@ -69,7 +69,7 @@ class Lowering:
             call = self._call(*expression.args)
             return call.symbol_of(expression.func)
         if expression.func in _AT_PARAMETER_ZERO:
-            call = self._call(*expression.args, sp.S.Zero)
+            call = self._call(expression.args[0], sp.S.Zero)
             return call.symbol_of(_AT_PARAMETER_ZERO[expression.func])
         if expression.is_Mul:
             fixed, varying = self._split(expression)

@@ -32,5 +32,5 @@ BREATHER = ClosedForm(
     far_fields=FarFields(sp.S.Zero, sp.S.Zero),
     reference=Reference("clarke2000generation", "standard mKdV"),
     stabilise=lambda: bounded_slope(_tangent),
-    hard=HardRange(sp.Max(_p, _q) > 1, "the derivatives grow like the fourth power of p and q"),
+    hard=HardRange(sp.Max(_p, _q) > 2, "the derivatives grow like the fourth power of p and q"),
 )

@@ -32,5 +32,5 @@ DOUBLE_POLE = ClosedForm(
     far_fields=FarFields(sp.S.Zero, sp.S.Zero),
     reference=Reference("wadati1982multiple", "standard mKdV"),
     stabilise=lambda: bounded_slope(_tangent),
-    hard=HardRange(A > 1, "the derivatives grow like the fourth power of A"),
+    hard=HardRange(A > 2, "the derivatives grow like the fourth power of A"),
 )

@@ -37,5 +37,5 @@ KINK_ANTIKINK = ClosedForm(
     far_fields=FarFields(A, A),
     reference=Reference("el2017dispersive", "standard mKdV"),
     stabilise=_stable,
-    hard=HardRange(A > 1, "the derivatives grow like the fourth power of A"),
+    hard=HardRange(A > 2, "the derivatives grow like the fourth power of A"),
 )

@@ -39,7 +39,7 @@ SOLITON_BACKGROUND = ClosedForm(
     reference=Reference("el2017dispersive", "standard mKdV"),
     stabilise=_stable,
     hard=HardRange(
-        sp.Or(abs(_level) > sp.Rational(1, 2), kappa > 1),
+        sp.Or(abs(_level) > 1, kappa > 2),
         "the derivatives grow like the fourth power of the height",
     ),
 )

@@ -28,7 +28,7 @@ def _tangent(f: sp.Expr, g: sp.Expr, r: sp.Expr) -> sp.Expr:
     return (f + g) / (1 - r**2 * f * g)
 
 
-def _fraction() -> tuple[sp.Expr, sp.Expr]:
+def _fraction() -> tuple[sp.Poly, sp.Poly]:
     """Numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
     tangent = _tangent(_f, _g, _r)
     slope = _A_1 * _f * sp.diff(tangent, _f) + _A_2 * _g * sp.diff(tangent, _g)
@@ -69,7 +69,7 @@ def _stable() -> sp.Expr:
 TWO_SOLITON = ClosedForm(
     name="two_soliton",
     title="two solitons",
-    expression=arctangent_slope(_tangent(*(sp.exp(phase) for phase in _phases), _repulsion)),
+    expression=arctangent_slope(_tangent(sp.exp(_phases[0]), sp.exp(_phases[1]), _repulsion)),
     equation=FOCUSING_MKDV,
     parameters=(
         Parameter(_A_1, lower=Bound(sp.S.Zero, "the zero solution")),
@@ -84,5 +84,5 @@ TWO_SOLITON = ClosedForm(
     far_fields=FarFields(sp.S.Zero, sp.S.Zero),
     reference=Reference("hirota1972exact", "standard mKdV"),
     stabilise=_stable,
-    hard=HardRange(_A_1 > 1, "the derivatives grow like the fourth power of A_1"),
+    hard=HardRange(_A_1 > 2, "the derivatives grow like the fourth power of A_1"),
 )
