@@ -21,6 +21,8 @@ EXPRESSIONS = (
     x + y,
     x - y,
     y - x,
+    x * y - x,
+    sp.exp(-x) - x,
     -x - y,
     x * y,
     2 - x,

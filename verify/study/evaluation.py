@@ -30,7 +30,7 @@ TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
 
 FARTHEST = 1e6
 HALF_WIDTHS = (4.0, 60.0)
-GRID = 801
+GRID = 6001
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,15 @@ class Accuracy:
 
 
 def measure(
-    case: Case, times: Iterable[int] = TIMES, per_time: int = 9, precision: str | None = None
+    case: Case,
+    times: Iterable[int] = TIMES,
+    per_time: int = 9,
+    precision: str | None = None,
+    grid: int = GRID,
 ) -> Accuracy:
     """The worst errors of one case at ``per_time`` points for each lattice time.
+
+    ``grid`` sites on either scale around a centre are searched for these points.
 
     Raises FloatingPointError if NumPy sees an overflow, a division by zero or a NaN.
     """
@@ -69,7 +75,7 @@ def measure(
     worst, where, count = np.zeros(3), "", 0
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for t in times:
-            for n in sample_sites(wave, t, rng)[:per_time]:
+            for n in sample_sites(wave, t, rng, grid)[:per_time]:
                 errors = errors_at(wave, n, t)
                 if not np.max(errors) <= np.max(worst):
                     where = f"{case} n = {n!r}, t = {t}".strip()
@@ -78,15 +84,15 @@ def measure(
     return Accuracy(case.name, (wave.precision,), count, _three(worst), where)
 
 
-def sample_sites(wave: Wave, t: int, rng: np.random.Generator) -> list[float]:
+def sample_sites(wave: Wave, t: int, rng: np.random.Generator, grid: int) -> list[float]:
     """The worst sites for double, crest, zero, steepest slope, farthest X, and random sites.
 
     The worst are found by setting double beside double-double on a dense grid around every place
     where a phase of the wave vanishes.
     """
     centres = [float(wave.normal_form.c) * t, *wave.phase_zeros(t, EPS)]
-    widths = [width / EPS * np.linspace(-1, 1, GRID) for width in HALF_WIDTHS]
-    sites = np.concatenate([centre + grid for centre in centres for grid in widths])
+    offsets = [width / EPS * np.linspace(-1, 1, grid) for width in HALF_WIDTHS]
+    sites = np.concatenate([centre + offset for centre in centres for offset in offsets])
     cheap = Wave(wave.form, wave.normal_form, precision="double", **_by_name(wave))
     found, exact = cheap.at(sites, t, EPS), wave.pairs_at(sites, t, EPS)
     worst = [abs(v - r[0]) / np.maximum(1, abs(r[0])) for v, r in zip(found, exact, strict=True)]

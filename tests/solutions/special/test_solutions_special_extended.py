@@ -1,4 +1,4 @@
-"""sn, cn, dn, epsilon and zeta in double-double against 50 digits."""
+"""sn, cn, dn, epsilon, zeta and Theta in double-double against 50 digits."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +8,8 @@ import pytest
 from mpmath import MPContext
 
 from solutions.special import double
-from solutions.special.extended import evaluate_pairs
+from solutions.special.extended import evaluate_pairs, evaluate_theta_pairs
+from solutions.special.mp import theta
 from solutions.special.parameter import parameter_of_modulus
 
 ctx = MPContext()
@@ -35,3 +36,18 @@ def test_high_parts_are_the_double_values(rng: np.random.Generator) -> None:
     for pair, single in zip(evaluate_pairs(p, u), double.evaluate(p, u), strict=True):
         assert pair.shape == (2, 4, 25)
         assert np.allclose(pair[0], single, rtol=1e-15, atol=6e-16)
+
+
+@pytest.mark.parametrize("k", [1e-8, 0.3, 0.70711, 0.9, 1 - 1e-8])
+def test_theta_has_thirty_digits(k: float, rng: np.random.Generator) -> None:
+    p = parameter_of_modulus(k)
+    u = p.K[0] * np.concatenate([np.arange(-8, 9) / 4, rng.uniform(-40, 40, 8)])
+    high, low = evaluate_theta_pairs(p, u)
+    for i in range(u.size):
+        exact = theta(ctx, ctx.mpf(u[i]), ctx.mpf(k) ** 2)
+        assert abs(ctx.mpf(high[i]) + low[i] - exact) < 1e-30 * abs(exact) + 1e-32 * abs(u[i])
+
+
+def test_theta_has_no_value_at_one() -> None:
+    with pytest.raises(ValueError, match="m1 must satisfy m1 > 0"):
+        evaluate_theta_pairs(parameter_of_modulus(1.0), 0.5)

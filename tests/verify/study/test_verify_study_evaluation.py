@@ -20,7 +20,7 @@ SPARSE = [
 @pytest.mark.parametrize("case", SPARSE)
 def test_a_few_points_of_every_wave(case: Case) -> None:
     """Where double is worst at T = 0.37 and T = -1e4."""
-    assert measure(case, times=(2960, -80_000_000), per_time=2).passed
+    assert measure(case, times=(2960, -80_000_000), per_time=2, grid=401).passed
 
 
 @pytest.mark.slow
@@ -30,10 +30,15 @@ def test_the_whole_domain(name: str) -> None:
     assert worst.passed, worst
 
 
-def test_double_is_seen_to_fail_near_one() -> None:
+@pytest.mark.parametrize(
+    ("case", "t"),
+    [(Case("rogue_cn", (("k", MODULI[-1]),)), 0), (Case("rational_3"), 80_000_000)],
+    ids=lambda value: getattr(value, "name", None),
+)
+def test_double_is_seen_to_fail(case: Case, t: int) -> None:
     """The measurement notices what double-double is there for."""
-    case = Case("rogue_cn", (("k", MODULI[-1]),))
-    assert not measure(case, times=(0,), per_time=3, precision="double").passed
+    assert not measure(case, times=(t,), per_time=3, precision="double").passed
+    assert measure(case, times=(t,), per_time=3).passed
 
 
 def test_nan_does_not_pass() -> None:
