@@ -1,29 +1,63 @@
-"""The check that each closed form gets: exact where it is rational, to many digits elsewhere."""
+"""The exact check that each closed form gets, by name: the catalogue and higher rational orders."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
-from solutions.catalogue import CATALOGUE
+from solutions.catalogue import CATALOGUE, closed_form
 from solutions.closed_form import ClosedForm
-from verify.rational import check_rational, is_rational
-from verify.residual import Sampling, check_residual
-from verify.verdict import Verdict
+from solutions.rational import rational
+from verify.proof import ProofVerdict, prove_form, prove_rational
+
+HIGHER_ORDERS = range(4, 10)
+"""The orders of the rational family that are proved along with the catalogue."""
+
+NAMES = (
+    *(form.name for form in CATALOGUE),
+    *(f"rational_{order}" for order in HIGHER_ORDERS),
+)
+"""Every form that is checked where none is named."""
 
 
-def check(form: ClosedForm, sampling: Sampling | None = None) -> Verdict:
-    """The verdict on ``form``: a proof if it is rational, else its high-precision residual.
+def higher_order(name: str) -> int | None:
+    """The order of a member of the rational family; None for a name of the catalogue.
 
-    >>> from solutions.catalogue import closed_form
-    >>> print(check(closed_form("rational_2")).outcome)
-    PROVED
+    Raises ValueError, listing the catalogue, if ``name`` is neither.
+
+    >>> higher_order("rational_7"), higher_order("rational_2")
+    (7, None)
     """
-    return check_rational(form) if is_rational(form) else check_residual(form, sampling)
+    member = re.fullmatch(r"rational_([1-9][0-9]?)", name)
+    if member is None or int(member[1]) < HIGHER_ORDERS.start:
+        closed_form(name)
+        return None
+    return int(member[1])
 
 
-def check_all(
-    forms: Iterable[ClosedForm] = CATALOGUE, sampling: Sampling | None = None
-) -> Iterator[Verdict]:
-    """The verdicts on ``forms``, one after the other as they are reached."""
-    for form in forms:
-        yield check(form, sampling)
+def named_form(name: str) -> ClosedForm:
+    """The closed form of that name; raises ValueError as `higher_order` does."""
+    order = higher_order(name)
+    return closed_form(name) if order is None else rational(order)
+
+
+def check(name: str, *, certify: bool = False) -> ProofVerdict:
+    """The exact verdict on the form called ``name``.
+
+    A proof of a form of the catalogue carries a certificate.  A higher rational order is decided
+    by `prove_rational`, which makes none; with ``certify`` it is decided as the catalogue is,
+    which takes several times as long.  Raises ValueError as `higher_order` does.
+
+    >>> print(check("rational_2").outcome, check("rational_4").outcome)
+    PROVED PROVED
+    """
+    order = higher_order(name)
+    if order is None or certify:
+        return prove_form(named_form(name), certify=True)
+    return prove_rational(order)
+
+
+def check_all(names: Iterable[str] = NAMES, *, certify: bool = False) -> Iterator[ProofVerdict]:
+    """The verdicts on the forms called ``names``, one after the other as they are reached."""
+    for name in names:
+        yield check(name, certify=certify)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from verify.decay import scientific
+from verify.proof.verdict import ProofVerdict
 from verify.verdict import Outcome, Verdict
 
 STYLES = {
@@ -27,24 +28,27 @@ MEANINGS = {
 
 
 def verdict_table(verdicts: Sequence[Verdict]) -> Table:
-    """One row a closed form: solution, equation, method, verdict, residual, seconds.
+    """One row a closed form: solution, equation, method, verdict, evidence, seconds.
 
-    The residual is the largest relative one at the highest precision; an exact 0 is a proof.
+    The evidence is the certificate's size if there is one, else the largest relative residual at
+    the highest precision; an exact 0 is a proof.
     """
     table = Table(title="Closed forms against their equations")
     for heading in ("solution", "equation", "method", "verdict"):
         table.add_column(heading, no_wrap=heading != "method")
-    for heading in ("residual", "seconds"):
+    for heading in ("evidence", "seconds"):
         table.add_column(heading, justify="right", no_wrap=True)
     for verdict in verdicts:
         outcome = f"[{STYLES[verdict.outcome]}]{verdict.outcome.value}[/]"
         cells = (verdict.name, verdict.equation, verdict.method, outcome)
-        table.add_row(*cells, residual_text(verdict), f"{verdict.seconds:.2f}")
+        table.add_row(*cells, evidence_text(verdict), f"{verdict.seconds:.2f}")
     return table
 
 
-def residual_text(verdict: Verdict) -> str:
-    """The residual with two digits; a dash where there is none."""
+def evidence_text(verdict: Verdict) -> str:
+    """The size of the certificate, else the residual with two digits; a dash without either."""
+    if isinstance(verdict, ProofVerdict) and verdict.certificate_bytes is not None:
+        return f"{verdict.certificate_bytes} bytes"
     if verdict.residual is None:
         return "-"
     return scientific(math.log10(verdict.residual) if verdict.residual else -math.inf)
@@ -61,8 +65,8 @@ def _failure(verdict: Verdict) -> str:
     return f"{verdict.name}: {verdict.outcome.value}: {verdict.detail}{at}"
 
 
-def summary(verdicts: Sequence[Verdict]) -> str:
-    """How many forms came to which verdict, and the time together.
+def summary(verdicts: Sequence[Verdict], noun: str = "closed form") -> str:
+    """How many forms (or whatever ``noun`` says) came to which verdict, and the time together.
 
     >>> proof = Verdict("kink", "defocusing mKdV", "by hand", Outcome.PROVED, "", 0.0)
     >>> summary([proof])
@@ -74,4 +78,4 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     )
     seconds = sum(verdict.seconds for verdict in verdicts)
     plural = "" if len(verdicts) == 1 else "s"
-    return f"{len(verdicts)} closed form{plural} in {seconds:.1f} s: {parts}"
+    return f"{len(verdicts)} {noun}{plural} in {seconds:.1f} s: {parts}"

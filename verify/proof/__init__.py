@@ -2,14 +2,15 @@
 
 `prove` decides whether a formula solves an equation for all its parameters, `prove_equal` whether
 two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
-constants symbolic; `prove_rational` and `prove_bilinear` take the rational solutions of
-any order.  A proof's certificate is repeated by `check_certificate`.  A new function is
-one entry in `table.TABLE`.
+constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove_bilinear` and
+`rational_facts` take the rational solutions of any order.  A proof's certificate is repeated by
+`check_certificate`.  A new function is one entry in `table.TABLE`.
 """
 
 from .bilinear import prove_bilinear
 from .checker import check_certificate
-from .closed_forms import prove_form
+from .closed_forms import prove_form, prove_stable
+from .facts import RationalFacts, rational_facts
 from .meanings import CertificateError
 from .proof import prove, prove_equal
 from .rational_orders import prove_rational
@@ -18,10 +19,13 @@ from .verdict import ProofVerdict
 __all__ = [
     "CertificateError",
     "ProofVerdict",
+    "RationalFacts",
     "check_certificate",
     "prove",
     "prove_bilinear",
     "prove_equal",
     "prove_form",
     "prove_rational",
+    "prove_stable",
+    "rational_facts",
 ]

@@ -32,7 +32,7 @@ def check_certificate(data: Mapping[str, Any]) -> None:
         _check(data)
     except CertificateError:
         raise
-    except (LookupError, TypeError, ValueError, ZeroDivisionError) as error:
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         raise CertificateError(f"the certificate cannot be read: {error}") from error
 
 

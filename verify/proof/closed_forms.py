@@ -1,4 +1,4 @@
-"""Closed forms proved in the lab variables, with K2, K4 and all parameters symbolic."""
+"""The catalogue's closed forms: proved in the lab variables, all constants symbolic."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import random
 import sympy as sp
 
 from solutions.closed_form import ClosedForm
-from verify.lab import LabEquation, lab_frame
 from verify.sampling import sample_points
 
 from .balls import Point
-from .proof import prove
+from .lab import LabEquation, lab_frame
+from .proof import prove, prove_equal
 from .verdict import ProofVerdict
 
 POINTS = 4
@@ -22,7 +22,7 @@ def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
-    generators of `verify.lab.lab_frame`, one to one.
+    generators of `lab.lab_frame`, one to one.
 
     >>> from solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
@@ -37,6 +37,23 @@ def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
         name=form.name,
         points=_lab_points(form, (equation.xi, equation.tau, *frame.generators)),
         certify=certify,
+    )
+
+
+def prove_stable(form: ClosedForm) -> ProofVerdict:
+    """Decide whether the evaluation form of ``form`` is the same function as its canonical one.
+
+    >>> from solutions import closed_form
+    >>> prove_stable(closed_form("rational_2")).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    return prove_equal(
+        form.expression,
+        form.stable,
+        (form.equation.xi, form.equation.tau),
+        name=form.name,
+        equation_name="stable form = canonical form",
+        points=sample_points(form, POINTS, 0),
     )
 
 

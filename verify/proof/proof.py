@@ -59,6 +59,7 @@ def prove_equal(
     variables: Sequence[sp.Symbol],
     *,
     name: str = "expressions",
+    equation_name: str = "equality",
     points: Sequence[Point] = (),
 ) -> ProofVerdict:
     """Decide whether two formulas are the same function of ``variables`` and all parameters.
@@ -69,7 +70,7 @@ def prove_equal(
     """
     start = time.perf_counter()
     found = tuple(points) or random_points(left.free_symbols | right.free_symbols)
-    problem = Problem(sp.S.Zero, sp.S.Zero, left - right, found, name, "equality")
+    problem = Problem(sp.S.Zero, sp.S.Zero, left - right, found, name, equation_name)
     return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
 
 

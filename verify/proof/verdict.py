@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -18,15 +19,26 @@ class ProofVerdict(Verdict):
     assumptions: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
+    def certificate_text(self) -> str | None:
+        """The certificate as JSON on one line; None where there is none."""
+        return None if self.certificate is None else json.dumps(self.certificate)
+
+    @property
+    def certificate_bytes(self) -> int | None:
+        """The length of `certificate_text`."""
+        text = self.certificate_text()
+        return None if text is None else len(text)
+
     def timed(self, seconds: float) -> ProofVerdict:
         """The same verdict with the time it took."""
         return replace(self, seconds=seconds)
 
     def json(self) -> dict[str, Any]:
-        """The record as plain data, without the certificate (a file of its own)."""
+        """The record as plain data, with the certificate's size (it is a file of its own)."""
         record = replace(self, certificate=None).__dict__.copy()
         record.pop("certificate")
         record["outcome"] = self.outcome.value
         record["assumptions"] = list(self.assumptions)
+        record["certificate_bytes"] = self.certificate_bytes
         record["witness"] = None if self.witness is None else dict(self.witness)
         return record

@@ -4,8 +4,13 @@ import pytest
 
 from solutions.rational import rational, rational_tau
 from verify.proof import prove, prove_bilinear, prove_rational
-from verify.proof.bilinear import space_residual, time_residual
-from verify.proof.rational_orders import residual_at, wave_polynomials
+from verify.proof.bilinear import (
+    bilinear_verdict,
+    nonzero_point,
+    space_residual,
+    time_residual,
+)
+from verify.proof.rational_orders import quotient_verdict, residual_at, wave_polynomials
 from verify.verdict import Outcome
 
 
@@ -40,3 +45,44 @@ def test_a_shift_of_the_third_kind_is_not_free_in_time() -> None:
     family = rational_tau(2)
     t = family.A.context().gens()[1]
     assert not time_residual(family.A + 3 * t, family.B).is_zero()
+
+
+@pytest.mark.parametrize("changes", [(1, 0), (0, 1)])
+def test_bilinear_identities_that_fail_are_refuted_with_a_point(changes: tuple[int, int]) -> None:
+    family = rational_tau(3, (5,))
+    A, B = family.A + changes[0], family.B + changes[1]
+    verdict = bilinear_verdict("changed", A, B)
+    assert verdict.outcome is Outcome.REFUTED
+    assert verdict.witness is not None
+    point = [int(verdict.witness[name]) for name in ("x", "t", "tau_5")]
+    assert space_residual(A, B)(*point) != 0
+
+
+def test_a_bilinear_identity_that_fails_in_time_alone_is_refuted() -> None:
+    """A -> -A, t -> -t keeps the first equation and breaks the second."""
+    family = rational_tau(2)
+    later = (
+        {e: c * (-1) ** int(e[1]) for e, c in family.A.terms()},
+        {e: c * (-1) ** int(e[1]) for e, c in family.B.terms()},
+    )
+    A, B = (family.A.context().from_dict(terms) for terms in later)
+    assert space_residual(A, B).is_zero()
+    verdict = bilinear_verdict("backwards", A, B)
+    assert verdict.outcome is Outcome.REFUTED
+    assert "time equation" in verdict.detail
+
+
+def test_a_point_is_found_where_small_integers_are_zeros() -> None:
+    x, t = rational_tau(2).A.context().gens()
+    polynomial = (x - 1) * (x - 2) * (t - 1)
+    assert nonzero_point(polynomial) == (3, 2)
+
+
+def test_a_wrong_quotient_is_refuted_at_a_point() -> None:
+    N, D = wave_polynomials(3)
+    N[0] = N[0] + 1
+    verdict = quotient_verdict("changed", N, D)
+    assert verdict.outcome is Outcome.REFUTED
+    assert verdict.witness is not None
+    x, t = (int(verdict.witness[name]) for name in ("x", "t"))
+    assert residual_at(N, D, t)(x) != 0

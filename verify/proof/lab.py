@@ -59,7 +59,7 @@ class LabEquation:
     @property
     def name(self) -> str:
         """The name of the equation."""
-        return "mKdV in X and T"
+        return f"mKdV in X, T, K4 {'>' if self.frame.s > 0 else '<'} 0"
 
     @property
     def xi(self) -> sp.Symbol:

@@ -1,0 +1,49 @@
+"""Arguments and errors that the subcommands share: bad input is one line and exit status 2."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NoReturn, TypeVar
+
+from rich.console import Console
+from rich.progress import track
+
+PIPE_WIDTH = 120
+"""Columns of a table where stdout is no terminal."""
+
+T = TypeVar("T")
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line on stderr and exit status 2."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print ``message`` and stop."""
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def add_only(parser: argparse.ArgumentParser) -> None:
+    """Add ``--only NAME``, which may be repeated."""
+    parser.add_argument(
+        "--only", action="append", metavar="NAME", help="take this form; may be repeated"
+    )
+
+
+def table_console() -> Console:
+    """The console for tables: as wide as the terminal, and wide enough for one row in a pipe."""
+    console = Console()
+    return console if console.is_terminal else Console(width=PIPE_WIDTH)
+
+
+def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
+    """``items`` as they come, with a progress bar on stderr if that is a terminal."""
+    console = Console(stderr=True)
+    off = not console.is_terminal
+    yield from track(items, words, count, console=console, transient=True, disable=off)
+
+
+def print_lines(console: Console, lines: Sequence[str]) -> None:
+    """Print lines as they are, without markup and without breaking them."""
+    for line in lines:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)

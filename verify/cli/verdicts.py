@@ -1,0 +1,116 @@
+"""``python -m verify``: the table of verdicts on the closed forms."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from verify.check import NAMES, check_all, named_form
+from verify.cli.parser import OneLineParser, add_only, print_lines, table_console, tracked
+from verify.proof import ProofVerdict, prove_stable
+from verify.residual import DIGITS, POINTS, Sampling, check_residual
+from verify.table import failure_lines, summary, verdict_table
+from verify.verdict import Verdict
+
+RESIDUAL_OPTIONS = ("digits", "points", "seed")
+PROOF_OPTIONS = ("certificate", "stable")
+
+
+def verdicts_command(argv: list[str]) -> int:
+    """Decide the closed forms and print the verdicts; 1 if any form does not stand."""
+    parser = _parser()
+    options = parser.parse_args(argv)
+    names = options.only or NAMES
+    try:
+        _settle_method(options)
+        for name in options.only or ():
+            named_form(name)
+        if options.certificate is not None:
+            options.certificate.touch()
+        found = list(tracked(_verdicts(names, options), len(names), "checking"))
+        if options.certificate is not None:
+            _write_certificates(options.certificate, found)
+    except (ValueError, OSError) as error:
+        parser.error(str(error))
+    _print(found, options)
+    return 0 if all(verdict.passed for verdict in found) else 1
+
+
+def _parser() -> OneLineParser:
+    parser = OneLineParser(
+        prog="python -m verify",
+        description="Prove the closed forms exactly, for all parameters and lattice constants.",
+        epilog="subcommands (each has --help): check-certificate FILE repeats proofs; mutations "
+        "refutes every misprint; run SCENE.toml integrates a scene on the lattice",
+    )
+    add_only(parser)
+    parser.add_argument("--json", action="store_true", help="print the verdicts as JSON")
+    exact = parser.add_argument_group("proof (the default method)")
+    exact.add_argument(
+        "--certificate", type=Path, metavar="FILE", help="write the proofs' certificates as JSON"
+    )
+    exact.add_argument(
+        "--stable",
+        action="store_true",
+        help="prove instead that each evaluation form is the canonical form",
+    )
+    sampled = parser.add_argument_group("high-precision residual (evidence, no proof)")
+    sampled.add_argument("--method", choices=("proof", "residual"))
+    sampled.add_argument(
+        "--digits",
+        type=_digits,
+        metavar="D1,D2,...",
+        help=f"increasing precisions (default {','.join(map(str, DIGITS))})",
+    )
+    sampled.add_argument("--points", type=int, help=f"random points a form (default {POINTS})")
+    sampled.add_argument("--seed", type=int, help="seed of the points (default 0)")
+    return parser
+
+
+def _digits(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"digits must be integers with commas between, got {text!r} (30,50,100 is usual)"
+        ) from None
+
+
+def _settle_method(options: argparse.Namespace) -> None:
+    """Residual if an option of it is given; raises ValueError for options of both methods."""
+    sampled = [name for name in RESIDUAL_OPTIONS if getattr(options, name) is not None]
+    exact = [name for name in PROOF_OPTIONS if getattr(options, name)]
+    options.method = options.method or ("residual" if sampled else "proof")
+    wrong = exact if options.method == "residual" else sampled
+    if wrong:
+        raise ValueError(f"--{wrong[0]} does not go with the method {options.method} (leave it)")
+    if options.stable and options.certificate is not None:
+        raise ValueError("--certificate does not go with --stable (an equality has none)")
+
+
+def _verdicts(names: Sequence[str], options: argparse.Namespace) -> Iterator[Verdict]:
+    if options.stable:
+        return (prove_stable(named_form(name)) for name in names)
+    if options.method == "proof":
+        return check_all(names, certify=options.certificate is not None)
+    given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
+    sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
+    return (check_residual(named_form(name), sampling) for name in names)
+
+
+def _write_certificates(path: Path, verdicts: Sequence[Verdict]) -> None:
+    proofs = [verdict for verdict in verdicts if isinstance(verdict, ProofVerdict)]
+    texts = [text for proof in proofs if (text := proof.certificate_text()) is not None]
+    path.write_text("[" + ",\n".join(texts) + "]\n", encoding="utf-8")
+
+
+def _print(verdicts: Sequence[Verdict], options: argparse.Namespace) -> None:
+    if options.json:
+        print(json.dumps([verdict.json() for verdict in verdicts], indent=2))
+        return
+    noun = "stable form" if options.stable else "closed form"
+    console = table_console()
+    console.print(verdict_table(verdicts))
+    print_lines(console, [*failure_lines(verdicts), summary(verdicts, noun)])
