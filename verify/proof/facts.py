@@ -17,7 +17,8 @@ from fractions import Fraction
 
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.rational import RationalTau, rational_tau
+from solutions.rational import rational_tau
+from solutions.tau_polynomials import RationalTau
 
 from .bilinear import space_residual
 
