@@ -7,7 +7,18 @@ from derive import mkdv_normal_form
 from solutions import CATALOGUE, ClosedForm, Wave
 from solutions.numpy_function import numpy_function
 
-PARAMETERS = {"k": 0.6, "alpha": 0.7, "X_0": 0.3, "A": 1.5}
+PARAMETERS = {
+    "k": 0.6,
+    "alpha": 0.7,
+    "X_0": 0.3,
+    "A": 1.5,
+    "A_1": 1.4,
+    "A_2": 0.6,
+    "p": 1.2,
+    "q": 0.8,
+    "kappa": 0.9,
+    "U_0": 0.5,
+}
 
 
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
