@@ -22,6 +22,8 @@ def cases() -> list[Case]:
     """One ordinary case a wave, then the cases that need double-double."""
     half = sp.Rational(1, 2)
     values = {"k": sp.Rational(7, 10), "alpha": half, "A": sp.S.One, "X_0": sp.S.Zero}
+    values |= {"p": half, "q": sp.S.One, "A_1": sp.S.One, "A_2": half}
+    values |= {"U_0": sp.S.One, "kappa": sp.S.One}
     found = []
     for name in wave_names():
         names = [parameter.name for parameter in Case(name).form.parameters]

@@ -5,14 +5,19 @@ from collections.abc import Iterable
 
 from solutions.closed_form import ClosedForm
 from solutions.forms.bare_waves import WAVE_CN, WAVE_DN, WAVE_SN
+from solutions.forms.breather import BREATHER
 from solutions.forms.breather_sn import BREATHER_SN
+from solutions.forms.double_pole import DOUBLE_POLE
 from solutions.forms.kink import KINK
+from solutions.forms.kink_antikink import KINK_ANTIKINK
 from solutions.forms.rational_1 import RATIONAL_1
 from solutions.forms.rational_2 import RATIONAL_2
 from solutions.forms.rational_3 import RATIONAL_3
 from solutions.forms.rogue_cn import ROGUE_CN
+from solutions.forms.soliton_background import SOLITON_BACKGROUND
 from solutions.forms.soliton_dn import SOLITON_DN
 from solutions.forms.soliton_sech import SOLITON_SECH
+from solutions.forms.two_soliton import TWO_SOLITON
 from solutions.rational import rational
 
 __all__ = ["CATALOGUE", "closed_form"]
@@ -29,6 +34,11 @@ CATALOGUE: tuple[ClosedForm, ...] = (
     WAVE_DN,
     SOLITON_SECH,
     KINK,
+    BREATHER,
+    DOUBLE_POLE,
+    TWO_SOLITON,
+    SOLITON_BACKGROUND,
+    KINK_ANTIKINK,
 )
 
 

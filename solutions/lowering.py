@@ -3,7 +3,7 @@
 Everything free of xi and tau becomes a named constant (evaluated once, to many digits). Every
 sum's part linear in xi and tau becomes one phase ``p xi + q tau + r``, formed accurately outside;
 the secular part ``(E/K) u`` of the epsilon function joins it, so that nothing cancels. All Jacobi
-functions of one phase become the symbols of one call.
+functions of one phase become the symbols of one call; sin and cos are sn and cn at m = 0.
 """
 
 from dataclasses import dataclass, field
@@ -11,10 +11,12 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from solutions.phase import JACOBI_FUNCTIONS, JacobiCall, Phase
-from solutions.special import jacobi_epsilon, jacobi_zeta
+from solutions.special import jacobi_cn, jacobi_epsilon, jacobi_sn, jacobi_zeta
 from solutions.symbols import tau, xi
 
 __all__ = ["Lowering"]
+
+_AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
 
 
 @dataclass
@@ -66,6 +68,9 @@ class Lowering:
         if expression.func in JACOBI_FUNCTIONS:
             call = self._call(*expression.args)
             return call.symbol_of(expression.func)
+        if expression.func in _AT_PARAMETER_ZERO:
+            call = self._call(expression.args[0], sp.S.Zero)
+            return call.symbol_of(_AT_PARAMETER_ZERO[expression.func])
         if expression.is_Mul:
             fixed, varying = self._split(expression)
             return sp.Mul(self.constant(fixed), *(self.lower(factor) for factor in varying))

@@ -3,12 +3,22 @@
 ``xi = a X`` and ``tau = b T`` are the normal form's variables (``derive.NormalForm``).
 ``k`` is the elliptic modulus; the special functions take the parameter ``m = k**2``.
 ``alpha`` places the dark breather's eigenvalue, ``X_0`` its centre (in units of ``xi``);
-``A`` is the amplitude of a soliton or kink.
+``A`` is the amplitude of a soliton or kink, ``kappa`` the inverse width of a soliton on a constant.
 """
 
 import sympy as sp
 
-__all__ = ["X_0", "A", "alpha", "complementary_modulus", "k", "shift_symbol", "tau", "xi"]
+__all__ = [
+    "X_0",
+    "A",
+    "alpha",
+    "complementary_modulus",
+    "k",
+    "kappa",
+    "shift_symbol",
+    "tau",
+    "xi",
+]
 
 xi = sp.Symbol("xi", real=True)
 tau = sp.Symbol("tau", real=True)
@@ -16,6 +26,7 @@ k = sp.Symbol("k", positive=True)
 alpha = sp.Symbol("alpha", positive=True)
 X_0 = sp.Symbol("X_0", real=True)
 A = sp.Symbol("A", positive=True)
+kappa = sp.Symbol("kappa", positive=True)
 
 complementary_modulus: sp.Expr = sp.sqrt(1 - k**2)
 

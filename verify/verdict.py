@@ -11,8 +11,9 @@ from typing import Any
 class Outcome(enum.StrEnum):
     """What a check can find.  "Could not decide" never looks like "wrong".
 
-    ``PROVED`` is exact (`verify.proof`).  ``CHECKED`` is a residual that vanishes at the stated digits and
-    points, which is evidence and not a proof.  ``REFUTED`` has a witness, ``UNDECIDED`` a reason.
+    ``PROVED`` is exact (`verify.proof`).  ``CHECKED`` is a residual that vanishes at the stated
+    digits and points, which is evidence and not a proof.  ``REFUTED`` has a witness,
+    ``UNDECIDED`` a reason.
     """
 
     PROVED = "PROVED"

@@ -40,7 +40,8 @@ def _domain_word(word: str) -> str:
     """Return one word of a domain: relations and symbols in mathematics."""
     if word in ("real", "positive"):
         return word
-    named = {"<": "<", "<=": r"\le", "alpha": r"\alpha", "elliptic_k(k**2)": "K(k)"}
+    named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
+    named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
     letter, _, index = word.partition("_")
     plain = f"{letter}_{{{index}}}" if index else word
     return f"${named.get(word, plain)}$"

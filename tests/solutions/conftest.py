@@ -13,6 +13,14 @@ from solutions import ClosedForm
 from solutions.special.mp import mp_module
 from solutions.symbols import tau, xi
 
+RANGES = {
+    "k": (0.05, 0.99),
+    **dict.fromkeys(("A", "A_1", "p", "q"), (0.3, 2.0)),
+    "A_2": (0.1, 0.9),
+    "kappa": (0.1, 1.9),
+}
+"""``A_2`` in units of A_1, and kappa in units of A where the wave has these."""
+
 Draw = Callable[[ClosedForm], dict[str, float]]
 
 
@@ -23,7 +31,10 @@ def draw(rng: np.random.Generator) -> Draw:
     def parameters(form: ClosedForm) -> dict[str, float]:
         values: dict[str, float] = {}
         for parameter in form.parameters:
-            low, high = {"k": (0.05, 0.99), "A": (0.3, 2.0)}.get(parameter.name, (-1.0, 1.0))
+            low, high = RANGES.get(parameter.name, (-1.0, 1.0))
+            high *= {"A_2": values.get("A_1", 1.0), "kappa": values.get("A", 1.0)}.get(
+                parameter.name, 1.0
+            )
             values[parameter.name] = round(float(rng.uniform(low, high)), 4)
             if parameter.name == "alpha":
                 quarter = float(mpmath.ellipk(values["k"] ** 2))

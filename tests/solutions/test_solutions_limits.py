@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from solutions import Wave, closed_form
-from solutions.symbols import tau, xi
+from solutions.symbols import xi
 
 TINY = Fraction(1, 10**8)
 NEAR_ONE = 1 - Fraction(1, 10**12)
@@ -46,18 +46,8 @@ def test_dn_soliton_tends_to_the_algebraic_soliton(normal_forms: Any) -> None:
 
 
 def test_dn_soliton_tends_to_the_double_pole_soliton(normal_forms: Any) -> None:
-    """2 d/dxi arctan((xi - 3 tau) sech(xi - tau)), mKdV's breather as its frequency goes to 0."""
-    double_pole = 2 * sp.diff(sp.atan((xi - 3 * tau) * sp.sech(xi - tau)), xi)
     wave = Wave(closed_form("soliton_dn"), normal_forms[1], k=NEAR_ONE)
-    a, b = float(wave.normal_form.a), float(wave.normal_form.b)
-    for found, expression, rate in zip(
-        wave(X, T),
-        (double_pole, double_pole.diff(xi), double_pole.diff(tau)),
-        (1, a, b),
-        strict=True,
-    ):
-        values = rate * sp.lambdify([xi, tau], expression, "numpy")(a * X, b * T)
-        assert np.allclose(found, values, rtol=0, atol=1e-4)
+    assert gap(wave, Wave(closed_form("double_pole"), normal_forms[1], A=1)) < 1e-4
 
 
 def test_cn_rogue_wave_peaks_at_three_k(normal_forms: Any) -> None:

@@ -29,6 +29,14 @@ def test_one_jacobi_call_a_phase() -> None:
     assert len(lowering.calls) == 1
 
 
+def test_sine_and_cosine_share_a_call_at_parameter_zero() -> None:
+    lowering = Lowering()
+    lowered = lowering.lower(sp.sin(xi + 3 * tau) + sp.cos(xi + 3 * tau))
+    (call,) = lowering.calls.values()
+    assert call.m == 0
+    assert lowered == call.sn + call.cn
+
+
 def test_jacobi_function_of_a_nonlinear_phase_is_refused() -> None:
     with pytest.raises(ValueError, match="must be of linear phases, got xi\\*\\*2"):
         Lowering().lower(jacobi_sn(xi**2, k**2))

@@ -25,6 +25,24 @@ def test_choice(name: str, modulus: Any, precision: str, normal_forms: Any) -> N
     assert Wave(closed_form(name), normal_forms[1], k=modulus).precision == precision
 
 
+@pytest.mark.parametrize(
+    ("name", "ordinary", "large"),
+    [
+        ("breather", {"p": 1, "q": 2}, {"p": 2.1, "q": 1}),
+        ("double_pole", {"A": 2}, {"A": 2.1}),
+        ("two_soliton", {"A_1": 2, "A_2": 1}, {"A_1": 3, "A_2": 1}),
+        ("soliton_background", {"U_0": -1, "kappa": 2}, {"U_0": -1.1, "kappa": 1}),
+        ("kink_antikink", {"A": 2, "kappa": 1}, {"A": 2.1, "kappa": 1}),
+    ],
+)
+def test_large_amplitudes_need_pairs(
+    name: str, ordinary: Any, large: Any, normal_forms: Any
+) -> None:
+    form = closed_form(name)
+    found = [Wave(form, normal_forms[form.equation.s], **v).precision for v in (ordinary, large)]
+    assert found == ["double", "double-double"]
+
+
 def test_choice_can_be_overruled(normal_forms: Any) -> None:
     form = closed_form("rogue_cn")
     assert Wave(form, normal_forms[1], k=0.5, precision="double-double").precision != "double"

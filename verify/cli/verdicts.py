@@ -27,6 +27,8 @@ def verdicts_command(argv: list[str]) -> int:
         _settle_method(options)
         for name in options.only or ():
             named_form(name)
+        if options.certificate is not None:
+            options.certificate.touch()
         found = list(tracked(_verdicts(names, options), len(names), "checking"))
         if options.certificate is not None:
             _write_certificates(options.certificate, found)

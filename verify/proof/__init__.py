@@ -2,9 +2,9 @@
 
 `prove` decides whether a formula solves an equation for all its parameters, `prove_equal` whether
 two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
-constants symbolic, `prove_stable` its evaluation form; `prove_rational` and `prove_bilinear` take the rational solutions of
-any order.  A proof's certificate is repeated by `check_certificate`.  A new function is
-one entry in `table.TABLE`.
+constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove_bilinear` and
+`rational_facts` take the rational solutions of any order.  A proof's certificate is repeated by
+`check_certificate`.  A new function is one entry in `table.TABLE`.
 """
 
 from .bilinear import prove_bilinear

@@ -5,9 +5,9 @@ With ``D = A**2 + B**2`` and ``N = D - 2 (A B_x - A_x B)`` the solution of order
 the shifts that are kept.
 
 No pole.  Let f = A + i B vanish at a real point, of order r >= 1 in x; at fixed t and shifts f is
-no zero polynomial in x, since its leading coefficient is a constant.  With ``f ~ c s**r`` the first
-bilinear equation (`bilinear`) has ``-2 r |c|**2 s**(2r-2)`` on the left and O(s**(2r)) on the right:
-a contradiction.  So ``D > 0`` for all real x, t and shifts.
+no zero polynomial in x, since its leading coefficient is a constant.  With ``f ~ c s**r`` the
+first bilinear equation (`bilinear`) has ``-2 r |c|**2 s**(2r-2)`` on the left and O(s**(2r)) on
+the right: a contradiction.  So ``D > 0`` for all real x, t and shifts.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.rational import RationalTau, rational_tau
+from solutions.rational import rational_tau
+from solutions.tau_polynomials import RationalTau
 
 from .bilinear import space_residual
 
@@ -106,7 +107,8 @@ def as_fraction(value: fmpq) -> Fraction:
 
 def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
     """No common factor at t = 1, shifts 0; D is monic in x up to a constant, so none at all."""
-    others = dict.fromkeys(D.context().names()[1:], 0) | {"t": 1}
+    others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
+    others["t"] = 1
     leading, _ = leading_in_x(D)
     return bool(leading.is_constant() and N.subs(others).gcd(D.subs(others)).is_constant())
 

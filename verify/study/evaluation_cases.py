@@ -11,6 +11,7 @@ import sympy as sp
 
 from derive import NormalForm, mkdv_normal_form
 from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from verify.study.soliton_cases import SOLITON_VALUES
 
 __all__ = ["MODULI", "Case", "all_cases", "wave_names"]
 
@@ -83,7 +84,9 @@ def all_cases(name: str) -> Iterator[Case]:
     if name not in wave_names():
         raise ValueError(f"name must be a wave, got {name!r} (one of {', '.join(wave_names())})")
     parameters = [parameter.name for parameter in Case(name).form.parameters]
-    if not parameters:
+    if name in SOLITON_VALUES:
+        yield from (Case(name, values) for values in SOLITON_VALUES[name])
+    elif not parameters:
         yield Case(name)
     elif "A" in parameters:
         yield from (Case(name, (("A", value),)) for value in AMPLITUDES)

@@ -61,9 +61,10 @@ def test_bilinear_identities_that_fail_are_refuted_with_a_point(changes: tuple[i
 def test_a_bilinear_identity_that_fails_in_time_alone_is_refuted() -> None:
     """A -> -A, t -> -t keeps the first equation and breaks the second."""
     family = rational_tau(2)
-    later = {e: c * (-1) ** int(e[1]) for e, c in family.A.terms()}, {
-        e: c * (-1) ** int(e[1]) for e, c in family.B.terms()
-    }
+    later = (
+        {e: c * (-1) ** int(e[1]) for e, c in family.A.terms()},
+        {e: c * (-1) ** int(e[1]) for e, c in family.B.terms()},
+    )
     A, B = (family.A.context().from_dict(terms) for terms in later)
     assert space_residual(A, B).is_zero()
     verdict = bilinear_verdict("backwards", A, B)

@@ -1,0 +1,88 @@
+"""Two sech solitons of different amplitudes, one overtaking the other (K4 > 0).
+
+R. Hirota, Exact solution of the modified Korteweg-de Vries equation for multiple collisions of
+solitons, J. Phys. Soc. Jpn. 33 (1972) 1456.
+"""
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm, FarFields, Reference
+from solutions.equation import FOCUSING_MKDV
+from solutions.forms.arctangent import arctangent_slope
+from solutions.parameter import Bound, Parameter
+from solutions.precision import HardRange
+from solutions.symbols import X_0, tau, xi
+
+__all__ = ["TWO_SOLITON"]
+
+_A_1 = sp.Symbol("A_1", positive=True)
+_A_2 = sp.Symbol("A_2", positive=True)
+
+_phases = (_A_1 * (xi - _A_1**2 * tau), _A_2 * (xi - _A_2**2 * tau + X_0))
+_repulsion = (_A_1 - _A_2) / (_A_1 + _A_2)
+
+_f, _g, _r = sp.symbols("f g r", positive=True)
+
+
+def _tangent(f: sp.Expr, g: sp.Expr, r: sp.Expr) -> sp.Expr:
+    return (f + g) / (1 - r**2 * f * g)
+
+
+def _fraction() -> tuple[sp.Poly, sp.Poly]:
+    """Numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
+    tangent = _tangent(_f, _g, _r)
+    slope = _A_1 * _f * sp.diff(tangent, _f) + _A_2 * _g * sp.diff(tangent, _g)
+    wave = sp.cancel((2 * slope / (1 + tangent**2)).subs({_f: _f / _r, _g: _g / _r}))
+    numerator, denominator = sp.fraction(wave)
+    return sp.Poly(numerator, _f, _g), sp.Poly(denominator, _f, _g)
+
+
+def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
+    """``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
+    weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
+    return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
+
+
+def _without_cancellation(t: list[sp.Symbol], s: list[sp.Symbol]) -> sp.Expr:
+    """``gap = 1 - t_1 t_2``, where it is small from ``1 - (t_1 t_2)**2``, a sum of squares.
+
+    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error in the gap; twice leaves none.
+    """
+    gap = 1 - t[0] * t[1]
+    for _ in range(2):
+        gap = (gap**2 + s[0] ** 2 + (s[1] * t[0]) ** 2) / 2
+    return gap
+
+
+def _stable() -> sp.Expr:
+    """Divided by the growing exponentials; ``log r`` joins the phases; a positive denominator."""
+    t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
+    gap = sp.Symbol("gap", positive=True)
+    numerator, denominator = (_divided(part, t, s) for part in _fraction())
+    denominator = sp.expand(denominator.subs(t[0], (1 - gap) / t[1]))
+    shifted = [phase + sp.log(_repulsion) for phase in _phases]
+    values = dict(zip(t + s, [f(z) for f in (sp.tanh, sp.sech) for z in shifted], strict=True))
+    wave = numerator / sp.collect(denominator, gap, sp.factor)
+    return wave.subs(gap, _without_cancellation(t, s)).subs(_r, _repulsion).xreplace(values)
+
+
+TWO_SOLITON = ClosedForm(
+    name="two_soliton",
+    title="two solitons",
+    expression=arctangent_slope(_tangent(sp.exp(_phases[0]), sp.exp(_phases[1]), _repulsion)),
+    equation=FOCUSING_MKDV,
+    parameters=(
+        Parameter(_A_1, lower=Bound(sp.S.Zero, "the zero solution")),
+        Parameter(
+            _A_2,
+            lower=Bound(sp.S.Zero, "the sech soliton"),
+            upper=Bound(_A_1, "the sech soliton, the other infinitely far away"),
+        ),
+        Parameter(X_0, default=sp.S.Zero),
+    ),
+    background=sp.S.Zero,
+    far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+    reference=Reference("hirota1972exact", "standard mKdV"),
+    stabilise=_stable,
+    hard=HardRange(_A_1 > 2, "the derivatives grow like the fourth power of A_1"),
+)

@@ -1,0 +1,81 @@
+"""`--certificate` and `check-certificate`: written, accepted, and rejected in one line."""
+
+import json
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+from verify.__main__ import main
+
+Output = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("certificates") / "two.json"
+    assert main(["--only", "kink", "--only", "wave_cn", "--certificate", str(path)]) == 0
+    return path.read_text(encoding="utf-8")
+
+
+def rejected(text: str, folder: Path, capsys: Output) -> str:
+    """The line on stderr."""
+    path = folder / "changed.json"
+    path.write_text(text, encoding="utf-8")
+    assert main(["check-certificate", str(path)]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert error.startswith(f"{path}: rejected: ")
+    return error
+
+
+def test_what_is_written_is_accepted(written: str, tmp_path: Path, capsys: Output) -> None:
+    path = tmp_path / "c.json"
+    path.write_text(written)
+    assert main(["check-certificate", str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in lines] == ["kink", "wave_cn"]
+    assert all("accepted" in line for line in lines)
+
+
+def test_a_single_certificate_is_accepted_too(written: str, tmp_path: Path) -> None:
+    path = tmp_path / "c.json"
+    path.write_text(json.dumps(json.loads(written)[0]))
+    assert main(["check-certificate", str(path)]) == 0
+
+
+def test_one_digit_changed_is_rejected(written: str, tmp_path: Path, capsys: Output) -> None:
+    draw = random.Random(1)
+    for match in draw.sample(list(re.finditer(r"[0-9]", written)), 10):
+        other = draw.choice([d for d in "0123456789" if d != match.group()])
+        rejected(written[: match.start()] + other + written[match.end() :], tmp_path, capsys)
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda text: text[: len(text) // 2], "no JSON"),
+        (lambda text: "", "no JSON"),
+        (lambda text: "kink: proved", "no JSON"),
+        (lambda text: "[" * 100_000, "no JSON"),
+        (lambda text: "[]", "no certificate"),
+        (lambda text: "[3]", "a certificate is an object, got int"),
+        (lambda text: '"yes"', "a certificate is an object, got str"),
+        (lambda text: "{}", "cannot be read"),
+        (lambda text: text.replace("longwave proof 1", "longwave proof 0"), "format must be"),
+        (lambda text: text.replace('"variables"', '"variable"'), "kink: the digest does not"),
+    ],
+)
+def test_damage_is_told_in_one_line(
+    damage: object, message: str, written: str, tmp_path: Path, capsys: Output
+) -> None:
+    assert callable(damage)
+    assert message in rejected(damage(written), tmp_path, capsys)
+
+
+def test_binary_is_no_certificate(tmp_path: Path, capsys: Output) -> None:
+    path = tmp_path / "c.json"
+    path.write_bytes(b"\xff\xfe\x00\x01")
+    assert main(["check-certificate", str(path)]) == 1
+    assert "no JSON" in capsys.readouterr().err
