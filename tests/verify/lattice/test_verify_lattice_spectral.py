@@ -6,7 +6,7 @@ import pytest
 from verify.lattice.closing import close_circumference
 from verify.lattice.constants import Constants
 from verify.lattice.spectral import RingState, SpectralRing
-from verify.lattice.splitting import BLANES_MOAN_6
+from verify.lattice.schemes import BLANES_MOAN_6
 
 
 def _bump(sites: int, t: float = 0.0) -> RingState:
