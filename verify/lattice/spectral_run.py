@@ -1,0 +1,271 @@
+"""A run by the spectral engine, with the step, the sampling and the domain that a tolerance needs.
+
+Each of the three is measured by doubling. The time step and the sampling do not depend on the
+circumference, so both are settled on the smallest ring: the step is halved, and the density of
+points doubled, until the compared strains differ by less than their share of the tolerance. Then
+the circumference is doubled until the difference says that its share is met. At all times the tail
+of the spectrum is watched; where it rises above the share of the sampling, the run is begun again
+with twice the points.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import NDArray
+
+from solutions import Wave
+from verify.exponential.adams import ORDER
+from verify.exponential.halving import Halving, halve, sup_difference
+from verify.lattice.constants import Constants
+from verify.lattice.spectral import RingState, SamplingError, SpectralRing
+from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_scale import first_density, first_step
+
+Array = NDArray[np.float64]
+Progress = Callable[[float], None]
+
+STEP_SHARE, SAMPLING_SHARE, DOMAIN_SHARE = 0.25, 0.25, 0.5
+"""Shares of the tolerance."""
+
+DOMAIN_RATIO = (2.0, 16.0)
+"""Doubling the domain divides its error by what was measured, but by no more than L^-4 says."""
+
+UNMEASURED_RATIO = 4.0
+"""The law L^-2 of a ring that is not closed, as long as there is one difference only."""
+
+TINY = 1e-300
+"""Keeps the ratio of two differences finite."""
+
+MOST_POINTS = 2**22
+"""Points on the largest ring."""
+
+
+@dataclass(frozen=True)
+class SpectralTask:
+    """What is to be run: a wave from ``t0``, seen at ``times`` within ``compared`` sites of c t.
+
+    ``tolerance`` is the wanted sup error of y/eps there against the infinite lattice started from
+    the same data. ``times`` increase and do not lie before t0.
+    """
+
+    constants: Constants
+    wave: Wave
+    eps: float
+    t0: float
+    times: tuple[float, ...]
+    compared: int
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0:
+            raise ValueError(f"tolerance must satisfy tolerance > 0, got {self.tolerance:g}")
+        if not self.times or self.times[0] < self.t0 or sorted(self.times) != list(self.times):
+            raise ValueError(f"times must increase from t0 = {self.t0:g}, got {self.times}")
+
+    def sites(self, t: float) -> NDArray[np.int64]:
+        """The compared sites at time ``t``."""
+        middle = math.floor(self.constants.sound_speed() * t + 0.5)
+        return middle + np.arange(-self.compared, self.compared + 1)
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """Measured errors of y/eps on the compared sites (sup over sites and times).
+
+    ``domain_ratio`` is what the last doubling of the domain divided its difference by.
+    """
+
+    time_step: float
+    sampling: float
+    domain: float
+    domain_ratio: float
+
+    @property
+    def total(self) -> float:
+        """Their sum: the error against the infinite lattice."""
+        return self.time_step + self.sampling + self.domain
+
+    @property
+    def next_decade(self) -> float:
+        """The factor by which ten times more accuracy costs more (steps times points)."""
+        return float(10.0 ** (1.0 / ORDER + 1.0 / math.log2(self.domain_ratio)))
+
+
+@dataclass(frozen=True)
+class SpectralCost:
+    """The last run (``steps``, ``points``, ``evaluations`` of the force, ``seconds``), and all.
+
+    ``work`` counts force evaluations times points, ``planning_*`` those of the runs before the
+    last, which measured its errors.
+    """
+
+    steps: int
+    points: int
+    evaluations: int
+    seconds: float
+    planning_work: float
+    planning_seconds: float
+
+    @property
+    def work(self) -> float:
+        """Evaluations of the force times points, of the last run."""
+        return float(self.evaluations) * self.points
+
+
+@dataclass(frozen=True)
+class SpectralRun:
+    """The ring at the task's times, the step and circumference it took, and the errors measured."""
+
+    task: SpectralTask
+    states: tuple[RingState, ...]
+    step: float
+    estimates: Estimates
+    cost: SpectralCost
+
+    @property
+    def circumference(self) -> float:
+        """Circumference of the ring, in sites."""
+        return self.states[0].circumference
+
+    def strain(self, index: int) -> Array:
+        """Strain on the compared sites at ``task.times[index]``."""
+        state = self.states[index]
+        return state.strain(self.task.sites(state.t))
+
+
+def spectral_run(task: SpectralTask, progress: Progress | None = None) -> SpectralRun:
+    """Run the task to its tolerance.
+
+    ``progress`` is called with the share of the work that is done, 0 .. 1, each attempt taken to
+    cost as much as all before it. Raises ValueError if the tolerance cannot be met, and
+    FloatingPointError if the lattice blows up.
+    """
+    return _Planner(task, progress).run()
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    states: tuple[RingState, ...]
+    values: Array
+    steps: int
+    evaluations: int
+    seconds: float
+
+    @property
+    def work(self) -> float:
+        return float(self.evaluations) * self.states[0].y.size
+
+
+class _Planner:
+    """The search: the density it has come to, the initial rings, and the attempts so far."""
+
+    def __init__(self, task: SpectralTask, progress: Progress | None) -> None:
+        self._task, self._progress = task, progress
+        width = 2 * task.compared + 1
+        self._data = RingData(task.constants, task.wave, task.eps, task.t0, width)
+        self._density = first_density(task.wave, task.eps)
+        self._rings: dict[tuple[int, int], RingState] = {}
+        self._attempts: list[_Attempt] = []
+
+    def run(self) -> SpectralRun:
+        tolerance, count = self._task.tolerance, self._data.smallest
+        start = first_step(self._task.constants, self._ring(count))
+        halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
+        values, sampling = self._settle_sampling(count, halving)
+        domain, ratio = self._settle_domain(count, halving.step, values)
+        if self._progress is not None:
+            self._progress(1.0)
+        estimates = Estimates(halving.difference, sampling, domain, ratio)
+        states = self._attempts[-1].states
+        return SpectralRun(self._task, states, halving.step, estimates, self._cost())
+
+    def _settle_sampling(self, count: int, halving: Halving) -> tuple[Array, float]:
+        """Double the density until that no longer matters; the values, and by how much it did."""
+        bound, values = SAMPLING_SHARE * self._task.tolerance, halving.values
+        while True:
+            kept = self._density
+            self._density = 2.0 * kept
+            fine = self._values(count, halving.step)
+            difference = sup_difference(fine, values)
+            if difference <= bound:
+                self._density = kept
+                return values, difference
+            values = fine
+
+    def _settle_domain(self, count: int, step: float, values: Array) -> tuple[float, float]:
+        """Double the ring until its share is met; the error, and the ratio that it comes from."""
+        ratio, before = UNMEASURED_RATIO, None
+        while True:
+            count *= 2
+            fine = self._values(count, step)
+            difference = sup_difference(fine, values)
+            if before is not None:
+                ratio = float(np.clip(before / max(difference, TINY), *DOMAIN_RATIO))
+            if difference <= DOMAIN_SHARE * self._task.tolerance * (ratio - 1.0):
+                return difference / (ratio - 1.0), ratio
+            values, before = fine, difference
+
+    def _values(self, count: int, step: float) -> Array:
+        """The compared y/eps; the density grows until the tail keeps down, infinity if it cannot.
+
+        A step that is too long lets short waves grow, however densely they are sampled.
+        """
+        kept = self._density
+        while True:
+            try:
+                attempt = self._attempt(count, step)
+            except SamplingError:
+                self._density *= 2.0
+            except FloatingPointError:
+                self._density = kept
+                return np.array([np.inf])
+            else:
+                self._attempts.append(attempt)
+                return attempt.values
+
+    def _attempt(self, count: int, step: float) -> _Attempt:
+        task = self._task
+        begun = time.perf_counter()
+        tail = SAMPLING_SHARE * task.tolerance * task.eps
+        ring = SpectralRing(task.constants, self._ring(count), step, tail)
+        states = tuple(self._through(ring))
+        values = [state.strain(task.sites(state.t)) / task.eps for state in states]
+        seconds = time.perf_counter() - begun
+        integrator = ring.integrator
+        return _Attempt(states, np.array(values), integrator.steps, integrator.evaluations, seconds)
+
+    def _through(self, ring: SpectralRing) -> Iterator[RingState]:
+        t0, end = self._task.t0, self._task.times[-1]
+        for t in self._task.times:
+            yield ring.at(t)
+            if self._progress is not None and end > t0:
+                share = (t - t0) / (end - t0)
+                self._progress(1.0 - 0.5 ** (len(self._attempts) + share))
+
+    def _ring(self, count: int) -> RingState:
+        wanted = count * self._data.unit * self._density
+        if wanted > MOST_POINTS:
+            raise ValueError(
+                f"tolerance must be larger than {self._task.tolerance:g}: it needs a ring of more "
+                f"than {MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
+            )
+        points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
+        if (count, points) not in self._rings:
+            circumference = self._data.circumference(count)
+            self._rings[count, points] = self._data.state(circumference, points)
+        return self._rings[count, points]
+
+    def _cost(self) -> SpectralCost:
+        *before, last = self._attempts
+        return SpectralCost(
+            last.steps,
+            last.states[0].y.size,
+            last.evaluations,
+            last.seconds,
+            sum(attempt.work for attempt in before),
+            sum(attempt.seconds for attempt in before),
+        )
