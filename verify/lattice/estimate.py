@@ -12,12 +12,12 @@ class Estimate:
     """What the discretisation is estimated to change y/eps by, at most, against the exact flow.
 
     ``time`` is the time step's part, ``space`` the domain's (and the sampling's, where the engine
-    samples). ``cost`` says how the cost grows with the accuracy.
+    samples). ``next_decade`` is the factor by which ten times more accuracy costs more.
     """
 
     time: float
     space: float
-    cost: CostModel
+    next_decade: float
 
     @property
     def total(self) -> float:

@@ -88,7 +88,7 @@ def plan_stencil(scene: Scene, wave: Wave, progress: Progress) -> StencilPlan:
         domain=domain,
         sites=sites,
     )
-    return StencilPlan(stated, Estimate(time, space, cost))
+    return StencilPlan(stated, Estimate(time, space, cost.next_decade))
 
 
 def domain_kind(scene: Scene, wave: Wave) -> str:
