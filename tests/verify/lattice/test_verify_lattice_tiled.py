@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+import derive
+from solutions import Wave, closed_form
 from verify.lattice import stencil, tiled
 from verify.lattice.constants import Constants
 from verify.lattice.nystroem_conditions import splitting_defect
@@ -49,6 +52,25 @@ def test_every_splitting_is_advanced_by_either_kernel(
         splitting.advance(y, s, 0.2, 61, constants)
         ends.append((y, s))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=2e-13)
+
+
+def test_engine_agrees_with_dop853() -> None:
+    """Y2 about its crest at eps = 0.05, to 1e-8 eps: an integrator that shares no line with it."""
+    eps, size, duration = 0.05, 512, 40.0
+    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
+    value = wave.at(np.arange(size) - size // 2, 0.0, eps)
+    y, s = eps * value.Y, eps**4 * value.Y_T - 2.0 * eps**2 * value.Y_X
+
+    def rate(_: float, state: np.ndarray) -> np.ndarray:
+        strain, velocity = np.split(state, 2)
+        force = strain * (4.0 + strain**2)
+        bend = np.roll(force, 1) - 2.0 * force + np.roll(force, -1)
+        return np.concatenate([velocity, bend])
+
+    start = np.concatenate([y, s])
+    solved = solve_ivp(rate, (0.0, duration), start, "DOP853", rtol=1e-13, atol=1e-15)
+    BLANES_MOAN_6.advance(y, s, duration / 200, 200, Constants(4.0, 0.0, 1.0))
+    assert np.abs(y - solved.y[:size, -1]).max() < 1e-8 * eps
 
 
 def test_odd_ring_falls_back() -> None:
