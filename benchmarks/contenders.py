@@ -83,7 +83,14 @@ def boost_contender(folder: Path) -> Contender:
     def run(steps: float, y: Array, s: Array) -> tuple[float, Array]:
         data, result, count = folder / "in.bin", folder / "out.bin", round(steps)
         np.concatenate([y, s]).tofile(data)
-        call = [str(program), str(SITES), repr(DURATION / count), str(count), data, result]
+        call = [
+            str(program),
+            str(SITES),
+            repr(DURATION / count),
+            str(count),
+            str(data),
+            str(result),
+        ]
         seconds = subprocess.run(call, check=True, capture_output=True, text=True).stdout
         return float(seconds), np.fromfile(result)
 
