@@ -11,6 +11,9 @@ Array = NDArray[np.float64]
 PATIENCE = 4
 """Halvings without a new smallest difference after which rounding is what is left."""
 
+BLOWN = 10
+"""Halvings after which a solution that still blows up does so by itself."""
+
 
 @dataclass(frozen=True)
 class Halving:
@@ -45,7 +48,8 @@ def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving
         difference = sup_difference(fine, coarse)
         if difference <= bound:
             return Halving(step, fine, difference, runs)
-        since = 0 if difference < best else since + 1
+        improved = difference < best or (best == np.inf and runs <= BLOWN)
+        since = 0 if improved else since + 1
         best, coarse = min(best, difference), fine
     if not np.all(np.isfinite(coarse)):
         raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
