@@ -10,7 +10,7 @@ from solutions import Wave
 from verify.lattice.closing import REACH, blend_seam, close_circumference
 from verify.lattice.constants import Constants
 from verify.lattice.initial import lattice_data
-from verify.lattice.spectral import RingState
+from verify.lattice.ring_state import RingState
 
 Array = NDArray[np.float64]
 
@@ -60,15 +60,19 @@ class RingData:
         return close_circumference(self._strain, self.unit, count)
 
     def state(self, circumference: float, points: int) -> RingState:
-        """The ring at t0, centred on c t0.
+        """``moving_state`` without the mean velocity that the miss at the seam makes.
 
-        The ring has no mean velocity: what the miss at the seam makes of it would drift.
+        It would let the mean strain drift, by much more than the seam itself disturbs.
         """
+        return self.moving_state(circumference, points).at_rest()
+
+    def moving_state(self, circumference: float, points: int) -> RingState:
+        """The ring at t0, centred on c t0, blended at its seam."""
         x = circumference * (np.arange(points) / points - 0.5)
         reach = self.unit if self.periodic else circumference / BLEND
         y, s = blend_seam(self._data, circumference, reach / REACH, x)
         left = self._middle - 0.5 * circumference
-        return RingState(self.t0, left, circumference, y, s).at_rest()
+        return RingState(self.t0, left, circumference, y, s)
 
     @property
     def _middle(self) -> float:

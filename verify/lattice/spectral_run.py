@@ -17,13 +17,14 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions import Wave
-from verify.exponential.adams import ORDER
 from verify.exponential.halving import Halving, halve, sup_difference
-from verify.lattice.constants import Constants
-from verify.lattice.spectral import RingState, SamplingError, SpectralRing
+from verify.lattice.ring_state import RingState
+from verify.lattice.spectral import SamplingError, SpectralRing
 from verify.lattice.spectral_data import RingData
 from verify.lattice.spectral_scale import first_density, first_step
+from verify.lattice.spectral_task import Estimates, SpectralCost, SpectralRun, SpectralTask
+
+__all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -42,99 +43,6 @@ TINY = 1e-300
 
 MOST_POINTS = 2**22
 """Points on the largest ring."""
-
-
-@dataclass(frozen=True)
-class SpectralTask:
-    """What is to be run: a wave from ``t0``, seen at ``times`` within ``compared`` sites of c t.
-
-    ``tolerance`` is the wanted sup error of y/eps there against the infinite lattice started from
-    the same data. ``times`` increase and do not lie before t0.
-    """
-
-    constants: Constants
-    wave: Wave
-    eps: float
-    t0: float
-    times: tuple[float, ...]
-    compared: int
-    tolerance: float
-
-    def __post_init__(self) -> None:
-        if not self.tolerance > 0:
-            raise ValueError(f"tolerance must satisfy tolerance > 0, got {self.tolerance:g}")
-        if not self.times or self.times[0] < self.t0 or sorted(self.times) != list(self.times):
-            raise ValueError(f"times must increase from t0 = {self.t0:g}, got {self.times}")
-
-    def sites(self, t: float) -> NDArray[np.int64]:
-        """The compared sites at time ``t``."""
-        middle = math.floor(self.constants.sound_speed() * t + 0.5)
-        return middle + np.arange(-self.compared, self.compared + 1)
-
-
-@dataclass(frozen=True)
-class Estimates:
-    """Measured errors of y/eps on the compared sites (sup over sites and times).
-
-    ``domain_ratio`` is what the last doubling of the domain divided its difference by.
-    """
-
-    time_step: float
-    sampling: float
-    domain: float
-    domain_ratio: float
-
-    @property
-    def total(self) -> float:
-        """Their sum: the error against the infinite lattice."""
-        return self.time_step + self.sampling + self.domain
-
-    @property
-    def next_decade(self) -> float:
-        """The factor by which ten times more accuracy costs more (steps times points)."""
-        return float(10.0 ** (1.0 / ORDER + 1.0 / math.log2(self.domain_ratio)))
-
-
-@dataclass(frozen=True)
-class SpectralCost:
-    """The last run (``steps``, ``points``, ``evaluations`` of the force, ``seconds``), and all.
-
-    ``work`` counts force evaluations times points, ``planning_*`` those of the runs before the
-    last, which measured its errors.
-    """
-
-    steps: int
-    points: int
-    evaluations: int
-    seconds: float
-    planning_work: float
-    planning_seconds: float
-
-    @property
-    def work(self) -> float:
-        """Evaluations of the force times points, of the last run."""
-        return float(self.evaluations) * self.points
-
-
-@dataclass(frozen=True)
-class SpectralRun:
-    """The ring at the task's times, the step and circumference it took, and the errors measured."""
-
-    task: SpectralTask
-    states: tuple[RingState, ...]
-    step: float
-    estimates: Estimates
-    cost: SpectralCost
-
-    @property
-    def circumference(self) -> float:
-        """Circumference of the ring, in sites."""
-        return self.states[0].circumference
-
-    def strain(self, index: int) -> Array:
-        """Strain on the compared sites at ``task.times[index]``."""
-        state = self.states[index]
-        return state.strain(self.task.sites(state.t))
 
 
 def spectral_run(task: SpectralTask, progress: Progress | None = None) -> SpectralRun:
@@ -173,7 +81,8 @@ class _Planner:
 
     def run(self) -> SpectralRun:
         tolerance, count = self._task.tolerance, self._data.smallest
-        start = first_step(self._task.constants, self._ring(count))
+        duration = self._task.times[-1] - self._task.t0
+        start = first_step(self._task.constants, self._ring(count), duration)
         halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
         values, sampling = self._settle_sampling(count, halving)
         domain, ratio = self._settle_domain(count, halving.step, values)

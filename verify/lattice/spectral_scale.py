@@ -6,7 +6,7 @@ import numpy as np
 
 from solutions import Wave
 from verify.lattice.constants import Constants
-from verify.lattice.spectral import RingState, forward
+from verify.lattice.ring_state import RingState, forward
 
 PER_RADIAN = 2.0
 """First sampling: points per unit of the wave's own variable xi."""
@@ -17,7 +17,11 @@ def first_density(wave: Wave, eps: float) -> float:
     return PER_RADIAN * float(wave.normal_form.a) * eps
 
 
-def first_step(constants: Constants, state: RingState) -> float:
+FEWEST = 4
+"""Steps of the first attempt, at least: differences between fewer say nothing about the order."""
+
+
+def first_step(constants: Constants, state: RingState, duration: float) -> float:
     """The time in which the nonlinear part turns the phase of a typical wave by one.
 
     About a strain y, a wave of number k runs ahead of the mean by (V''(y) - mean)/(2 c) k; k is the
@@ -29,7 +33,8 @@ def first_step(constants: Constants, state: RingState) -> float:
     power = np.abs(forward(state.y)[1:]) ** 2
     k = 2.0 * math.pi / state.circumference * np.arange(1, power.size + 1)
     total = float(np.sum(power))
+    longest = duration / FEWEST if duration > 0 else 1.0
     if total == 0.0 or spread == 0.0:
-        return 1.0 / constants.sound_speed()
+        return longest
     typical = math.sqrt(float(np.sum(power * k**2)) / total)
-    return 2.0 * constants.sound_speed() / (spread * typical)
+    return min(longest, 2.0 * constants.sound_speed() / (spread * typical))
