@@ -9,9 +9,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from solutions import Wave
 from verify.exponential.adams import ORDER
 from verify.lattice.domain import least_window
+from verify.lattice.extent import extent_of
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.spectral_scale import first_density
@@ -43,16 +46,18 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
 
 @dataclass(frozen=True)
 class Rates:
-    """Measured constants of the model, with the planning included."""
+    """Measured constants of the model; the seconds hold the planning, too."""
 
-    stencil: float = 2.5e-9
-    """Seconds per site and force evaluation; three runs."""
-    spectral: float = 6e-9
-    """Seconds per point, log2(points) and evaluation; three runs."""
-    evaluations: float = 40.0
-    """Evaluations per unit of the wave's own time b eps^3 t, at tolerance 1."""
+    stencil: float = 2e-9
+    """Seconds per site and force evaluation."""
+    spectral: float = 8e-9
+    """Seconds per point, log2(points) and evaluation."""
+    evaluations: float = 13.0
+    """Evaluations per unit of b eps^3 t times peak^3, at tolerance 1."""
     ring: float = 4.0
     """Circumference in units of the compared region."""
+    density: float = 2.7
+    """Points per site in units of the first density times the peak."""
 
 
 RATES = Rates()
@@ -67,12 +72,14 @@ def stencil_seconds(scene: Scene, wave: Wave) -> float:
 
 
 def spectral_seconds(scene: Scene, wave: Wave) -> float:
-    """What a ring would take."""
+    """What a ring would take; the wave's peak sets its width and its time, as in the mKdV limit."""
     assert scene.tolerance is not None
+    peak = float(np.max(np.abs(extent_of(scene, wave).strain))) / scene.eps
     slow = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0)
-    evaluations = RATES.evaluations * (1.0 + slow) * scene.tolerance ** (-1.0 / ORDER)
+    accuracy = scene.tolerance ** (-1.0 / ORDER)
+    evaluations = RATES.evaluations * (1.0 + slow * peak**3) * accuracy
     width = RATES.ring * (2 * scene.compared + 1)
-    points = 2.0 + width * first_density(wave, scene.eps)
+    points = 2.0 + width * RATES.density * peak * first_density(wave, scene.eps)
     return RATES.spectral * evaluations * points * math.log2(points)
 
 
