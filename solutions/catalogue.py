@@ -1,5 +1,8 @@
 """The catalogue of closed forms. Adding one is one file in ``forms`` and one line here."""
 
+import re
+from collections.abc import Iterable
+
 from solutions.closed_form import ClosedForm
 from solutions.forms.bare_waves import WAVE_CN, WAVE_DN, WAVE_SN
 from solutions.forms.breather import BREATHER
@@ -15,6 +18,7 @@ from solutions.forms.soliton_background import SOLITON_BACKGROUND
 from solutions.forms.soliton_dn import SOLITON_DN
 from solutions.forms.soliton_sech import SOLITON_SECH
 from solutions.forms.two_soliton import TWO_SOLITON
+from solutions.rational import rational
 
 __all__ = ["CATALOGUE", "closed_form"]
 
@@ -38,14 +42,33 @@ CATALOGUE: tuple[ClosedForm, ...] = (
 )
 
 
-def closed_form(name: str) -> ClosedForm:
+LARGEST_ORDER = 12
+"""Highest order of a rational solution that is made from its name."""
+
+_RATIONAL = re.compile(r"rational_([1-9]\d?)")
+_SHIFT = re.compile(r"tau_([1-9]\d?)")
+
+
+def closed_form(name: str, parameters: Iterable[str] = ()) -> ClosedForm:
     """The closed form called ``name``; a ValueError lists the names if there is none.
+
+    ``rational_<j>`` is there for every order j up to ``LARGEST_ORDER``. Its free shifts are those
+    named in ``parameters`` (tau_5, tau_7, ...); other parameters do not matter here.
 
     >>> closed_form("kink").title
     'kink'
+    >>> [parameter.name for parameter in closed_form("rational_4", ["tau_5"]).parameters]
+    ['tau_5']
     """
-    for form in CATALOGUE:
-        if form.name == name:
-            return form
+    match = _RATIONAL.fullmatch(name)
+    shifts = [int(found[1]) for text in parameters if (found := _SHIFT.fullmatch(text))]
+    printed = next((form for form in CATALOGUE if form.name == name), None)
+    if match and int(match[1]) <= LARGEST_ORDER and (shifts or printed is None):
+        return rational(int(match[1]), shifts)
+    if printed is not None:
+        return printed
     names = ", ".join(form.name for form in CATALOGUE)
-    raise ValueError(f"name must be a closed form of the catalogue, got {name!r} (one of {names})")
+    raise ValueError(
+        f"name must be a closed form of the catalogue, got {name!r} "
+        f"(one of {names}; rational_<j> for j up to {LARGEST_ORDER})"
+    )

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave, WaveValues
+from verify.lattice.constants import Constants
 from verify.lattice.domain import compared_sites
 from verify.lattice.error import relative_sup_error
 from verify.lattice.scene import Scene
@@ -49,6 +50,24 @@ class Comparison:
         left = self._strain(self.wave.far_field_at(*self._place, "left"))
         right = self._strain(self.wave.far_field_at(*self._place, "right"))
         return np.where(np.arange(left.size) < self.scene.compared, left, right)
+
+    @property
+    def constants(self) -> Constants:
+        """The lattice constants."""
+        return self.scene.constants
+
+    @property
+    def level(self) -> float:
+        """Strain of the constant background, 0 on a periodic one."""
+        return self.scene.eps * (self.wave.constant_background or 0.0)
+
+    def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
+        """Wave, background and their slopes in n, at n - ``shift`` for the compared sites n."""
+        place = (self.sites - shift, self.state.t, self.scene.eps)
+        wave, background = self.wave.at(*place), self.wave.background_at(*place)
+        eps = self.scene.eps
+        slopes = eps**2 * wave.Y_X, eps**2 * background.Y_X
+        return self._strain(wave), self._strain(background), *slopes
 
     @property
     def has_far_field(self) -> bool:

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.lattice.comparison import Comparison
-from verify.lattice.observables import Variables
+from verify.lattice.moments import Moments
+from verify.lattice.observables.entry import View
+from verify.lattice.recorder import Variables
 from verify.lattice.recording import Progress, record
 from verify.lattice.scene import Scene
 
@@ -22,12 +23,12 @@ class StrainSamples:
     """Keeps the run's strains on the compared sites, and nothing else."""
 
     def __init__(self, times: Sequence[float]) -> None:
-        self.times = times
+        self.moments = Moments(tuple(times))
         self.samples: list[Array] = []
 
-    def see(self, comparison: Comparison) -> None:
+    def see(self, view: View) -> None:
         """Keep the strains at one time."""
-        self.samples.append(comparison.numeric)
+        self.samples.append(view.numeric)
 
     def variables(self) -> Variables:
         """Nothing: the samples are only compared."""

@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from solutions import Wave
+from verify.lattice.blow_up import BlowUp
+from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
@@ -27,11 +29,15 @@ class Domain(Protocol):
 
     stay: float
 
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+
     def start(self) -> State:
         """The initial state."""
 
-    def follow(self, state: State) -> None:
-        """Move to the sites that belong to ``state.t``."""
+    def follow(self, state: State) -> BlowUp | None:
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
 
 
 def frame(scene: Scene, t: float) -> int:
@@ -42,6 +48,22 @@ def frame(scene: Scene, t: float) -> int:
 def compared_sites(scene: Scene, t: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """The sites within ``compared`` of c t."""
     return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
+
+
+def least_window(compared: int) -> int:
+    """Fewest sites of a window whose ends keep away from the compared sites."""
+    return 2 * (compared + 2 * (STRIDE + MARGIN))
+
+
+def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
+    """Fewest sites of a ring whose seam cannot be felt at the compared sites.
+
+    ``strain`` holds strains about which waves may run; the fastest of them counts.
+    """
+    duration = scene.end - scene.t0
+    fastest = scene.constants.highest_frequency(strain) / 2.0
+    travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
+    return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
 
 
 @dataclass
@@ -55,6 +77,7 @@ class Ring:
     scene: Scene
     wave: Wave
     stay: float = math.inf
+    mismatch: float = 0.0
 
     def start(self) -> State:
         """The initial state on all sites of the ring."""
@@ -65,14 +88,11 @@ class Ring:
         self._check(state)
         return state
 
-    def follow(self, state: State) -> None:
+    def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""
 
     def _check(self, state: State) -> None:
-        duration = self.scene.end - self.scene.t0
-        fastest = self.scene.constants.highest_frequency(state.y) / 2.0
-        travelled = self.scene.constants.sound_speed() * duration / 2.0 + fastest * duration
-        least = 2 * (self.scene.compared + math.ceil(travelled) + MARGIN)
+        least = least_ring(self.scene, state.y)
         if self.scene.sites < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} on this ring, got {self.scene.sites} "
@@ -86,7 +106,8 @@ class Window:
 
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
-    the window outruns those at its rear. Raises ValueError for a wave without a constant
+    the window outruns those at its rear. A monitor compares each feed with the sites behind it.
+    Raises ValueError for a wave without a constant
     background, and for compared sites too near the window's ends.
     """
 
@@ -100,14 +121,20 @@ class Window:
                 f"domain must be 'ring' for {self.scene.wave}, got 'window' "
                 "(its background is not constant)"
             )
+        self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.stay = STRIDE / self.scene.constants.sound_speed()
-        least = 2 * (self.scene.compared + 2 * (STRIDE + MARGIN))
+        least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.scene.sites} "
                 "(its ends would touch the compared sites; widen it)"
             )
+
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+        return self.monitor.mismatch
 
     def start(self) -> State:
         """The initial state, centred on c t0."""
@@ -116,14 +143,17 @@ class Window:
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
 
-    def follow(self, state: State) -> None:
-        """Move the window to c t, feeding the cells in front."""
+    def follow(self, state: State) -> BlowUp | None:
+        """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
         left = frame(self.scene, state.t) - self.scene.sites // 2
         moved = left - state.left
         state.left = left
-        front = state.sites[-(2 * moved + MARGIN) :]
-        data = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
-        state.store(front, *data)
+        fed = 2 * moved + MARGIN
+        front = state.sites[-(fed + WATCHED) :]
+        y, s = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
+        fault = self.monitor.compare(state, front[:WATCHED], y[:WATCHED])
+        state.store(front[WATCHED:], y[WATCHED:], s[WATCHED:])
+        return fault
 
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:

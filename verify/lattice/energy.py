@@ -7,11 +7,19 @@ from verify.lattice.state import State
 
 
 def ring_energy(state: State, constants: Constants) -> float:
-    """Sum of p_n^2 / 2 + V(y_n) over the ring, p_n in the frame of its centre of mass.
+    """Energy of the chain whose bonds are strained by y: sum of p_n^2 / 2 + V(y_n).
 
-    The momenta follow from s_n = p_{n+1} - p_n. The value is conserved by the exact flow if the
-    velocities sum to zero over the ring; otherwise the ring is being stretched, and the stretching
-    does work on it.
+    The strain lattice is the chain u_n'' = V'(y_n) - V'(y_{n-1}), y_n = u_{n+1} - u_n, whose energy
+    this is. The velocities p_n = u_n' are rebuilt from s_n = p_{n+1} - p_n, in the frame of the
+    centre of mass; the part of s that a ring cannot hold, its mean, is left out.
+
+    The exact flow obeys dH/dt = mean(s) sum V'(y_n): the energy is conserved if the velocities
+    sum to zero, and otherwise changes by the work of stretching the ring. mean(s) is conserved, so
+    data that close up keep H for good.
+
+    >>> state = State(0.0, 0, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, -1.0]))
+    >>> round(ring_energy(state, Constants(4, 0, 1)), 12)  # V = 2 + 1/4, p = (-1, -1, 2) / 3
+    2.583333333333
     """
     y, s = state.y, state.s
     momentum = np.cumsum(s - np.mean(s))

@@ -1,9 +1,7 @@
 """Stepping a state through the times at which it is wanted."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-
-import numpy as np
+from collections.abc import Iterator, Sequence
 
 from verify.lattice.blow_up import BlowUp, find_blow_up
 from verify.lattice.constants import Constants
@@ -12,18 +10,25 @@ from verify.lattice.scheme import Scheme
 from verify.lattice.state import State
 
 CHUNK = 64
-"""Most steps between two looks at the state; a chunk that blew up is repeated step by step."""
+"""Most steps between two stops; a chunk that blew up is repeated step by step."""
 
 
 class March:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
     Between two wanted times the steps are equal and not longer than ``step``, so that the wanted
-    times are hit exactly. ``blow_up`` is set when the march had to stop; ``steps`` counts.
+    times are hit exactly. ``amplitude`` is the largest strain at the run's beginning. ``blow_up``
+    is set when the march had to stop; ``steps`` counts.
     """
 
     def __init__(
-        self, state: State, scheme: Scheme, constants: Constants, domain: Domain, step: float
+        self,
+        state: State,
+        scheme: Scheme,
+        constants: Constants,
+        domain: Domain,
+        step: float,
+        amplitude: float,
     ) -> None:
         self.state = state
         self.scheme = scheme
@@ -31,29 +36,32 @@ class March:
         self.domain = domain
         self.step = step
         self.steps = 0
-        self._amplitude = float(np.max(np.abs(state.y)))
-        self.blow_up: BlowUp | None = find_blow_up(constants, state, self._amplitude)
+        self._amplitude = amplitude
+        self.blow_up: BlowUp | None = find_blow_up(constants, state, amplitude)
 
-    def through(self, times: Sequence[float], progress: Callable[[float], None]) -> Iterator[State]:
-        """Yield the state at each of the increasing ``times``; stop early at a blow-up.
+    def through(self, times: Sequence[float]) -> Iterator[State]:
+        """Yield the state at every stop on the way through the increasing ``times``.
 
-        ``progress`` is called with the time reached, a few times between two of the ``times``.
+        Each of the ``times`` is a stop, hit exactly; between them the march stops every few steps,
+        whoever looks. It ends early at a blow-up.
         """
         for t in times:
-            self._advance_to(t, progress)
+            yield from self._stops_until(t)
             if self.blow_up is not None:
                 return
-            yield self.state
 
-    def _advance_to(self, t: float, progress: Callable[[float], None]) -> None:
+    def _stops_until(self, t: float) -> Iterator[State]:
         begin, done = self.state.t, 0
         steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
+        if steps == 0 and self.blow_up is None:
+            yield self.state
         while done < steps and self.blow_up is None:
             h = (t - begin) / steps
             chunk = min(steps - done, CHUNK, max(1, int(min(self.domain.stay / h, CHUNK))))
             self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
             done += chunk
-            progress(self.state.t)
+            if self.blow_up is None:
+                yield self.state
 
     def _advance(self, h: float, steps: int, t: float) -> None:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
@@ -61,13 +69,15 @@ class March:
         before = state.y.copy(), state.s.copy()
         self.scheme.advance(state.y, state.s, h, steps, self.constants)
         state.t = t
-        self.blow_up = find_blow_up(self.constants, state, self._amplitude)
-        if self.blow_up is None:
+        found = find_blow_up(self.constants, state, self._amplitude)
+        if found is None:
             self.steps += steps
-            self.domain.follow(state)
-        elif steps > 1:
+            self.blow_up = self.domain.follow(state)
+            return
+        self.blow_up = found if steps == 1 else None
+        if steps > 1:
             state.y[:], state.s[:] = before
-            state.t, self.blow_up = begin, None
+            state.t = begin
             for step in range(1, steps + 1):
                 if self.blow_up is None:
                     self._advance(h, 1, t if step == steps else begin + step * h)

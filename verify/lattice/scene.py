@@ -1,21 +1,25 @@
 """A scene: what to run, and which effects are wanted of it."""
 
 import json
-import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from verify.lattice import scene_checks as check
 from verify.lattice.constants import Constants
+from verify.lattice.observables import NAMES, entry_named
 from verify.lattice.scene_toml import read_scene_file
 from verify.lattice.scheme import Scheme
 from verify.lattice.schemes import scheme_named
 
-OBSERVABLES = ("strain", "error_curve", "energy", "time_step_error", "domain_error")
+OBSERVABLES = NAMES
 DOMAINS = ("window", "ring")
+ENGINES = ("stencil", "spectral")
+DEFAULT_SCHEME = "kahan_li_8"
 FOLDER = files("verify.lattice.scenes")
+FURTHER = files("verify.lattice.scenes.further")
 
 
 @dataclass(frozen=True)
@@ -23,10 +27,18 @@ class Scene:
     """One run, stated in full; numbers are checked when the record is made.
 
     Times are in units of the lattice, lengths in sites. ``compared`` is the half-width of the
-    compared region about the site nearest to c t; ``sites`` the size of the computed domain:
-    a ``window`` that moves with the wave (constant backgrounds) or a fixed ``ring``. ``step`` is
-    the largest time step. The error curve is sampled at ``curve_points`` equidistant times and
-    the snapshots. ``parameters`` are the wave's, as (name, value) pairs.
+    compared region about the site nearest to c t. How it is computed is stated in one of two ways:
+
+    * ``step`` (the largest time step), ``domain`` (a ``window`` that moves with the wave, for
+      constant backgrounds, or a fixed ``ring``), its size ``sites``, and ``scheme``;
+    * ``tolerance``: the sup error of y/eps over the compared sites, against the infinite lattice
+      started from the same data. The program then chooses engine, scheme, step and domain;
+      ``engine`` and ``scheme`` may be named.
+
+    The error curve is sampled at ``curve_points`` equidistant times and
+    the snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the
+    march stops anyway, or at ``look_points`` equidistant times if that is given. ``parameters`` are
+    the wave's, as (name, value) pairs.
 
     Raises ValueError in one line: argument, condition, value, remedy.
     """
@@ -38,15 +50,18 @@ class Scene:
     snapshots: tuple[float, ...]
     K2: float
     K4: float
-    step: float
-    domain: str
-    sites: int
     compared: int
+    step: float = 0.0
+    domain: str = ""
+    sites: int = 0
     K3: float = 0.0
     parameters: tuple[tuple[str, float | str], ...] = ()
     observables: tuple[str, ...] = ("strain", "error_curve")
-    scheme: str = "kahan_li_8"
+    scheme: str = ""
+    tolerance: float | None = None
+    engine: str = ""
     curve_points: int = 201
+    look_points: int | None = None
     title: str = ""
 
     @classmethod
@@ -61,20 +76,58 @@ class Scene:
 
     def __post_init__(self) -> None:
         for key in ("eps", "t0", "K2", "K3", "K4", "step"):
-            object.__setattr__(self, key, _finite(key, getattr(self, key)))
-        for key in ("sites", "compared", "curve_points"):
-            _whole(key, getattr(self, key))
-        object.__setattr__(self, "snapshots", _times(self.snapshots, self.t0))
-        object.__setattr__(self, "observables", _observables(self.observables))
-        object.__setattr__(self, "parameters", _parameters(self.parameters))
-        for key in ("eps", "step"):
-            if getattr(self, key) <= 0:
-                raise ValueError(f"{key} must satisfy {key} > 0, got {getattr(self, key):g}")
-        _one_of("domain", self.domain, DOMAINS)
-        scheme_named(self.scheme)
-        if "energy" in self.observables and self.domain != "ring":
-            raise ValueError("energy needs domain 'ring', got 'window' (a window drops sites)")
+            object.__setattr__(self, key, check.finite(key, getattr(self, key)))
+        for key in ("compared", "curve_points"):
+            check.whole(key, getattr(self, key))
+        check.positive("eps", self.eps)
+        object.__setattr__(self, "snapshots", check.times(self.snapshots, self.t0))
+        object.__setattr__(self, "observables", check.observables(self.observables))
+        object.__setattr__(self, "parameters", check.parameters(self.parameters))
+        if self.look_points is not None:
+            check.whole("look_points", self.look_points)
+        if self.engine:
+            check.one_of("engine", self.engine, ENGINES)
+        if self.tolerance is None:
+            self._check_stated()
+        else:
+            self._check_chosen(self.tolerance)
         self.constants.sound_speed()
+
+    def _check_stated(self) -> None:
+        """The scene states scheme, step and domain."""
+        object.__setattr__(self, "scheme", self.scheme or DEFAULT_SCHEME)
+        scheme_named(self.scheme)
+        check.whole("sites", self.sites)
+        check.positive("step", self.step)
+        check.one_of("domain", self.domain, DOMAINS)
+        if self.engine == "spectral":
+            raise ValueError("tolerance must be given for engine 'spectral' (it takes no step)")
+        for name in self.observables:
+            if entry_named(name).needs_ring and self.domain != "ring":
+                raise ValueError(f"{name} needs domain 'ring', got 'window' (a window drops sites)")
+
+    def _check_chosen(self, tolerance: float) -> None:
+        """The scene leaves step and domain to the program."""
+        check.positive("tolerance", check.finite("tolerance", tolerance))
+        for key in ("step", "domain", "sites"):
+            if getattr(self, key):
+                raise ValueError(
+                    f"{key} must not be given with a tolerance, got {getattr(self, key)} "
+                    "(the tolerance determines it; leave out one of the two)"
+                )
+        if self.scheme:
+            scheme_named(self.scheme)
+            if self.engine == "spectral":
+                raise ValueError(
+                    f"scheme must not be given for engine 'spectral', got {self.scheme!r} "
+                    "(it has its own)"
+                )
+        for name in self.observables:
+            if entry_named(name).seen == "refinement":
+                raise ValueError(
+                    f"observables must not hold {name} with a tolerance "
+                    "(the run reports an estimate of its own)"
+                )
 
     @cached_property
     def constants(self) -> Constants:
@@ -96,68 +149,42 @@ class Scene:
         return json.dumps(asdict(self), sort_keys=True)
 
 
+def with_tolerance(scene: Scene, tolerance: float) -> Scene:
+    """The scene with a tolerance in the place of its step, domain and measured refinements."""
+    wanted = tuple(name for name in scene.observables if entry_named(name).seen != "refinement")
+    scheme = scene.scheme if scene.tolerance is not None else ""
+    chosen = {"scheme": scheme, "step": 0.0, "domain": "", "sites": 0}
+    return replace(scene, tolerance=tolerance, observables=wanted, **chosen)  # type: ignore[arg-type]
+
+
 def shipped_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with the package, sorted.
+    """Names of the paper's scenes, which come with the package, sorted.
 
     >>> "rational_2_eps_0.05" in shipped_scenes()
     True
     """
-    found = (entry.name for entry in FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    return _names(FOLDER)
+
+
+def further_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package and go beyond the paper, sorted.
+
+    >>> "rogue_cn_k_0.5_long" in further_scenes()
+    True
+    """
+    return _names(FURTHER)
 
 
 def load_scene(name: str) -> Scene:
-    """The shipped scene of that name; ValueError lists the known ones."""
-    if name not in shipped_scenes():
-        raise ValueError(f"scene must be one of {', '.join(shipped_scenes())}, got {name!r}")
-    with as_file(FOLDER / f"{name}.toml") as path:
-        return Scene.from_toml(path)
+    """The shipped scene of that name, the paper's or a further one; ValueError lists them."""
+    for folder in (FOLDER, FURTHER):
+        if name in _names(folder):
+            with as_file(folder / f"{name}.toml") as path:
+                return Scene.from_toml(path)
+    known = ", ".join((*shipped_scenes(), *further_scenes()))
+    raise ValueError(f"scene must be one of {known}, got {name!r}")
 
 
-def _finite(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{name} must be a number, got {value!r}")
-    if not math.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {value}")
-    return float(value)
-
-
-def _whole(name: str, value: object) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"{name} must be a whole number >= 1, got {value!r}")
-
-
-def _one_of(name: str, value: object, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
-
-
-def _times(values: object, t0: float) -> tuple[float, ...]:
-    if not isinstance(values, list | tuple) or not values:
-        raise ValueError(f"snapshots must be a list of at least one time, got {values!r}")
-    times = tuple(_finite("snapshots", value) for value in values)
-    if min(times) < t0:
-        raise ValueError(
-            f"snapshots must satisfy t >= t0 = {t0:g}, got {min(times):g} (start earlier)"
-        )
-    if list(times) != sorted(set(times)):
-        raise ValueError(f"snapshots must increase, got {list(times)}")
-    return times
-
-
-def _observables(values: object) -> tuple[str, ...]:
-    if not isinstance(values, list | tuple):
-        raise ValueError(f"observables must be a list of names, got {values!r}")
-    for value in values:
-        _one_of("observables", value, OBSERVABLES)
-    return tuple(values)
-
-
-def _parameters(
-    values: Mapping[str, float | str] | tuple[tuple[str, float | str], ...],
-) -> tuple[tuple[str, float | str], ...]:
-    pairs = values.items() if isinstance(values, Mapping) else values
-    return tuple(
-        (str(name), value if isinstance(value, str) else _finite(str(name), value))
-        for name, value in pairs
-    )
+def _names(folder: Traversable) -> tuple[str, ...]:
+    found = (entry.name for entry in folder.iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))

@@ -1,10 +1,12 @@
 """Scene files: TOML with a whitelist of keys.
 
-title, wave, eps, t0, snapshots, observables, curve_points
+title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
 [lattice]     K2, K3, K4
 [parameters]  the wave's own: numbers, or multiples of K such as "K/2"
 [scheme]      name, step
 [domain]      kind, sites, compared
+
+A scene with a tolerance states no step, kind and sites.
 """
 
 import tomllib
@@ -12,13 +14,26 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-TOP = ("title", "wave", "eps", "t0", "snapshots", "observables", "curve_points")
+TOP = (
+    "title",
+    "wave",
+    "eps",
+    "t0",
+    "snapshots",
+    "observables",
+    "curve_points",
+    "look_points",
+    "tolerance",
+    "engine",
+)
 TABLES = {
     "lattice": {"K2": "K2", "K3": "K3", "K4": "K4"},
     "scheme": {"name": "scheme", "step": "step"},
     "domain": {"kind": "domain", "sites": "sites", "compared": "compared"},
 }
-REQUIRED = ("wave", "eps", "t0", "snapshots", "K2", "K4", "step", "domain", "sites", "compared")
+REQUIRED = ("wave", "eps", "t0", "snapshots", "K2", "K4", "compared")
+STATED = ("step", "domain", "sites")
+"""Required unless there is a tolerance."""
 
 
 def read_scene_file(path: Path) -> dict[str, Any]:
@@ -52,9 +67,11 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
         entries = _table(document, table)
         _refuse_unknown(entries, tuple(renamed), f" in [{table}]")
         fields |= {renamed[key]: value for key, value in entries.items()}
-    missing = [key for key in REQUIRED if key not in fields]
+    required = REQUIRED if "tolerance" in fields else (*REQUIRED, *STATED)
+    missing = [key for key in required if key not in fields]
     if missing:
-        raise ValueError(f"missing key {_where(missing[0])} (a scene must state it)")
+        remedy = " or a tolerance" if missing[0] in STATED else ""
+        raise ValueError(f"missing key {_where(missing[0])} (a scene must state it{remedy})")
     fields["parameters"] = tuple(_table(document, "parameters").items())
     return fields
 

@@ -59,7 +59,7 @@ def check_step(step: float, scheme: Scheme, constants: Constants, strain: Array)
     limit = stability_limit(scheme) / constants.highest_frequency(strain)
     if step > limit:
         raise ValueError(
-            f"step must satisfy step <= {limit:.4g}, got {step:g} "
+            f"step must satisfy step <= {limit:.7g}, got {step:.9g} "
             f"(linear stability limit of {scheme.name} at the zone boundary k = pi; "
             "take a smaller step)"
         )

@@ -1,1 +1,1 @@
-"""Studies: what an evaluation or a computation costs, and how exact it is."""
+"""Studies: how exact an evaluation is, what hard cases do, what proofs and accuracy cost."""

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verify.lattice import Scene, run
+from verify.lattice import Scene, load_scene, run
 from verify.lattice import domain as domain_module
 from verify.lattice.domain import Window, frame
+from verify.lattice.feed import TOLERANCE
 from verify.lattice.initial import build_wave, transported_data
 from verify.lattice.state import State
 
@@ -24,19 +25,34 @@ def test_window_equals_a_wide_ring(window_scene: Callable[..., Scene]) -> None:
     assert np.max(np.abs(strain(scene) - strain(wide))) < 1e-6 * scene.eps
 
 
-def test_a_wrong_far_field_is_seen(
-    window_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("factor", "shift"), [(1.01, 0.0), (1.0, 1e-3), (-1.0, 0.0)])
+def test_a_wrong_far_field_stops_the_run(
+    window_scene: Callable[..., Scene],
+    monkeypatch: pytest.MonkeyPatch,
+    factor: float,
+    shift: float,
 ) -> None:
-    """The comparison above has teeth: a feed wrong by 1 % moves the compared sites."""
-    scene = window_scene(compared=250)
-    right = strain(scene)
-
     def wrong(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
         y, s = transported_data(*arguments)  # type: ignore[arg-type]
-        return 1.01 * y, s
+        return factor * y + 0.1 * shift, s
 
     monkeypatch.setattr(domain_module, "transported_data", wrong)
-    assert np.max(np.abs(strain(scene) - right)) > 1e-4 * scene.eps
+    measured = run(window_scene())
+    text = measured.attrs["blow_up"]
+    assert "the window's feed misses the lattice by" in text
+    front = frame(window_scene(), -200.0 + 32.0) + 512 - 192
+    assert text.endswith(f"at t = -168, site {front - 8}")
+    assert measured.attrs["feed_mismatch"] > 5e-4
+
+
+@pytest.mark.parametrize("shipped", [False, True])
+def test_a_sound_feed_is_far_below_the_limit(
+    window_scene: Callable[..., Scene], shipped: bool
+) -> None:
+    scene = load_scene("rational_3_eps_0.075") if shipped else window_scene()
+    measured = run(replace(scene, observables=()))
+    assert measured.attrs["blow_up"] == ""
+    assert 0.0 < measured.attrs["feed_mismatch"] < 0.01 * TOLERANCE
 
 
 def test_a_moved_window_keeps_its_cells_and_feeds_the_front(

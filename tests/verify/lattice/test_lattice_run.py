@@ -136,7 +136,7 @@ def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None
 
 def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None:
     """A bare sn wave that closes up exactly: eps is chosen so that 4 K is 100 sites."""
-    scene = ring_scene(wave="wave_sn", K4=-1.0, sites=500, observables=("energy",))
+    scene = ring_scene(wave="wave_sn", K4=-1.0, sites=500, observables=("energy",), look_points=5)
     wavelength = build_wave(scene).wavelength
     assert wavelength is not None
     measured = run(replace(scene, eps=float(wavelength) / 100.0, snapshots=(20.0,)))

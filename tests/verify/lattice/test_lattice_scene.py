@@ -47,6 +47,7 @@ BAD_NUMBERS: list[tuple[dict[str, Any], str]] = [
     ({"domain": "torus"}, r"domain must be one of window, ring, got 'torus'"),
     ({"sites": 12.5}, r"sites must be a whole number >= 1, got 12.5"),
     ({"compared": 0}, r"compared must be a whole number >= 1, got 0"),
+    ({"look_points": 0}, r"look_points must be a whole number >= 1, got 0"),
 ]
 
 BAD_WAVES: list[tuple[dict[str, Any], str]] = [
@@ -101,9 +102,12 @@ def test_a_window_must_clear_the_compared_sites(window_scene: Callable[..., Scen
         run(window_scene(sites=900))
 
 
-def test_energy_is_refused_in_a_window(window_scene: Callable[..., Scene]) -> None:
-    with pytest.raises(ValueError, match="energy needs domain 'ring'"):
-        window_scene(observables=("energy",))
+@pytest.mark.parametrize("name", ["energy", "momentum"])
+def test_what_needs_a_ring_is_refused_in_a_window(
+    window_scene: Callable[..., Scene], name: str
+) -> None:
+    with pytest.raises(ValueError, match=f"{name} needs domain 'ring'"):
+        window_scene(observables=(name,))
 
 
 def test_a_file_becomes_the_record(tmp_path: Path) -> None:

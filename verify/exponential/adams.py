@@ -1,0 +1,117 @@
+"""An exponential Adams method of order 4 with one evaluation a step.
+
+    p' = L p + N(p),    L diagonal
+
+Over a step the linear part is exact and N is replaced by the polynomial through its last values:
+the predictor uses ``VALUES`` of them, the corrector one more, at the predicted point (Hochbruck and
+Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where ETDRK4 evaluates it four times.
+
+The step is fixed: its error is then a smooth function of it, which a run with half the step shows
+(`halving.py`). Times that are not whole steps are reached by a shorter step on the side.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from verify.exponential.phi import moment_weights
+from verify.exponential.runge_kutta import ExponentialRungeKutta
+
+Complex = NDArray[np.complex128]
+Nonlinearity = Callable[[Complex], Complex]
+Table = tuple[Complex, Complex, Complex]
+
+VALUES = 3
+"""Past values of N in the predictor. With 5 and more the waves at the zone boundary grow."""
+
+ORDER = VALUES + 1
+"""Order of the method."""
+
+SLACK = 1e-9
+"""A time this near to a whole step, in steps, is that step."""
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
+    for branch in range(p.shape[0]):
+        for k in range(p.shape[1]):
+            value = factor[branch, k] * p[branch, k]
+            for j in range(past.shape[0]):
+                value += weights[j, branch, k] * past[j, k]
+            out[branch, k] = value
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
+    for branch in range(p.shape[0]):
+        for k in range(p.shape[1]):
+            change = weights[0, branch, k] * newest[k]
+            for j in range(past.shape[0]):
+                change += weights[j + 1, branch, k] * past[j, k]
+            p[branch, k] += change
+
+
+class ExponentialAdams:
+    """A solution of p' = L p + N(p) from ``p`` at time 0, in steps of ``h`` > 0.
+
+    ``linear`` and ``p`` have the shape (branches, modes), N(p) the shape (modes,): one nonlinearity
+    drives all branches. The past values that the first step needs come from ETDRK4, backwards.
+
+    ``p`` is the solution at time ``steps * h``; ``evaluations`` counts those of N.
+    """
+
+    def __init__(self, linear: Complex, nonlinearity: Nonlinearity, p: Complex, h: float) -> None:
+        if not h > 0:
+            raise ValueError(f"h must satisfy h > 0, got {h:g} (the step goes forward)")
+        self.p, self.h = p, h
+        self.steps = self.evaluations = 0
+        self._linear, self._nonlinearity = linear, nonlinearity
+        self._past = np.empty((VALUES, linear.shape[1]), dtype=np.complex128)
+        self._start()
+        self._whole = self._table(1.0)
+
+    def step(self) -> None:
+        """Advance by one step."""
+        self.p, newest = self._part(self._whole)
+        self._past[1:] = self._past[:-1].copy()
+        self._past[0] = newest
+        self.steps += 1
+
+    def whole_steps(self, t: float) -> int:
+        """How many more whole steps lead up to the time ``t`` or just before it."""
+        return int(np.floor(t / self.h + SLACK)) - self.steps
+
+    def ahead(self, t: float) -> Complex:
+        """The solution at a time less than one step ahead of ``p``; the run itself stays."""
+        share = t / self.h - self.steps
+        return self.p if abs(share) <= SLACK else self._part(self._table(share))[0]
+
+    def _part(self, table: Table) -> tuple[Complex, Complex]:
+        factor, predictor, corrector = table
+        p = np.empty_like(self.p)
+        _predict(factor, self.p, predictor, self._past, p)
+        newest = self._nonlinearity(p)
+        self.evaluations += 1
+        _correct(corrector, newest, self._past, p)
+        return p, newest
+
+    def _start(self) -> None:
+        method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
+        p = self.p
+        for j in range(VALUES):
+            self._past[j] = self._nonlinearity(p)
+            if j + 1 < VALUES:
+                p = method.step(p)
+        self.evaluations += VALUES + 4 * (VALUES - 1)
+
+    def _table(self, share: float) -> Table:
+        """Coefficients of a step of ``share`` steps."""
+        h = share * self.h
+        z = self._linear * h
+        nodes = -np.arange(VALUES) / share
+        predictor = h * moment_weights(z, nodes)
+        corrector = h * moment_weights(z, np.concatenate([[1.0], nodes]))
+        corrector[1:] -= predictor
+        return np.exp(z), predictor, corrector

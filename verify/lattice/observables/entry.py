@@ -1,0 +1,110 @@
+"""An observable as data: what it computes, when it looks, what it adds and what it needs."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.lattice.constants import Constants
+from verify.lattice.state import Sites, State
+
+Array = NDArray[np.float64]
+Moment = Literal["snapshots", "curve", "looks", "refinement"]
+
+TIME_DIMENSION: Mapping[Moment, str] = {
+    "snapshots": "time",
+    "curve": "curve_time",
+    "looks": "look_time",
+    "refinement": "time",
+}
+"""The time dimension of what is seen at each kind of moment.
+
+``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
+taken where the march stops anyway, so they change no step. A ``refinement`` runs the scene again.
+"""
+
+
+class View(Protocol):
+    """What an observable may look at; each part is made when it is first used."""
+
+    @property
+    def state(self) -> State:
+        """All sites that are computed."""
+
+    @property
+    def constants(self) -> Constants:
+        """The lattice constants."""
+
+    @property
+    def level(self) -> float:
+        """Strain of the constant background, 0 on a periodic one."""
+
+    @property
+    def sites(self) -> Sites:
+        """The compared sites."""
+
+    @property
+    def numeric(self) -> Array:
+        """Strains of the run on the compared sites."""
+
+    @property
+    def analytic(self) -> Array:
+        """Strains of the wave there."""
+
+    @property
+    def background(self) -> Array:
+        """Strains of the bare wave of the same phase there."""
+
+    @property
+    def has_far_field(self) -> bool:
+        """Whether the true far field gives a second denominator."""
+
+    @property
+    def error(self) -> float:
+        """Relative sup error against the bare background."""
+
+    @property
+    def error_far_field(self) -> float:
+        """Relative sup error against the true far field."""
+
+    def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
+        """Wave, background and their slopes at n - ``shift``, n the compared sites (strains)."""
+
+
+Measure = Callable[[View], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array that an observable adds; ``dimensions`` are those after the time."""
+
+    name: str
+    dimensions: tuple[str, ...] = ()
+    units: str = "1"
+    long_name: str = ""
+    optional: bool = False
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the array in the run."""
+        return {"units": self.units} | ({"long_name": self.long_name} if self.long_name else {})
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One observable.
+
+    ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
+    missing from all moments of a run. ``uses_wave`` says that the closed form is evaluated,
+    ``needs_ring`` that the sites must form a ring.
+    """
+
+    name: str
+    what: str
+    seen: Moment
+    variables: tuple[Variable, ...]
+    measure: Measure
+    uses_wave: bool = False
+    needs_ring: bool = False

@@ -1,0 +1,150 @@
+"""The lattice on a ring of real circumference, by exponential integration in Fourier space.
+
+If y(x, t) is L-periodic in the real variable x and obeys y_tt = D V'(y) with D f(x) = f(x + 1)
+- 2 f(x) + f(x - 1), then y_n(t) = y(n, t) obeys the lattice equation at every integer n: a ring of
+any real circumference L is an exact quasi-periodic solution of the infinite lattice. y is sampled
+at M points of spacing L/M; shifts are Fourier multipliers.
+
+In the frame that moves at c the characteristic variables
+
+    p_-+ = s -+ i w y,    p_-+' = i (c k -+ w) p_-+ + N,    w = 2 sqrt(K2 + b) |sin(k/2)|
+
+hold the right- and left-going waves. The linear part about the background, b = mean of V''(y) - K2,
+is integrated exactly; N = D (V'(y) - (K2 + b) y) is what is left of the force. The mean of y, for
+which w = 0, is kept in the place of p_-'s mode 0: it is driven by the constant mean of s.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from verify.exponential.adams import ExponentialAdams
+from verify.lattice.constants import Constants
+from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+WATCH = 16
+"""Steps between two looks at the tail."""
+
+
+class SamplingError(ArithmeticError):
+    """The spectrum's tail rose above its bound: the ring needs more points."""
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
+    """y = (p_+ - p_-)/(2 i w), mode by mode."""
+    out[0] = p[0, 0].real
+    for k in range(1, p.shape[1]):
+        difference = p[1, k] - p[0, k]
+        out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _residual_force(y: Array, b: float, K3: float, K4: float) -> None:
+    """V'(y) - (K2 + b) y, in place."""
+    for i in range(y.size):
+        y[i] *= y[i] * (K3 + K4 * y[i]) - b
+
+
+@njit(cache=True, error_model="numpy")
+def _bend(force: Complex, symbol: Array) -> None:
+    for k in range(force.size):
+        force[k] *= symbol[k]
+
+
+def _mean_stiffness(constants: Constants, state: RingState) -> float:
+    stiffness = constants.stiffness(state.y)
+    worst = int(np.argmin(stiffness))
+    if not stiffness[worst] > 0:
+        raise FloatingPointError(
+            f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {state.t:g}, "
+            f"site {round(float(state.points[worst]))} (take a smaller eps)"
+        )
+    return float(np.mean(stiffness))
+
+
+class SpectralRing:
+    """A ring on its way, in steps of ``step``: ``at`` moves it and shows it.
+
+    Every ``WATCH`` steps the spectrum is looked at; SamplingError is raised when its tail exceeds
+    ``tail``, and FloatingPointError when it exceeds the largest strain there was at first, or when
+    waves do not exist about some strain of the data (K2 + 2 K3 y + 3 K4 y^2 <= 0). ``dealias``
+    drops the modes of the force above half of the highest one (exact for a cubic force); without
+    it the tail bounds the aliasing.
+    """
+
+    def __init__(
+        self,
+        constants: Constants,
+        state: RingState,
+        step: float,
+        tail: float = math.inf,
+        dealias: bool = False,
+    ) -> None:
+        self._constants, self._start, self._bound = constants, state, tail
+        count = state.y.size
+        k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
+        stiffness = _mean_stiffness(constants, state)
+        self._amplitude = float(np.max(np.abs(state.y)))
+        self._b = stiffness - constants.K2
+        self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
+        self._symbol = -4.0 * np.sin(k / 2.0) ** 2
+        if dealias:
+            self._symbol[k.size // 2 :] = 0.0
+        self._inverse = np.zeros_like(k)
+        np.divide(0.5, self._w, out=self._inverse, where=self._w > 1e-14)
+        self._modes = np.empty(k.size, dtype=np.complex128)
+        self._values = np.empty(count)
+        y, s = forward(state.y), forward(state.s)
+        self._drift = float(s[0].real)
+        p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
+        p[:, 0] = y[0].real
+        speed = constants.sound_speed()
+        linear = 1j * np.stack([speed * k - self._w, speed * k + self._w])
+        self._watch(p, state.t)
+        self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
+
+    def at(self, t: float) -> RingState:
+        """The ring at time ``t``, which must not lie before the last one; its points move at c."""
+        duration = t - self._start.t
+        integrator = self.integrator
+        for _ in range(integrator.whole_steps(duration)):
+            integrator.step()
+            if integrator.steps % WATCH == 0:
+                self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
+        p = integrator.ahead(duration)
+        self._watch(p, t)
+        return self._state(p, t)
+
+    def _state(self, p: Complex, t: float) -> RingState:
+        start = self._start
+        y = backward(self._strain(p), start.y.size)
+        velocity = 0.5 * (p[0] + p[1])
+        velocity[0] = self._drift
+        s = backward(velocity, start.y.size)
+        left = start.left + self._constants.sound_speed() * (t - start.t)
+        return RingState(t, left, start.circumference, y, s)
+
+    def _watch(self, p: Complex, t: float) -> None:
+        tail = spectrum_tail(self._strain(p))
+        if not tail <= self._amplitude:
+            raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
+        if tail > self._bound:
+            raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
+
+    def _strain(self, p: Complex) -> Complex:
+        _strain_modes(p, self._inverse, self._modes)
+        return self._modes
+
+    def _nonlinearity(self, p: Complex) -> Complex:
+        y = backward(self._strain(p), self._values.size, self._values)
+        _residual_force(y, self._b, self._constants.K3, self._constants.K4)
+        force = forward(y)
+        _bend(force, self._symbol)
+        force[0] = self._drift
+        return force
