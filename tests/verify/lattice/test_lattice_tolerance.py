@@ -138,5 +138,5 @@ def test_a_blow_up_is_told_and_what_came_before_it_is_kept(
         snapshots=(-20.0, 20.0),
         observables=("strain",),
     )
-    with pytest.raises(ValueError, match="bounded for engine 'spectral'|K2 \\+ 2 K3 y"):
+    with pytest.raises(ValueError, match=r"bounded for engine 'spectral'|K2 \+ 2 K3 y"):
         run(replace(with_tolerance(scene, 1e-3), eps=1.2))
