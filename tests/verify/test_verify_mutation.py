@@ -54,7 +54,10 @@ def _handful(form: ClosedForm) -> list[Mutant]:
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+QUICK_FORMS = [form for form in CATALOGUE if form.name not in ("rogue_cn", "breather_sn")]
+
+
+@pytest.mark.parametrize("form", QUICK_FORMS, ids=lambda form: form.name)
 def test_a_handful_of_misprints_is_refuted(form: ClosedForm) -> None:
     passed = [m.description for m in _handful(form) if not _refuted(form, m)]
     assert passed == []

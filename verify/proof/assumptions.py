@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
+from verify.tree import distinct_nodes
+
 from .balls import Point
 from .compilation import Compilation
 
@@ -22,6 +24,7 @@ def assumptions(compiled: Compilation, point: Point) -> tuple[str, ...]:
     roots = [m for m in meanings if isinstance(m, sp.Pow) and m.exp.is_Rational]
     lines += [f"{root} is one branch throughout" for root in roots]
     conjugated = (sp.conjugate, sp.re, sp.im, sp.Abs)
-    if any(expression.has(*conjugated) for expression in compiled.expressions):
+    nodes = (node for expression in compiled.expressions for node in distinct_nodes(expression))
+    if any(isinstance(node, conjugated) for node in nodes):
         lines.append(CONJUGATION)
     return tuple(lines)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 from flint import acb, ctx, fmpq_mpoly
 
 from solutions.special import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from verify.tree import distinct_nodes, replaced
 
 from .algebra import DifferentialField
 from .balls import BallEvaluator, Point
@@ -56,7 +57,8 @@ def _with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -
 
     Without epsilon, zeta stays.
     """
-    if not any(expression.has(jacobi_epsilon) for expression in expressions):
+    nodes = {expression: distinct_nodes(expression) for expression in expressions}
+    if not any(isinstance(node, jacobi_epsilon) for found in nodes.values() for node in found):
         return list(expressions)
 
     def epsilon(z: sp.Expr, m: sp.Expr) -> sp.Expr:
@@ -67,7 +69,15 @@ def _with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -
     def zeta(z: sp.Expr, m: sp.Expr) -> sp.Expr:
         return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
 
-    return [e.replace(jacobi_epsilon, epsilon).replace(jacobi_zeta, zeta) for e in expressions]
+    def with_one_integral(expression: sp.Expr) -> sp.Expr:
+        for kind, image in ((jacobi_epsilon, epsilon), (jacobi_zeta, zeta)):
+            for node in nodes[expression]:
+                if isinstance(node, kind):
+                    images[expression] = replaced(images[expression], node, image(*node.args))
+        return images[expression]
+
+    images = {expression: expression for expression in expressions}
+    return [with_one_integral(expression) for expression in expressions]
 
 
 class _InconsistentForms(Exception):
@@ -92,30 +102,44 @@ def _compile(
     return Compilation(field, tuple(expressions), tuple(field.fraction(image) for image in images))
 
 
-def generator_balls(field: DifferentialField, point: Point) -> list[acb]:
-    """The values of the generators at a point; the precision is python-flint's."""
+def generator_balls(
+    field: DifferentialField, point: Point, parts: Mapping[sp.Expr, sp.Expr] | None = None
+) -> list[acb]:
+    """The values of the generators at a point; the precision is python-flint's.
+
+    ``parts`` says what the symbols stand for that are neither variables nor parameters.
+    """
     evaluator = BallEvaluator(Shape([(0,)]), (), point)
-    return [evaluator.jet(generator.meaning).value for generator in field.generators]
+    meanings = (generator.meaning.xreplace(parts or {}) for generator in field.generators)
+    return [evaluator.jet(meaning).value for meaning in meanings]
 
 
 def polynomial_ball(polynomial: fmpq_mpoly, values: Sequence[acb]) -> acb:
     """``polynomial`` at ``values``, given in the order of the field's generators."""
+    powers = [
+        [value**exponent for exponent in range(int(degree) + 1)]
+        for value, degree in zip(reversed(values), polynomial.degrees(), strict=True)
+    ]
     total = acb(0)
     for exponents, coefficient in polynomial.terms():
         term = acb(coefficient)
-        for value, exponent in zip(reversed(values), exponents, strict=True):
+        for power, exponent in zip(powers, exponents, strict=True):
             if exponent:
-                term *= value ** int(exponent)
+                term *= power[exponent]
         total += term
     return total
 
 
-def regular_point(field: DifferentialField, points: Sequence[Point]) -> Point | None:
+def regular_point(
+    field: DifferentialField,
+    points: Sequence[Point],
+    parts: Mapping[sp.Expr, sp.Expr] | None = None,
+) -> Point | None:
     """A point where no denominator of the field vanishes, as balls show; None if none is found."""
     with ctx.workprec(BITS):
         for point in points:
             try:
-                values = generator_balls(field, point)
+                values = generator_balls(field, point, parts)
             except ValueError:
                 continue
             balls = [polynomial_ball(factor, values) for factor in field.ring.factors]

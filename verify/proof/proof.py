@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
@@ -15,6 +15,7 @@ from .balls import Point
 from .certificate import make_certificate
 from .compilation import Compilation, compile_expressions, regular_point
 from .jets import EquationImage, coefficients
+from .lemmas import equal_by_lemmas
 from .problem import Problem, make_problem, random_points
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
@@ -102,6 +103,9 @@ def _decide_equal(
     if witness is not None:
         return _refuted(problem, witness)
     try:
+        by_parts = equal_by_lemmas(left, right, variables, problem.points[0])
+        if by_parts is not None:
+            return _proved(problem, by_parts[0], certify=False, parts=by_parts[1])
         compiled = compile_expressions([left, right], [], variables, problem.points[0])
         difference = compiled.elements[0] - compiled.elements[1]
     except (ValueError, ZeroDivisionError) as error:
@@ -114,8 +118,13 @@ def _decide_equal(
     return _undecided(problem, f"{len(difference.numerator)} terms are left of the difference")
 
 
-def _proved(problem: Problem, compiled: Compilation, certify: bool) -> ProofVerdict:
-    point = regular_point(compiled.field, problem.points)
+def _proved(
+    problem: Problem,
+    compiled: Compilation,
+    certify: bool,
+    parts: Mapping[sp.Expr, sp.Expr] | None = None,
+) -> ProofVerdict:
+    point = regular_point(compiled.field, problem.points, parts)
     if point is None:
         return _undecided(problem, NO_REGULAR_POINT)
     detail = f"numerator 0 in {len(compiled.field.generators)} generators, all parameters symbolic"

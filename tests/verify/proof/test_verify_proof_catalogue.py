@@ -7,7 +7,7 @@ import sympy as sp
 from flint import ctx
 from mpmath import MPContext
 
-from solutions import CATALOGUE, ClosedForm, closed_form
+from solutions import CATALOGUE, ClosedForm
 from solutions.special.mp import mp_module
 from verify.proof import check_certificate, prove, prove_form, prove_stable
 from verify.proof.compilation import compile_expressions, generator_balls, polynomial_ball
@@ -62,18 +62,7 @@ def _at_sixty_digits(expression: sp.Expr, point: Point) -> sp.Float:
     return sp.Float(context.nstr(context.re(value), 60), 60)
 
 
-@pytest.mark.parametrize(
-    "name", [form.name for form in CATALOGUE if form.name != "rogue_cn"], ids=str
-)
-def test_the_stable_form_is_the_canonical_form(name: str) -> None:
-    _compare(closed_form(name))
-
-
-@pytest.mark.slow
-def test_the_stable_form_of_the_rogue_wave_is_the_canonical_form() -> None:
-    _compare(closed_form("rogue_cn"))
-
-
-def _compare(form: ClosedForm) -> None:
+@ALL
+def test_the_stable_form_is_the_canonical_form(form: ClosedForm) -> None:
     verdict = prove_stable(form)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
