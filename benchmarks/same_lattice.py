@@ -1,160 +1,129 @@
 """The stencil and its peers on the same lattice and data, interleaved in one run.
 
 A ring of 4096 sites, 500 time units, the wave Y2 (K2 = 4, K4 = 1, eps = 0.05) started at t = -250;
-the error is the sup over sites of |y - reference| / eps, the reference the 10th-order composition
-of Sofroniou and Spaletta. Every contender runs at a step that brings it to about 1e-6. Seconds are
-processor time of the calling thread, the least of several rounds; what is printed is ratios.
+the error is the sup over sites of |y - reference| / eps, the reference a composition of order 10.
+Each contender gets the coarsest resolution on a ladder that brings its error to 1e-6, found by
+bisection; then all run in turn, equally often, and the least processor time of each counts. Absent
+peers are reported as absent. Ratios are to the stencil with the first scheme.
 """
 
-import subprocess
+import argparse
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from contenders import (
+    Contender,
+    boost_contender,
+    diffrax_contender,
+    heyoka_contender,
+    run_numpy_rk4,
+    run_scipy,
+    stencil_contender,
+)
+from peak import multiply_add_rate
+from problem import CONSTANTS, SITES, Array, error, initial, reference
 
-import derive
-from solutions import Wave, closed_form
-from verify.lattice import stencil
-from verify.lattice.constants import Constants
-from verify.lattice.splitting import BLANES_MOAN_6
-from verify.lattice.vector import LANES, OPERATIONS
+from verify.lattice.scheme import Scheme
+from verify.lattice.schemes import BLANES_MOAN_6, KAHAN_LI_8, MCLACHLAN_4, SUZUKI_UMENO_8
+from verify.lattice.vector import OPERATIONS
 
-Array = NDArray[np.float64]
+TARGET = 1e-6
+TOLERANCES = (1e4, 1e11, 10.0**0.25)
 
-SITES, DURATION, T0, EPS = 4096, 500.0, -250.0, 0.05
-CONSTANTS = Constants(4.0, 0.0, 1.0)
-ROUNDS = 5
-STENCIL_STEPS, BOOST_STEPS = 840, 8400
-SCIPY_TOLERANCE = 1e-8
-
-SOFRONIOU_SPALETTA = (
-    0.078795722521686419263907679337684, 0.31309610341510852776481247192647,
-    0.027918383235078066109520273275299, -0.22959284159390709415121339679655,
-    0.13096206107716486317465685927961, -0.26973340565451071434460973222411,
-    0.074973343155891435666137105641410, 0.11199342399981020488957508073640,
-    0.36613344954622675119314812353150, -0.39910563013603589787862981058340,
-    0.10308739852747107731580277001372, 0.41143087395589023782070411897608,
-    -0.0048663605831352617621956593099771, -0.39203335370863990644808193642610,
-    0.051942502962449647037182904015976, 0.050665090759924496335874344156866,
-    0.049674370639729879054568800279461, 0.049317735759594537917680008339338,
-)  # fmt: skip
+Ladder = tuple[float, float, float]
+"""Least and largest resolution, and the factor between rungs."""
 
 
-def initial() -> tuple[Array, Array]:
-    """Strain and velocity at t = T0."""
-    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
-    c = CONSTANTS.sound_speed()
-    sites = np.arange(SITES) - SITES // 2 + c * T0
-    value = wave.at(sites, T0, EPS)
-    return EPS * value.Y, EPS**4 * value.Y_T - c * EPS**2 * value.Y_X
+def _stencil(scheme: Scheme) -> Callable[[Path], Contender]:
+    return lambda _: stencil_contender(scheme)
 
 
-def reference(y: Array, s: Array, steps: int = 2000) -> Array:
-    """The strain at the end, to 1e-10 eps."""
-    gammas = np.array(SOFRONIOU_SPALETTA + SOFRONIOU_SPALETTA[-2::-1])
-    ends = np.concatenate([[0.0], gammas, [0.0]])
-    h, y, s = DURATION / steps, y.copy(), s.copy()
-    drifts = 0.5 * h * (ends[1:] + ends[:-1])
-    stencil.advance_composition(y, s, drifts, h * gammas, steps, *CONSTANTS.kernel)
-    return y
+ENTRANTS: dict[str, tuple[Callable[[Path], Contender], Ladder]] = {
+    "stencil blanes_moan_6": (_stencil(BLANES_MOAN_6), (600, 2400, 1.02)),
+    "stencil kahan_li_8": (_stencil(KAHAN_LI_8), (600, 2400, 1.02)),
+    "stencil suzuki_umeno_8": (_stencil(SUZUKI_UMENO_8), (600, 2400, 1.02)),
+    "stencil mclachlan_4": (_stencil(MCLACHLAN_4), (4000, 16000, 1.02)),
+    "Boost odeint RKN": (boost_contender, (4000, 16000, 1.02)),
+    "SciPy DOP853": (lambda _: run_scipy, TOLERANCES),
+    "Diffrax Dopri8": (lambda _: diffrax_contender(), TOLERANCES),
+    "heyoka.py": (lambda _: heyoka_contender(), TOLERANCES),
+    "NumPy RK4": (lambda _: run_numpy_rk4, (12000, 48000, 2.0**0.25)),
+}
 
 
-def run_stencil(y: Array, s: Array) -> Array:
-    """The project's engine."""
-    y, s = y.copy(), s.copy()
-    BLANES_MOAN_6.advance(y, s, DURATION / STENCIL_STEPS, STENCIL_STEPS, CONSTANTS)
-    return y
+def coarsest(contender: Contender, ladder: Ladder, y: Array, s: Array, exact: Array) -> float:
+    """The least resolution of the ladder that meets the target, by bisection.
+
+    Raises ValueError if the ladder's last rung misses it.
+    """
+    least, largest, factor = ladder
+    rungs = least * factor ** np.arange(int(np.log(largest / least) / np.log(factor)) + 2)
+    low, high = -1, len(rungs) - 1
+    if not error(contender(rungs[high], y, s)[1], exact) <= TARGET:
+        raise ValueError(f"ladder must reach the error {TARGET:g}, got the last rung {rungs[high]}")
+    while high - low > 1:
+        middle = (low + high) // 2
+        met = error(contender(rungs[middle], y, s)[1], exact) <= TARGET
+        low, high = (low, middle) if met else (middle, high)
+    return float(rungs[high])
 
 
-def _right_side(_t: float, state: Array) -> Array:
-    y, s = state.reshape(2, -1)
-    force = y * (CONSTANTS.K2 + CONSTANTS.K4 * y * y)
-    return np.concatenate([s, np.roll(force, 1) - 2.0 * force + np.roll(force, -1)])
+def entered(
+    folder: Path, skip: list[str], y: Array, s: Array, exact: Array
+) -> dict[str, tuple[Contender, float]]:
+    """The contenders that are present, with their resolutions; tells of the absent."""
+    found = {}
+    for name, (make, ladder) in ENTRANTS.items():
+        if name in skip:
+            continue
+        try:
+            contender = make(folder)
+        except (ImportError, OSError) as reason:
+            print(f"{name:24s} absent: {reason}")
+            continue
+        with np.errstate(all="ignore"):
+            found[name] = contender, coarsest(contender, ladder, y, s, exact)
+    return found
 
 
-def run_scipy(y: Array, s: Array) -> Array:
-    """SciPy's DOP853."""
-    start = np.concatenate([y, s])
-    tolerances = {"rtol": SCIPY_TOLERANCE, "atol": SCIPY_TOLERANCE * EPS}
-    solution = solve_ivp(_right_side, (0.0, DURATION), start, method="DOP853", **tolerances)
-    return np.asarray(solution.y[:SITES, -1])
-
-
-def build_boost(folder: Path) -> Path | None:
-    """The compiled C++ program, or None where Boost or a compiler is missing."""
-    program = folder / "boost_ring"
-    source = Path(__file__).with_name("boost_ring.cpp")
-    command = ["g++", "-O3", "-march=native", "-o", str(program), str(source)]
-    try:
-        subprocess.run(command, check=True, capture_output=True)
-    except (OSError, subprocess.CalledProcessError):
-        return None
-    return program
-
-
-def run_boost(program: Path, y: Array, s: Array) -> tuple[float, Array]:
-    """Boost odeint's RKN composition: processor seconds and the strain."""
-    data, result = program.with_name("in.bin"), program.with_name("out.bin")
-    np.concatenate([y, s]).tofile(data)
-    h = str(DURATION / BOOST_STEPS)
-    command = [str(program), str(SITES), h, str(BOOST_STEPS), str(data), str(result)]
-    seconds = float(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    return seconds, np.fromfile(result)
-
-
-@njit(fastmath={"contract"})
-def _multiply_add(values: Array, rounds: int) -> None:
-    for i in range(0, values.size, 48):
-        block = values[i : i + 48].copy()
-        for _ in range(rounds):
-            for j in range(48):
-                block[j] = block[j] * 0.5 + 0.5
-        values[i : i + 48] = block
-
-
-def timed(call: Callable[[], Array]) -> tuple[float, Array]:
-    """Processor seconds of this thread, and the result."""
-    begin = time.thread_time()
-    result = call()
-    return time.thread_time() - begin, result
+def print_share(seconds: float, steps: float, rate: float) -> None:
+    """The kernel's arithmetic as a share of the core's multiply-add rate."""
+    operations = OPERATIONS[CONSTANTS.K3 != 0, CONSTANTS.K4 != 0]
+    evaluations = SITES * round(steps) * BLANES_MOAN_6.stages
+    done = operations * evaluations / seconds
+    print(
+        f"{operations} operations per site and force evaluation (a multiply-add counts once): "
+        f"{done / 1e9:.1f} G/s; multiply-adds alone {rate / 1e9:.1f} G/s; share {done / rate:.0%}"
+    )
 
 
 def main() -> int:
     """Print the table."""
+    parser = argparse.ArgumentParser(description="Time the stencil and its peers.")
+    parser.add_argument("--rounds", type=int, default=5, help="runs of each contender")
+    parser.add_argument("--skip", nargs="*", default=[], choices=list(ENTRANTS)[1:])
+    chosen = parser.parse_args()
     y, s = initial()
     exact = reference(y, s)
-    run_stencil(y, s)
-    seconds: dict[str, float] = {}
-    errors: dict[str, float] = {}
-
-    def note(name: str, spent: float, result: Array) -> None:
-        seconds[name] = min(spent, seconds.get(name, np.inf))
-        errors[name] = float(np.abs(result - exact).max()) / EPS
-
     with tempfile.TemporaryDirectory() as folder:
-        boost = build_boost(Path(folder))
-        for round_ in range(ROUNDS):
-            for _ in range(4):
-                note("stencil", *timed(lambda: run_stencil(y, s)))
-            if boost is not None:
-                note("Boost odeint RKN", *run_boost(boost, y, s))
-            if round_ < 2:
-                note("SciPy DOP853", *timed(lambda: run_scipy(y, s)))
+        field = entered(Path(folder), chosen.skip, y, s, exact)
+        seconds, errors, rates = dict.fromkeys(field, np.inf), {}, []
+        for _ in range(chosen.rounds):
+            rates.append(multiply_add_rate())
+            for name, (contender, resolution) in field.items():
+                spent, result = contender(resolution, y, s)
+                seconds[name] = min(spent, seconds[name])
+                errors[name] = error(result, exact)
+    first = next(iter(seconds))
     for name, spent in seconds.items():
-        ratio = spent / seconds["stencil"]
-        print(f"{name:18s} {spent * 1e3:9.1f} ms  error {errors[name]:.1e}  ratio {ratio:6.1f}")
-    evaluations = SITES * STENCIL_STEPS * BLANES_MOAN_6.stages
-    rate = OPERATIONS[False, True] * evaluations / seconds["stencil"] / 1e9
-    print(
-        f"stencil: {OPERATIONS[False, True]} operations a site and stage, {rate:.1f} G/s "
-        f"({LANES} lanes)"
-    )
+        print(
+            f"{name:24s} {spent * 1e3:9.1f} ms  error {errors[name]:.1e}  "
+            f"ratio {spent / seconds[first]:6.1f}  resolution {field[name][1]:.4g}"
+        )
+    print_share(seconds[first], field[first][1], max(rates))
     return 0
 
 

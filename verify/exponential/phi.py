@@ -2,8 +2,8 @@
 
     phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
 
-The recurrence loses digits where |z| < RADIUS. There each value is the mean of the recurrence over
-a circle about z that keeps away from 0 (Kassam and Trefethen, SIAM J. Sci. Comput. 26 (2005) 1214).
+The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
+series, and the others follow by the recurrence read backwards, which loses none.
 """
 
 import math
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 Complex = NDArray[np.complex128]
 
-POINTS = 32
-"""Points on the circle; the mean converges like 1/POINTS!."""
-
 RADIUS = 2.0
-"""From here outwards the recurrence is used; the circle has twice this radius."""
+"""From here outwards the recurrence is used."""
+
+TERMS = 26
+"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding."""
 
 
 def phi_functions(z: Complex, highest: int) -> list[Complex]:
@@ -28,19 +28,28 @@ def phi_functions(z: Complex, highest: int) -> list[Complex]:
     """
     z = np.asarray(z, dtype=np.complex128)
     near = np.abs(z) < RADIUS
-    values = _recurrence(np.where(near, RADIUS, z), highest)
+    values = _upwards(np.where(near, RADIUS, z), highest)
+    for value, close in zip(values, _downwards(z[near], highest), strict=True):
+        value[near] = close
     values[0] = np.exp(z)
-    circle = 2.0 * RADIUS * np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
-    for m, value in enumerate(_recurrence(z[near][..., None] + circle, highest)):
-        values[m][near] = value.mean(axis=-1)
     return values
 
 
-def _recurrence(z: Complex, highest: int) -> list[Complex]:
+def _upwards(z: Complex, highest: int) -> list[Complex]:
     values = [np.exp(z)]
     for m in range(highest):
         values.append((values[m] - 1.0 / math.factorial(m)) / z)
     return values
+
+
+def _downwards(z: Complex, highest: int) -> list[Complex]:
+    top = np.zeros_like(z)
+    for j in reversed(range(TERMS)):
+        top = top * z + 1.0 / math.factorial(highest + j)
+    values = [top]
+    for m in reversed(range(highest)):
+        values.append(z * values[-1] + 1.0 / math.factorial(m))
+    return values[::-1]
 
 
 def moment_weights(z: Complex, nodes: NDArray[np.float64]) -> Complex:

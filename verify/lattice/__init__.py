@@ -9,14 +9,24 @@
 from verify.lattice.blow_up import BlowUp
 from verify.lattice.constants import Constants
 from verify.lattice.error import relative_sup_error
+from verify.lattice.families import rational_family_scenes
 from verify.lattice.restart import load_run, resume, save_run
 from verify.lattice.run import run
-from verify.lattice.scene import OBSERVABLES, Scene, load_scene, shipped_scenes
+from verify.lattice.scene import (
+    ENGINES,
+    OBSERVABLES,
+    Scene,
+    further_scenes,
+    load_scene,
+    shipped_scenes,
+    with_tolerance,
+)
 from verify.lattice.scheme import Composition, RungeKutta, Scheme
 from verify.lattice.schemes import SCHEMES, scheme_named
 from verify.lattice.stability import stability_limit
 
 __all__ = [
+    "ENGINES",
     "OBSERVABLES",
     "SCHEMES",
     "BlowUp",
@@ -25,8 +35,10 @@ __all__ = [
     "RungeKutta",
     "Scene",
     "Scheme",
+    "further_scenes",
     "load_run",
     "load_scene",
+    "rational_family_scenes",
     "relative_sup_error",
     "resume",
     "run",
@@ -34,4 +46,5 @@ __all__ = [
     "scheme_named",
     "shipped_scenes",
     "stability_limit",
+    "with_tolerance",
 ]

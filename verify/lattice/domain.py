@@ -50,6 +50,22 @@ def compared_sites(scene: Scene, t: float) -> np.ndarray[tuple[int], np.dtype[np
     return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
 
 
+def least_window(compared: int) -> int:
+    """Fewest sites of a window whose ends keep away from the compared sites."""
+    return 2 * (compared + 2 * (STRIDE + MARGIN))
+
+
+def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
+    """Fewest sites of a ring whose seam cannot be felt at the compared sites.
+
+    ``strain`` holds strains about which waves may run; the fastest of them counts.
+    """
+    duration = scene.end - scene.t0
+    fastest = scene.constants.highest_frequency(strain) / 2.0
+    travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
+    return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
+
+
 @dataclass
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
@@ -76,10 +92,7 @@ class Ring:
         """Nothing: the ring stays where it is."""
 
     def _check(self, state: State) -> None:
-        duration = self.scene.end - self.scene.t0
-        fastest = self.scene.constants.highest_frequency(state.y) / 2.0
-        travelled = self.scene.constants.sound_speed() * duration / 2.0 + fastest * duration
-        least = 2 * (self.scene.compared + math.ceil(travelled) + MARGIN)
+        least = least_ring(self.scene, state.y)
         if self.scene.sites < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} on this ring, got {self.scene.sites} "
@@ -111,7 +124,7 @@ class Window:
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.stay = STRIDE / self.scene.constants.sound_speed()
-        least = 2 * (self.scene.compared + 2 * (STRIDE + MARGIN))
+        least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
                 f"sites must satisfy sites >= {least} in this window, got {self.scene.sites} "

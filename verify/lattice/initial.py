@@ -8,7 +8,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 import derive
-from solutions import ClosedForm, Wave, closed_form
+from solutions import ClosedForm, Wave, WaveValues, closed_form
 from solutions.exact import exact_number
 from verify.lattice.quantity import exact_quantity
 from verify.lattice.scene import Scene
@@ -26,9 +26,9 @@ def build_wave(scene: Scene) -> Wave:
     Raises ValueError for an unknown wave, a parameter outside its domain, K3 != 0 and K4 of the
     wrong sign for the wave's equation.
     """
-    form = closed_form(scene.wave)
-    _check_reduction(scene, form)
     values = dict(scene.parameters)
+    form = closed_form(scene.wave, values)
+    _check_reduction(scene, form)
     modulus = exact_number("k", values["k"]) if "k" in values else None
     exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
     return Wave(form, derive.mkdv_normal_form(scene.K2, scene.K4), **exact)
@@ -60,8 +60,12 @@ def _initial_velocity() -> _InitialVelocity:
 def initial_data(wave: Wave, scene: Scene, sites: NDArray[np.int64]) -> tuple[Array, Array]:
     """Strain y_n = eps Y and velocity s_n of the ansatz at the sites, at time t0."""
     value = wave.at(sites, scene.t0, scene.eps)
-    c = scene.constants.sound_speed()
-    return scene.eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, scene.eps)
+    return lattice_data(value, scene.constants.sound_speed(), scene.eps)
+
+
+def lattice_data(value: WaveValues, c: float, eps: float) -> tuple[Array, Array]:
+    """Strain and velocity of the ansatz where the wave has the given values; c is sqrt(K2)."""
+    return eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, eps)
 
 
 def transported_data(

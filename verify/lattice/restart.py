@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from verify.lattice.recording import Progress
-from verify.lattice.run import run_from
 from verify.lattice.scene import Scene
 from verify.lattice.state import State
+from verify.lattice.stencil_run import run_from
 
 
 def scene_of(run: xr.Dataset) -> Scene:

@@ -4,6 +4,7 @@ import json
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from verify.lattice import scene_checks as check
@@ -18,6 +19,7 @@ DOMAINS = ("window", "ring")
 ENGINES = ("stencil", "spectral")
 DEFAULT_SCHEME = "kahan_li_8"
 FOLDER = files("verify.lattice.scenes")
+FURTHER = files("verify.lattice.scenes.further")
 
 
 @dataclass(frozen=True)
@@ -156,18 +158,33 @@ def with_tolerance(scene: Scene, tolerance: float) -> Scene:
 
 
 def shipped_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with the package, sorted.
+    """Names of the paper's scenes, which come with the package, sorted.
 
     >>> "rational_2_eps_0.05" in shipped_scenes()
     True
     """
-    found = (entry.name for entry in FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    return _names(FOLDER)
+
+
+def further_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package and go beyond the paper, sorted.
+
+    >>> "rogue_cn_k_0.5_long" in further_scenes()
+    True
+    """
+    return _names(FURTHER)
 
 
 def load_scene(name: str) -> Scene:
-    """The shipped scene of that name; ValueError lists the known ones."""
-    if name not in shipped_scenes():
-        raise ValueError(f"scene must be one of {', '.join(shipped_scenes())}, got {name!r}")
-    with as_file(FOLDER / f"{name}.toml") as path:
-        return Scene.from_toml(path)
+    """The shipped scene of that name, the paper's or a further one; ValueError lists them."""
+    for folder in (FOLDER, FURTHER):
+        if name in _names(folder):
+            with as_file(folder / f"{name}.toml") as path:
+                return Scene.from_toml(path)
+    known = ", ".join((*shipped_scenes(), *further_scenes()))
+    raise ValueError(f"scene must be one of {known}, got {name!r}")
+
+
+def _names(folder: Traversable) -> tuple[str, ...]:
+    found = (entry.name for entry in folder.iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))

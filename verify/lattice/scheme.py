@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from verify.lattice import stencil
 from verify.lattice.constants import Constants
 from verify.lattice.order_conditions import composition_defect, runge_kutta_defect
+from verify.lattice.splitting import advance_splitting, splitting_oscillator
 
 Array = NDArray[np.float64]
 
@@ -94,15 +95,11 @@ class Composition:
 
     def advance(self, y: Array, s: Array, h: float, steps: int, constants: Constants) -> None:
         """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
-        stencil.advance_composition(y, s, self.drifts * h, self.kicks * h, steps, *constants.kernel)
+        advance_splitting(y, s, self.drifts * h, self.kicks * h, steps, constants)
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
-        step = _identity(z)
-        for drift, kick in zip(self.drifts, [*self.kicks, 0.0], strict=True):
-            step[:, 0] += drift * z[:, None] * step[:, 1]
-            step[:, 1] -= kick * z[:, None] * step[:, 0]
-        return step
+        return splitting_oscillator(self.drifts, self.kicks, z)
 
 
 @dataclass(frozen=True)
@@ -149,16 +146,13 @@ class RungeKutta:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
         generator = np.array([[0.0, 1.0], [-1.0, 0.0]])
         table, weights = _floats(np.array(self.A)), _floats(np.array(self.b))
-        step, power, stage = _identity(z), np.eye(2), np.ones(self.stages)
+        step, power = np.tile(np.eye(2), (len(z), 1, 1)), np.eye(2)
+        stage = np.ones(self.stages)
         for degree in range(1, self.stages + 1):
             power = power @ generator
             step += (weights @ stage) * z[:, None, None] ** degree * power
             stage = table @ stage
         return step
-
-
-def _identity(z: Array) -> Array:
-    return np.tile(np.eye(2), (len(z), 1, 1))
 
 
 def _floats(values: Iterable[object]) -> Array:

@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 from verify.lattice.scheme import Composition, RungeKutta, Scheme
-from verify.lattice.splitting import BLANES_MOAN_6
+from verify.lattice.splitting import Splitting
 
 _0, _HALF, _1 = Fraction(0), Fraction(1, 2), Fraction(1)
 
@@ -60,7 +60,47 @@ KAHAN_LI_8 = Composition(
     reference="Kahan, Li 1997, 17 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
 )
 
-SCHEMES: tuple[Scheme, ...] = (RK4, STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8, BLANES_MOAN_6)
+MCLACHLAN_4 = Splitting(
+    name="mclachlan_4",
+    order=4,
+    drift_half=("0.40518861839525227722", "-0.28714404081652408900", "0.38195542242127181178"),
+    kick_half=("-3/73", "17/59", "2179/4307"),
+    reference="McLachlan, SIAM J. Sci. Comput. 16 (1995) 151, SB3A with 5 stages",
+)
+
+BLANES_MOAN_6 = Splitting(
+    name="blanes_moan_6",
+    order=6,
+    drift_half=(
+        "0.0378593198406116",
+        "0.102635633102435",
+        "-0.0258678882665587",
+        "0.314241403071447",
+        "-0.130144459517415",
+        "0.106417700369543",
+        "-0.00879424312851058",
+        "0.2073050690568954",
+    ),
+    kick_half=(
+        "0.09171915262446165",
+        "0.183983170005006",
+        "-0.05653436583288827",
+        "0.004914688774712854",
+        "0.143761127168358",
+        "0.328567693746804",
+        "-0.19641146648645423",
+    ),
+    reference="Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN 14a of order 6",
+)
+
+SCHEMES: tuple[Scheme, ...] = (
+    RK4,
+    STOERMER_VERLET,
+    MCLACHLAN_4,
+    BLANES_MOAN_6,
+    SUZUKI_UMENO_8,
+    KAHAN_LI_8,
+)
 
 
 def scheme_named(name: str) -> Scheme:

@@ -15,21 +15,24 @@ which w = 0, is kept in the place of p_-'s mode 0: it is driven by the constant 
 """
 
 import math
-from dataclasses import dataclass
 
-import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from verify.exponential.adams import ExponentialAdams
 from verify.lattice.constants import Constants
+from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-TAIL = 8
-"""The spectrum's tail is its last 1/TAIL."""
+WATCH = 16
+"""Steps between two looks at the tail."""
+
+
+class SamplingError(ArithmeticError):
+    """The spectrum's tail rose above its bound: the ring needs more points."""
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -54,135 +57,92 @@ def _bend(force: Complex, symbol: Array) -> None:
         force[k] *= symbol[k]
 
 
-def forward(values: Array) -> Complex:
-    """Fourier coefficients 0 .. M/2 of a real periodic function, divided by M."""
-    modes: Complex = ducc0.fft.r2c(values, inorm=2, nthreads=1)
-    return modes
-
-
-def backward(modes: Complex, count: int, out: Array | None = None) -> Array:
-    """The real function with the coefficients ``modes`` at ``count`` points."""
-    values: Array = ducc0.fft.c2r(modes, lastsize=count, forward=False, out=out, nthreads=1)
-    return values
-
-
-@dataclass(frozen=True)
-class RingState:
-    """Samples of strain and velocity at x = left + j L/M, j = 0 .. M - 1, at time ``t``."""
-
-    t: float
-    left: float
-    circumference: float
-    y: Array
-    s: Array
-
-    @property
-    def points(self) -> Array:
-        """The sample points."""
-        steps = np.arange(self.y.size, dtype=np.float64)
-        points: Array = self.left + self.circumference / self.y.size * steps
-        return points
-
-    def strain(self, x: Array) -> Array:
-        """Strain at any real positions (trigonometric interpolation to 1e-12)."""
-        modes = forward(self.y).astype(np.complex128)
-        modes[1 : (self.y.size + 1) // 2] *= 2.0
-        phase = (2.0 * math.pi / self.circumference) * (np.asarray(x, dtype=np.float64) - self.left)
-        grid = np.concatenate([np.zeros(modes.size - 1), modes]).astype(np.complex128)
-        values = ducc0.nufft.u2nu(
-            grid=grid[:-1] if grid.size % 2 else grid,
-            coord=np.mod(phase, 2.0 * math.pi)[:, None],
-            forward=False,
-            epsilon=1e-12,
-            periodicity=2.0 * math.pi,
+def _mean_stiffness(constants: Constants, state: RingState) -> float:
+    stiffness = constants.stiffness(state.y)
+    worst = int(np.argmin(stiffness))
+    if not stiffness[worst] > 0:
+        raise FloatingPointError(
+            f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {state.t:g}, "
+            f"site {round(float(state.points[worst]))} (take a smaller eps)"
         )
-        real: Array = np.ascontiguousarray(values.real, dtype=np.float64)
-        return real
-
-    def tail(self) -> float:
-        """Largest modulus in the last 1/TAIL of the spectrum, against the largest of all."""
-        modes = np.abs(forward(self.y))
-        return float(modes[-(modes.size // TAIL) :].max() / modes.max())
-
-    def at_rest(self) -> "RingState":
-        """The same without mean velocity.
-
-        Data cut off at a seam have one, of the order of the miss there; their mean would drift.
-        """
-        rest = self.s - float(np.mean(self.s))
-        return RingState(self.t, self.left, self.circumference, self.y, rest)
-
-    def resampled(self, count: int) -> "RingState":
-        """The same function at ``count`` points."""
-        y, s = (_resample(values, count) for values in (self.y, self.s))
-        return RingState(self.t, self.left, self.circumference, y, s)
-
-
-def _resample(values: Array, count: int) -> Array:
-    modes = np.zeros(count // 2 + 1, dtype=np.complex128)
-    source = forward(values)
-    kept = min(modes.size, source.size) - 1
-    modes[:kept] = source[:kept]
-    return backward(modes, count)
+    return float(np.mean(stiffness))
 
 
 class SpectralRing:
-    """A ring on its way: `advance` moves it, `state` shows it.
+    """A ring on its way, in steps of ``step``: ``at`` moves it and shows it.
 
-    ``step`` is the first step to try. ``dealias`` drops the modes of the force above half of the
-    highest one (exact for a cubic force); without it the tail of the spectrum bounds the aliasing.
+    Every ``WATCH`` steps the spectrum is looked at; SamplingError is raised when its tail exceeds
+    ``tail``, and FloatingPointError when it exceeds the largest strain there was at first, or when
+    waves do not exist about some strain of the data (K2 + 2 K3 y + 3 K4 y^2 <= 0). ``dealias``
+    drops the modes of the force above half of the highest one (exact for a cubic force); without
+    it the tail bounds the aliasing.
     """
 
     def __init__(
-        self, constants: Constants, state: RingState, step: float, dealias: bool = False
+        self,
+        constants: Constants,
+        state: RingState,
+        step: float,
+        tail: float = math.inf,
+        dealias: bool = False,
     ) -> None:
-        self._constants = constants
-        self._count = count = state.y.size
-        self.left, self.circumference, self.t = state.left, state.circumference, state.t
-        stiffness = float(np.mean(constants.stiffness(state.y)))
-        k = 2.0 * math.pi / self.circumference * np.arange(count // 2 + 1)
-        self._k, self._speed = k, constants.sound_speed()
-        self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
+        self._constants, self._start, self._bound = constants, state, tail
+        count = state.y.size
+        k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
+        stiffness = _mean_stiffness(constants, state)
+        self._amplitude = float(np.max(np.abs(state.y)))
         self._b = stiffness - constants.K2
+        self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
             self._symbol[k.size // 2 :] = 0.0
         self._inverse = np.zeros_like(k)
         np.divide(0.5, self._w, out=self._inverse, where=self._w > 1e-14)
-        y, s = forward(state.y), forward(state.s)
-        self._drift, self._origin = float(s[0].real), state.t
         self._modes = np.empty(k.size, dtype=np.complex128)
         self._values = np.empty(count)
+        y, s = forward(state.y), forward(state.s)
+        self._drift = float(s[0].real)
         p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
         p[:, 0] = y[0].real
-        linear = 1j * np.stack([self._speed * k - self._w, self._speed * k + self._w])
-        self.integrator = ExponentialAdams(linear, self._nonlinearity, p, self._norm, step)
+        speed = constants.sound_speed()
+        linear = 1j * np.stack([speed * k - self._w, speed * k + self._w])
+        self._watch(p, state.t)
+        self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
 
-    def advance(self, duration: float, rate: float) -> None:
-        """Advance by ``duration``; ``rate`` is the error of y that is allowed per unit time."""
-        self.integrator.advance(duration, rate)
-        self.t += duration
+    def at(self, t: float) -> RingState:
+        """The ring at time ``t``, which must not lie before the last one; its points move at c."""
+        duration = t - self._start.t
+        integrator = self.integrator
+        for _ in range(integrator.whole_steps(duration)):
+            integrator.step()
+            if integrator.steps % WATCH == 0:
+                self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
+        p = integrator.ahead(duration)
+        self._watch(p, t)
+        return self._state(p, t)
 
-    def state(self) -> RingState:
-        """The ring at the present time; its points have moved with the frame."""
-        p = self.integrator.p
-        y = backward(self._strain(p), self._count)
+    def _state(self, p: Complex, t: float) -> RingState:
+        start = self._start
+        y = backward(self._strain(p), start.y.size)
         velocity = 0.5 * (p[0] + p[1])
         velocity[0] = self._drift
-        s = backward(velocity, self._count)
-        left = self.left + self._speed * (self.t - self._origin)
-        return RingState(self.t, left, self.circumference, y, s)
+        s = backward(velocity, start.y.size)
+        left = start.left + self._constants.sound_speed() * (t - start.t)
+        return RingState(t, left, start.circumference, y, s)
+
+    def _watch(self, p: Complex, t: float) -> None:
+        tail = spectrum_tail(self._strain(p))
+        if not tail <= self._amplitude:
+            raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
+        if tail > self._bound:
+            raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
 
     def _strain(self, p: Complex) -> Complex:
         _strain_modes(p, self._inverse, self._modes)
         return self._modes
 
-    def _norm(self, change: Complex) -> float:
-        """Sup norm of the strain that belongs to a change of p."""
-        return float(np.max(np.abs(backward(self._strain(change), self._count, self._values))))
-
     def _nonlinearity(self, p: Complex) -> Complex:
-        y = backward(self._strain(p), self._count, self._values)
+        y = backward(self._strain(p), self._values.size, self._values)
         _residual_force(y, self._b, self._constants.K3, self._constants.K4)
         force = forward(y)
         _bend(force, self._symbol)

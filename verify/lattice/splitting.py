@@ -6,6 +6,7 @@ composition's; its free weights are spent on a small error. At a sup error of 1e
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -23,10 +24,11 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Splitting:
-    """A symmetric splitting; the literals up to the middle of ``drifts`` and ``kicks``.
+    """A symmetric splitting; decimal literals or fractions up to the middle.
 
-    ``drift_half`` holds the drifts up to the middle one, ``kick_half`` the first half of an even
-    number of kicks. Raises ValueError if an order condition fails by more than the rounding.
+    ``drift_half`` holds the drifts up to the middle, ``kick_half`` the kicks. With one drift more
+    than kicks the last drift is the middle of the step, with as many the last kick is. Raises
+    ValueError if an order condition fails by more than the rounding.
     """
 
     name: str
@@ -46,25 +48,29 @@ class Splitting:
     @property
     def stages(self) -> int:
         """Force evaluations per step."""
-        return 2 * len(self.kick_half)
+        return len(self._all_kicks)
+
+    @property
+    def _middle_is_kick(self) -> bool:
+        return len(self.kick_half) == len(self.drift_half)
 
     @property
     def _all_drifts(self) -> tuple[str, ...]:
-        return self.drift_half + self.drift_half[-2::-1]
+        return _mirrored(self.drift_half, not self._middle_is_kick)
 
     @property
     def _all_kicks(self) -> tuple[str, ...]:
-        return self.kick_half + self.kick_half[::-1]
+        return _mirrored(self.kick_half, self._middle_is_kick)
 
     @cached_property
     def drifts(self) -> Array:
         """Drift lengths in units of the step."""
-        return np.array([float(literal) for literal in self._all_drifts])
+        return np.array([float(Fraction(literal)) for literal in self._all_drifts])
 
     @cached_property
     def kicks(self) -> Array:
         """Kick lengths in units of the step."""
-        return np.array([float(literal) for literal in self._all_kicks])
+        return np.array([float(Fraction(literal)) for literal in self._all_kicks])
 
     def advance(self, y: Array, s: Array, h: float, steps: int, constants: Constants) -> None:
         """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
@@ -72,11 +78,12 @@ class Splitting:
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
-        step = np.tile(np.eye(2), (len(z), 1, 1))
-        for drift, kick in zip(self.drifts, [*self.kicks, 0.0], strict=True):
-            step[:, 0] += drift * z[:, None] * step[:, 1]
-            step[:, 1] -= kick * z[:, None] * step[:, 0]
-        return step
+        return splitting_oscillator(self.drifts, self.kicks, z)
+
+
+def _mirrored(half: tuple[str, ...], once: bool) -> tuple[str, ...]:
+    """``half`` and its reflection; the last entry stands ``once`` or twice."""
+    return half + half[::-1][once:]
 
 
 def advance_splitting(
@@ -87,27 +94,10 @@ def advance_splitting(
     kernel(y, s, drifts, kicks, steps, *constants.kernel)
 
 
-BLANES_MOAN_6 = Splitting(
-    name="blanes_moan_6",
-    order=6,
-    drift_half=(
-        "0.0378593198406116",
-        "0.102635633102435",
-        "-0.0258678882665587",
-        "0.314241403071447",
-        "-0.130144459517415",
-        "0.106417700369543",
-        "-0.00879424312851058",
-        "0.2073050690568954",
-    ),
-    kick_half=(
-        "0.09171915262446165",
-        "0.183983170005006",
-        "-0.05653436583288827",
-        "0.004914688774712854",
-        "0.143761127168358",
-        "0.328567693746804",
-        "-0.19641146648645423",
-    ),
-    reference="Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN 14a of order 6",
-)
+def splitting_oscillator(drifts: Array, kicks: Array, z: Array) -> Array:
+    """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
+    step = np.tile(np.eye(2), (len(z), 1, 1))
+    for drift, kick in zip(drifts, [*kicks, 0.0], strict=True):
+        step[:, 0] += drift * z[:, None] * step[:, 1]
+        step[:, 1] -= kick * z[:, None] * step[:, 0]
+    return step

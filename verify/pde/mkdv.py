@@ -16,24 +16,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.exponential.adams import ExponentialAdams
+from verify.exponential.halving import Halving, halve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-FIRST_STEP = 1e-2
-"""First step, in units of 1/max |U|^3; the control changes it at once."""
+FIRST_STEP = 0.5
+"""First step of `evolve`, in units of 1/max |U|^3; halving goes on from there."""
 
 
 class PeriodicMkdv:
     """A solution of the mKdV equation with period ``period``, from samples ``U`` at tau = 0.
 
-    The samples are at xi = j period / M, j = 0 .. M - 1. Of the modes of the nonlinear term those
-    above half of the highest are dropped, which removes all aliasing of the cubic. Raises
-    ValueError for s other than 1 and -1, a period that is not positive and samples that are not
-    finite.
+    The samples are at xi = j period / M, j = 0 .. M - 1; ``step`` is the step in tau. Of the modes
+    those above half of the highest are dropped, which removes all aliasing of the cubic. Raises
+    ValueError for s other than 1 and -1, a period or step that is not positive and samples that are
+    not finite.
     """
 
-    def __init__(self, U: Array, period: float, s: int, step: float | None = None) -> None:
+    def __init__(self, U: Array, period: float, s: int, step: float) -> None:
         values = np.asarray(U, dtype=np.float64)
         if s not in (1, -1):
             raise ValueError(f"s must be 1 or -1, got {s} (the sign of K4)")
@@ -41,7 +42,6 @@ class PeriodicMkdv:
             raise ValueError(f"period must satisfy period > 0, got {period:g}")
         if not np.all(np.isfinite(values)):
             raise ValueError("U must be finite at all samples (nan or inf found)")
-        self.tau = 0.0
         self.period = period
         self._count = values.size
         self._mean_square = float(np.mean(values**2))
@@ -51,32 +51,23 @@ class PeriodicMkdv:
         self._symbol[k.size // 2 :] = 0.0
         modes = ducc0.fft.r2c(values, inorm=2)
         modes[k.size // 2 :] = 0.0
-        scale = max(float(np.max(np.abs(values))), 1e-3)
-        self.integrator = ExponentialAdams(
-            linear,
-            self._nonlinearity,
-            modes[None, :],
-            self._norm,
-            FIRST_STEP / scale**3 if step is None else step,
-        )
+        self.integrator = ExponentialAdams(linear, self._nonlinearity, modes[None, :], step)
+        self._modes: Complex = modes
 
-    def advance(self, duration: float, tolerance: float) -> Array:
-        """U after ``duration`` > 0; ``tolerance`` is the error allowed on the way (sup norm)."""
-        if not duration > 0:
-            raise ValueError(f"duration must satisfy duration > 0, got {duration:g}")
-        self.integrator.advance(duration, tolerance / duration)
-        self.tau += duration
-        return self.U
-
-    @property
-    def U(self) -> Array:
-        """The samples at the present ``tau``."""
-        return self._samples(self.integrator.p[0])
+    def at(self, tau: float) -> Array:
+        """The samples at ``tau``, which must not lie before the last one."""
+        for _ in range(self.integrator.whole_steps(tau)):
+            self.integrator.step()
+        self._modes = self.integrator.ahead(tau)[0]
+        return self._samples(self._modes)
 
     @property
     def invariants(self) -> tuple[float, float, float]:
-        """Means over the period of U, U^2 and U^4 - s U_xi^2 (mass, momentum, energy)."""
-        modes = self.integrator.p[0]
+        """Means over the period of U, U^2 and U^4 - s U_xi^2, at the last ``at``.
+
+        They are the mass, momentum and energy.
+        """
+        modes = self._modes
         U = self._samples(modes)
         k = 2.0 * math.pi / self.period * np.arange(modes.size)
         slope = self._samples(1j * k * modes)
@@ -88,9 +79,6 @@ class PeriodicMkdv:
         values: Array = ducc0.fft.c2r(modes, lastsize=self._count, forward=False)
         return values
 
-    def _norm(self, change: Complex) -> float:
-        return float(np.max(np.abs(self._samples(change[0]))))
-
     def _nonlinearity(self, p: Complex) -> Complex:
         U = self._samples(p[0])
         U *= U * U - 3.0 * self._mean_square
@@ -99,15 +87,20 @@ class PeriodicMkdv:
         return force
 
 
-def evolve(U: Array, period: float, s: int, times: Sequence[float], tolerance: float) -> Array:
-    """Samples of the solution at the increasing ``times`` > 0; shape (len(times), M).
+def evolve(U: Array, period: float, s: int, times: Sequence[float], tolerance: float) -> Halving:
+    """The solution at the increasing ``times`` >= 0: ``values`` of shape (len(times), M).
 
-    ``tolerance`` is the error allowed at the last of them.
+    The step is halved until that changes no value by more than ``tolerance``; ``difference`` says
+    by how much it last did. The samples must resolve the solution, which `PeriodicMkdv` and a
+    second sampling show. Raises ValueError if the tolerance is out of reach.
     """
-    solution = PeriodicMkdv(U, period, s)
-    rate = tolerance / times[-1]
-    rows = []
-    for tau in times:
-        duration = tau - solution.tau
-        rows.append(solution.advance(duration, rate * duration))
-    return np.array(rows)
+
+    def solve(step: float) -> Array:
+        solution = PeriodicMkdv(U, period, s, step)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.array([solution.at(tau) for tau in times])
+
+    scale = float(np.max(np.abs(U)))
+    longest = max(times[-1], FIRST_STEP)
+    first = min(longest, FIRST_STEP / scale**3) if scale > 0 else longest
+    return halve(solve, first, tolerance)

@@ -1,10 +1,9 @@
-"""phi functions against mpmath, and the integrator against exact solutions."""
+"""phi functions against mpmath, and weights against polynomials."""
 
 import mpmath
 import numpy as np
 import pytest
 
-from verify.exponential.adams import ExponentialAdams
 from verify.exponential.phi import moment_weights, phi_functions
 
 
@@ -22,18 +21,3 @@ def test_weights_are_exact_for_polynomials() -> None:
     weights = moment_weights(np.array([0.0 + 0j]), nodes)[:, 0]
     for degree in range(4):
         assert abs(weights @ nodes**degree - 1 / (degree + 1)) < 1e-13
-
-
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
-def test_tolerance_is_met(tolerance: float) -> None:
-    """p' = i w p + |p|^2 p i has the solution p0 exp(i (w + |p0|^2) t)."""
-    w = np.array([[0.0, 1.0, 30.0]])
-    p0 = np.array([[0.5, 0.7 + 0.2j, 0.3j]])
-
-    def norm(change: np.ndarray) -> float:
-        return float(np.abs(change).max())
-
-    solution = ExponentialAdams(1j * w, lambda p: 1j * np.abs(p[0]) ** 2 * p[0], p0, norm, 0.1)
-    solution.advance(10.0, tolerance / 10.0)
-    exact = p0 * np.exp(1j * (w + np.abs(p0) ** 2) * 10.0)
-    assert np.abs(solution.p - exact).max() < 3 * tolerance

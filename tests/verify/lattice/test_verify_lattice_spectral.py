@@ -1,39 +1,86 @@
-"""The spectral ring against the stencil, its interpolation, and the closing of rings."""
+"""The spectral ring against the stencil, its interpolation, its watch on the tail."""
+
+import math
 
 import numpy as np
 import pytest
 
-from verify.lattice.closing import close_circumference
 from verify.lattice.constants import Constants
-from verify.lattice.spectral import RingState, SpectralRing
-from verify.lattice.splitting import BLANES_MOAN_6
+from verify.lattice.ring_state import RingState
+from verify.lattice.schemes import scheme_named
+from verify.lattice.spectral import SamplingError, SpectralRing
+
+CONSTANTS = Constants(4.0, 0.0, 1.0)
 
 
-def _bump(sites: int, t: float = 0.0) -> RingState:
+def _bump(sites: int, width: float = 5.0) -> RingState:
     n = np.arange(sites) - sites / 2.0
-    y = 0.05 * (1.0 + 2.0 / np.cosh(0.2 * n))
-    s = 2.0 * 0.05 * 2.0 * 0.2 * np.sinh(0.2 * n) / np.cosh(0.2 * n) ** 2
-    return RingState(t, -sites / 2.0, float(sites), y, s)
+    y = 0.05 * (1.0 + 2.0 / np.cosh(n / width))
+    s = 2.0 * 0.05 * 2.0 / width * np.sinh(n / width) / np.cosh(n / width) ** 2
+    return RingState(0.0, -sites / 2.0, float(sites), y, s)
 
 
 @pytest.mark.parametrize(("K3", "K4"), [(0.0, 1.0), (0.2, -0.5), (0.1, 0.0)])
 def test_engines_agree(K3: float, K4: float) -> None:
     constants = Constants(4.0, K3, K4)
     state = _bump(512)
-    ring = SpectralRing(constants, state.resampled(1024), 0.25)
-    ring.advance(50.0, 1e-9 * 0.05 / 50.0)
+    ring = SpectralRing(constants, state.resampled(1024), 0.03)
     y, s = state.y.copy(), state.s.copy()
-    BLANES_MOAN_6.advance(y, s, 0.1, 500, constants)
-    assert np.abs(ring.state().strain(state.points) - y).max() < 1e-8 * 0.05
+    scheme_named("blanes_moan_6").advance(y, s, 0.1, 500, constants)
+    reached = ring.at(50.0)
+    assert np.abs(reached.strain(state.points) - y).max() < 1e-8 * 0.05
+    assert np.abs(reached.velocity(state.points) - s).max() < 1e-7 * 0.05
+
+
+def test_one_point_a_site_folds_short_waves() -> None:
+    """Why the run above takes two points a site: products fold back onto the lattice's waves."""
+    state = _bump(512, width=2.0)
+    y, s = state.y.copy(), state.s.copy()
+    scheme_named("blanes_moan_6").advance(y, s, 0.1, 200, CONSTANTS)
+    errors = [
+        np.abs(SpectralRing(CONSTANTS, ring, 0.02).at(20.0).strain(state.points) - y).max()
+        for ring in (state, state.resampled(1024))
+    ]
+    assert errors[0] > 1e-7
+    assert errors[1] < 2e-8
 
 
 def test_mean_drifts() -> None:
-    y = np.full(64, 0.1)
-    state = RingState(0.0, 0.0, 64.5, y, np.full(64, 1e-3))
-    ring = SpectralRing(Constants(1.0, 0.0, 1.0), state, 1.0)
-    ring.advance(10.0, 1e-9)
-    np.testing.assert_allclose(ring.state().y, 0.11, atol=1e-12)
-    np.testing.assert_allclose(ring.state().s, 1e-3, atol=1e-12)
+    state = RingState(0.0, 0.0, 64.5, np.full(64, 0.1), np.full(64, 1e-3))
+    reached = SpectralRing(Constants(1.0, 0.0, 1.0), state, 1.0).at(10.0)
+    np.testing.assert_allclose(reached.y, 0.11, atol=1e-12)
+    np.testing.assert_allclose(reached.s, 1e-3, atol=1e-12)
+
+
+def test_looking_changes_nothing() -> None:
+    seen, unseen = (SpectralRing(CONSTANTS, _bump(128), 0.5) for _ in range(2))
+    for t in (0.3, 1.7, 2.0):
+        seen.at(t)
+    np.testing.assert_array_equal(seen.at(6.1).y, unseen.at(6.1).y)
+
+
+def test_tail_is_watched() -> None:
+    """Narrow data split into waves that the sampling does not resolve; more points do."""
+    state = _bump(128, width=3.0)
+    bound = 10.0 * state.tail()
+    with pytest.raises(SamplingError, match="tail"):
+        SpectralRing(CONSTANTS, state, 0.5, tail=0.1 * state.tail())
+    SpectralRing(CONSTANTS, state, 0.5, tail=bound).at(20.0)
+    steep = RingState(0.0, state.left, 128.0, 10.0 * state.y, 10.0 * state.s)
+    with pytest.raises(SamplingError, match="tail"):
+        SpectralRing(CONSTANTS, steep, 0.05, tail=10.0 * bound).at(50.0)
+
+
+def test_unstable_step_is_told_from_coarse_sampling() -> None:
+    with pytest.raises(FloatingPointError, match="grew without bound"):
+        SpectralRing(CONSTANTS, _bump(512, width=2.0), 1000.0).at(1e6)
+
+
+def test_waves_must_exist() -> None:
+    state = _bump(64)
+    large = RingState(0.0, state.left, 64.0, 20.0 * state.y, state.s)
+    with pytest.raises(FloatingPointError, match=r"<= 0 at t = 0, site"):
+        SpectralRing(Constants(4.0, 0.0, -1.0), large, 1.0)
 
 
 def test_interpolation() -> None:
@@ -41,16 +88,6 @@ def test_interpolation() -> None:
     wave = np.cos(2 * np.pi * 3 * (x - 0.7) / 20.5) + 0.5
     state = RingState(0.0, -3.0, 20.5, wave, wave)
     at = np.array([-50.3, 0.0, 0.1, 1e4])
-    np.testing.assert_allclose(
-        state.strain(at), np.cos(2 * np.pi * 3 * (at - 0.7) / 20.5) + 0.5, atol=1e-10
-    )
-
-
-def test_closing_finds_the_phase_jump() -> None:
-    jump = 0.3
-
-    def profile(x: np.ndarray) -> np.ndarray:
-        return np.cos(x - 0.5 * jump * np.tanh(x))
-
-    length = close_circumference(profile, 2 * np.pi, 10)
-    assert abs(length - (20 * np.pi + jump)) < 1e-9
+    exact = np.cos(2 * math.pi * 3 * (at - 0.7) / 20.5) + 0.5
+    np.testing.assert_allclose(state.strain(at), exact, atol=1e-10)
+    np.testing.assert_allclose(state.resampled(100).strain(at), exact, atol=1e-10)

@@ -1,0 +1,142 @@
+"""Catches: a tolerance that is not kept, an estimate below the error or absurdly above it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from verify.lattice import Scene, load_scene, run, shipped_scenes, with_tolerance
+from verify.lattice.engine import choose_engine
+from verify.lattice.families import rational_family_scenes
+from verify.lattice.initial import build_wave
+
+PESSIMISM = 300.0
+"""Most by which an estimate may exceed the error, unless the error is rounding."""
+
+ROUNDING = 1e-9
+
+
+def reference(scene: Scene) -> xr.Dataset:
+    """The paper's scene with another scheme, a finer step and more sites."""
+    wide = 8192 if scene.domain == "window" else 2 * scene.sites
+    return run(replace(scene, scheme="kahan_li_8", step=0.25, sites=wide, observables=("strain",)))
+
+
+def true_error(measured: xr.Dataset, exact: xr.Dataset, eps: float) -> float:
+    return float(np.max(np.abs(measured.strain.values - exact.strain.values))) / eps
+
+
+def check(scene: Scene, exact: xr.Dataset) -> None:
+    measured = run(replace(scene, observables=("strain",)))
+    error = true_error(measured, exact, scene.eps)
+    estimate = measured.attrs["error_estimate"]
+    assert scene.tolerance is not None
+    assert error <= scene.tolerance
+    assert error <= estimate + ROUNDING
+    assert estimate <= scene.tolerance
+    assert estimate <= PESSIMISM * max(error, ROUNDING)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_a_short_window_keeps_its_tolerance(
+    window_scene: Callable[..., Scene], tolerance: float
+) -> None:
+    scene = window_scene(observables=("strain",))
+    exact = run(replace(scene, step=0.2, sites=4096))
+    check(with_tolerance(scene, tolerance), exact)
+
+
+@pytest.mark.parametrize("engine", ["stencil", "spectral"])
+def test_both_engines_keep_a_tolerance_on_a_periodic_background(
+    ring_scene: Callable[..., Scene], engine: str
+) -> None:
+    scene = ring_scene(observables=("strain",))
+    exact = run(replace(scene, step=0.2, sites=800))
+    check(replace(with_tolerance(scene, 1e-4), engine=engine), exact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_shipped_scenes_keep_every_tolerance(name: str) -> None:
+    scene = load_scene(name)
+    exact = reference(scene)
+    finest = (1e-8,) if scene.end - scene.t0 <= 200 else ()
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, *finest):
+        check(with_tolerance(scene, tolerance), exact)
+
+
+def test_the_model_takes_the_cheaper_engine() -> None:
+    """Sites and steps of the window grow as eps falls, those of the ring do not."""
+    family = rational_family_scenes(orders=(2,))
+    chosen = {name: choose_engine(scene, build_wave(scene)) for name, scene in family.items()}
+    assert chosen["Y2_eps_0.1"] == chosen["Y2_eps_0.05"] == "stencil"
+    assert chosen["Y2_eps_0.0125"] == chosen["Y2_eps_0.00625"] == "spectral"
+
+
+def test_the_engine_follows_from_the_background_and_from_what_is_asked(
+    ring_scene: Callable[..., Scene],
+) -> None:
+    scene = with_tolerance(ring_scene(), 1e-3)
+    wave = build_wave(scene)
+    assert choose_engine(scene, wave) == "spectral"
+    assert choose_engine(replace(scene, observables=("energy",)), wave) == "stencil"
+    assert choose_engine(replace(scene, engine="stencil"), wave) == "stencil"
+    with pytest.raises(ValueError, match="energy needs engine 'stencil', got 'spectral'"):
+        choose_engine(replace(scene, engine="spectral", observables=("energy",)), wave)
+
+
+def test_a_stencil_run_carries_the_scene_that_was_run(
+    window_scene: Callable[..., Scene],
+) -> None:
+    """So that it can be repeated to the bit without planning again."""
+    from verify.lattice.restart import scene_of
+
+    measured = run(with_tolerance(window_scene(observables=("strain",)), 1e-3))
+    stated = scene_of(measured)
+    assert stated.tolerance is None
+    assert np.array_equal(run(stated).strain, measured.strain)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"tolerance": 0.0}, "tolerance must satisfy tolerance > 0, got 0"),
+        ({"tolerance": -1e-3}, "tolerance must satisfy tolerance > 0, got -0.001"),
+        ({"tolerance": "fine"}, "tolerance must be a number, got 'fine'"),
+        ({"engine": "steam"}, "engine must be one of stencil, spectral, got 'steam'"),
+        ({"step": 0.5}, "step must not be given with a tolerance, got 0.5"),
+        ({"sites": 4096}, "sites must not be given with a tolerance, got 4096"),
+        ({"domain": "ring"}, "domain must not be given with a tolerance, got ring"),
+        ({"engine": "spectral", "scheme": "rk4"}, "scheme must not be given for engine 'spectral'"),
+        ({"observables": ("domain_error",)}, "observables must not hold domain_error with a tol"),
+        ({"tolerance": None, "step": 0.5, "sites": 99}, "domain must be one of window, ring"),
+        (
+            {"tolerance": None, "step": 0.5, "sites": 99, "domain": "ring", "engine": "spectral"},
+            "tolerance must be given for engine 'spectral'",
+        ),
+    ],
+)
+def test_what_contradicts_a_tolerance_is_refused_in_one_line(
+    ring_scene: Callable[..., Scene], changes: dict[str, object], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message) as caught:
+        replace(with_tolerance(ring_scene(), 1e-3), **changes)  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)
+
+
+def test_a_blow_up_is_told_and_what_came_before_it_is_kept(
+    ring_scene: Callable[..., Scene],
+) -> None:
+    """K4 < 0 and an amplitude near the point where K2 + 3 K4 y^2 changes sign."""
+    scene = ring_scene(
+        wave="breather_sn",
+        K4=-1.0,
+        eps=0.5,
+        parameters=(("k", 0.7), ("alpha", "K/2"), ("X_0", 0)),
+        snapshots=(-20.0, 20.0),
+        observables=("strain",),
+    )
+    with pytest.raises(ValueError, match=r"bounded for engine 'spectral'|K2 \+ 2 K3 y"):
+        run(replace(with_tolerance(scene, 1e-3), eps=1.2))

@@ -1,0 +1,180 @@
+"""A run by the spectral engine, with the step, the sampling and the domain that a tolerance needs.
+
+Each of the three is measured by doubling. The time step and the sampling do not depend on the
+circumference, so both are settled on the smallest ring: the step is halved, and the density of
+points doubled, until the compared strains differ by less than their share of the tolerance. Then
+the circumference is doubled until the difference says that its share is met. At all times the tail
+of the spectrum is watched; where it rises above the share of the sampling, the run is begun again
+with twice the points.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.exponential.halving import Halving, halve, sup_difference
+from verify.lattice.ring_state import RingState
+from verify.lattice.spectral import SamplingError, SpectralRing
+from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_scale import first_density, first_step
+from verify.lattice.spectral_task import Estimates, SpectralCost, SpectralRun, SpectralTask
+
+__all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
+
+Array = NDArray[np.float64]
+Progress = Callable[[float], None]
+
+STEP_SHARE, SAMPLING_SHARE, DOMAIN_SHARE = 0.25, 0.25, 0.5
+"""Shares of the tolerance."""
+
+DOMAIN_RATIO = (2.0, 16.0)
+"""Doubling the domain divides its error by what was measured, but by no more than L^-4 says."""
+
+UNMEASURED_RATIO = 4.0
+"""The law L^-2 of a ring that is not closed, as long as there is one difference only."""
+
+TINY = 1e-300
+"""Keeps the ratio of two differences finite."""
+
+MOST_POINTS = 2**22
+"""Points on the largest ring."""
+
+
+def spectral_run(task: SpectralTask, progress: Progress | None = None) -> SpectralRun:
+    """Run the task to its tolerance.
+
+    ``progress`` is called with the share of the work that is done, 0 .. 1, each attempt taken to
+    cost as much as all before it. Raises ValueError if the tolerance cannot be met, and
+    FloatingPointError if the lattice blows up.
+    """
+    return _Planner(task, progress).run()
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    states: tuple[RingState, ...]
+    values: Array
+    steps: int
+    evaluations: int
+    seconds: float
+
+    @property
+    def work(self) -> float:
+        return float(self.evaluations) * self.states[0].y.size
+
+
+class _Planner:
+    """The search: the density it has come to, the initial rings, and the attempts so far."""
+
+    def __init__(self, task: SpectralTask, progress: Progress | None) -> None:
+        self._task, self._progress = task, progress
+        width = 2 * task.compared + 1
+        self._data = RingData(task.constants, task.wave, task.eps, task.t0, width)
+        self._density = first_density(task.wave, task.eps)
+        self._rings: dict[tuple[int, int], RingState] = {}
+        self._attempts: list[_Attempt] = []
+
+    def run(self) -> SpectralRun:
+        tolerance, count = self._task.tolerance, self._data.smallest
+        duration = self._task.times[-1] - self._task.t0
+        start = first_step(self._task.constants, self._ring(count), duration)
+        halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
+        values, sampling = self._settle_sampling(count, halving)
+        domain, ratio = self._settle_domain(count, halving.step, values)
+        if self._progress is not None:
+            self._progress(1.0)
+        estimates = Estimates(halving.difference, sampling, domain, ratio)
+        states = self._attempts[-1].states
+        return SpectralRun(self._task, states, halving.step, estimates, self._cost())
+
+    def _settle_sampling(self, count: int, halving: Halving) -> tuple[Array, float]:
+        """Double the density until that no longer matters; the values, and by how much it did."""
+        bound, values = SAMPLING_SHARE * self._task.tolerance, halving.values
+        while True:
+            kept = self._density
+            self._density = 2.0 * kept
+            fine = self._values(count, halving.step)
+            difference = sup_difference(fine, values)
+            if difference <= bound:
+                self._density = kept
+                return values, difference
+            values = fine
+
+    def _settle_domain(self, count: int, step: float, values: Array) -> tuple[float, float]:
+        """Double the ring until its share is met; the error, and the ratio that it comes from."""
+        ratio, before = UNMEASURED_RATIO, None
+        while True:
+            count *= 2
+            fine = self._values(count, step)
+            difference = sup_difference(fine, values)
+            if before is not None:
+                ratio = float(np.clip(before / max(difference, TINY), *DOMAIN_RATIO))
+            if difference <= DOMAIN_SHARE * self._task.tolerance * (ratio - 1.0):
+                return difference / (ratio - 1.0), ratio
+            values, before = fine, difference
+
+    def _values(self, count: int, step: float) -> Array:
+        """The compared y/eps; the density grows until the tail keeps down, infinity if it cannot.
+
+        A step that is too long lets short waves grow, however densely they are sampled.
+        """
+        kept = self._density
+        while True:
+            try:
+                attempt = self._attempt(count, step)
+            except SamplingError:
+                self._density *= 2.0
+            except FloatingPointError:
+                self._density = kept
+                return np.array([np.inf])
+            else:
+                self._attempts.append(attempt)
+                return attempt.values
+
+    def _attempt(self, count: int, step: float) -> _Attempt:
+        task = self._task
+        begun = time.perf_counter()
+        tail = SAMPLING_SHARE * task.tolerance * task.eps
+        ring = SpectralRing(task.constants, self._ring(count), step, tail)
+        states = tuple(self._through(ring))
+        values = [state.strain(task.sites(state.t)) / task.eps for state in states]
+        seconds = time.perf_counter() - begun
+        integrator = ring.integrator
+        return _Attempt(states, np.array(values), integrator.steps, integrator.evaluations, seconds)
+
+    def _through(self, ring: SpectralRing) -> Iterator[RingState]:
+        t0, end = self._task.t0, self._task.times[-1]
+        for t in self._task.times:
+            yield ring.at(t)
+            if self._progress is not None and end > t0:
+                share = (t - t0) / (end - t0)
+                self._progress(1.0 - 0.5 ** (len(self._attempts) + share))
+
+    def _ring(self, count: int) -> RingState:
+        wanted = count * self._data.unit * self._density
+        if wanted > MOST_POINTS:
+            raise ValueError(
+                f"tolerance must be larger than {self._task.tolerance:g}: it needs a ring of more "
+                f"than {MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
+            )
+        points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
+        if (count, points) not in self._rings:
+            circumference = self._data.circumference(count)
+            self._rings[count, points] = self._data.state(circumference, points)
+        return self._rings[count, points]
+
+    def _cost(self) -> SpectralCost:
+        *before, last = self._attempts
+        return SpectralCost(
+            last.steps,
+            last.states[0].y.size,
+            last.evaluations,
+            last.seconds,
+            sum(attempt.work for attempt in before),
+            sum(attempt.seconds for attempt in before),
+        )

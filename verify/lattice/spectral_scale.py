@@ -1,0 +1,40 @@
+"""Where the search for step and sampling begins: the scales of the data."""
+
+import math
+
+import numpy as np
+
+from solutions import Wave
+from verify.lattice.constants import Constants
+from verify.lattice.ring_state import RingState, forward
+
+PER_RADIAN = 2.0
+"""First sampling: points per unit of the wave's own variable xi."""
+
+
+def first_density(wave: Wave, eps: float) -> float:
+    """Points per site to begin with."""
+    return PER_RADIAN * float(wave.normal_form.a) * eps
+
+
+FEWEST = 4
+"""Steps of the first attempt, at least: differences between fewer say nothing about the order."""
+
+
+def first_step(constants: Constants, state: RingState, duration: float) -> float:
+    """The time in which the nonlinear part turns the phase of a typical wave by one.
+
+    About a strain y, a wave of number k runs ahead of the mean by (V''(y) - mean)/(2 c) k; k is the
+    root mean square over the spectrum. In the long-wave limit this is a fixed part of the slow time
+    T, so the number of steps does not depend on eps.
+    """
+    stiffness = constants.stiffness(state.y)
+    spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
+    power = np.abs(forward(state.y)[1:]) ** 2
+    k = 2.0 * math.pi / state.circumference * np.arange(1, power.size + 1)
+    total = float(np.sum(power))
+    longest = duration / FEWEST if duration > 0 else 1.0
+    if total == 0.0 or spread == 0.0:
+        return longest
+    typical = math.sqrt(float(np.sum(power * k**2)) / total)
+    return min(longest, 2.0 * constants.sound_speed() / (spread * typical))

@@ -1,0 +1,100 @@
+"""A scene on the spectral ring: what it asks for, seen through the ring's interpolation."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from solutions import Wave
+from verify.exponential.adams import ORDER
+from verify.lattice.comparison import Comparison
+from verify.lattice.dataset import build_dataset
+from verify.lattice.estimate import Estimate
+from verify.lattice.recorder import Observable, build_recorders
+from verify.lattice.recording import Progress
+from verify.lattice.scene import Scene
+from verify.lattice.spectral_run import SpectralRun, SpectralTask, spectral_run
+from verify.lattice.state import empty_state
+
+SCHEME = "exponential_adams"
+"""The one scheme of the spectral engine."""
+
+
+def run_spectral(
+    scene: Scene, wave: Wave, progress: Progress
+) -> tuple[xr.Dataset, Estimate, float]:
+    """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
+
+    What the stencil would look at where its march stops is looked at equidistant times here. Only
+    the compared sites are formed, at the times asked for. Raises ValueError for a tolerance that
+    cannot be met and for a lattice that blows up.
+    """
+    assert scene.tolerance is not None
+    scene_run = _with_looks(scene)
+    recorders = build_recorders(scene_run)
+    task = _task(scene_run, wave, recorders, scene.tolerance)
+    try:
+        solved = spectral_run(task, progress)
+    except FloatingPointError as error:
+        raise ValueError(
+            f"the scene must stay bounded for engine 'spectral': {error} "
+            "(engine 'stencil' shows when and where)"
+        ) from None
+    _show(scene, wave, solved, recorders)
+    variables = {name: value for item in recorders for name, value in item.variables().items()}
+    run = build_dataset(scene, scene.snapshots, variables, _cost(solved))
+    return run, _estimate(solved), solved.cost.planning_seconds
+
+
+def _with_looks(scene: Scene) -> Scene:
+    return replace(scene, look_points=scene.look_points or scene.curve_points)
+
+
+def _task(
+    scene: Scene, wave: Wave, observables: Sequence[Observable], tolerance: float
+) -> SpectralTask:
+    times = {t for item in observables for t in item.moments.times} | {scene.end}
+    return SpectralTask(
+        scene.constants,
+        wave,
+        scene.eps,
+        scene.t0,
+        tuple(sorted(times)),
+        scene.compared,
+        tolerance,
+    )
+
+
+def _show(scene: Scene, wave: Wave, solved: SpectralRun, observables: Sequence[Observable]) -> None:
+    """Show each observable the compared sites at its moments."""
+    for index, t in enumerate(solved.task.times):
+        due = [item for item in observables if item.moments.due(t)]
+        if due:
+            sites = solved.task.sites(t)
+            state = empty_state(t, int(sites[0]), sites.size)
+            state.store(sites, solved.strain(index), np.zeros(sites.size))
+            view = Comparison(scene, wave, state)
+            for item in due:
+                item.see(view)
+
+
+def _estimate(solved: SpectralRun) -> Estimate:
+    found = solved.estimates
+    return Estimate(found.time_step, found.sampling + found.domain, found.next_decade)
+
+
+def _cost(solved: SpectralRun) -> dict[str, object]:
+    cost = solved.cost
+    return {
+        "engine": "spectral",
+        "scheme": SCHEME,
+        "order": ORDER,
+        "steps": cost.steps,
+        "force_evaluations": cost.evaluations,
+        "sites": cost.points,
+        "circumference": solved.circumference,
+        "step": solved.step,
+        "seconds": cost.seconds,
+        "blow_up": "",
+    }

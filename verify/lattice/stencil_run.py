@@ -1,0 +1,69 @@
+"""Running a scene whose step and domain are stated, site by site."""
+
+import xarray as xr
+
+from verify.lattice.dataset import build_dataset
+from verify.lattice.discretisation import COST, StrainSamples, measured_error
+from verify.lattice.initial import build_wave
+from verify.lattice.observables import entry_named
+from verify.lattice.recorder import Observable, Variables, build_recorders
+from verify.lattice.recording import Progress, Recording, record
+from verify.lattice.scene import Scene
+from verify.lattice.state import State
+
+
+def run_from(scene: Scene, restart: State | None, progress: Progress | None) -> xr.Dataset:
+    """Run from the scene's initial data or from a state of an earlier run of the same scene."""
+    meter = _Meter(scene, progress)
+    wave = build_wave(scene)
+    recorders = build_recorders(scene)
+    samples = StrainSamples(scene.snapshots)
+    measures = [measure for measure in scene.observables if measure in COST]
+    seen: list[Observable] = [*recorders, samples] if measures else [*recorders]
+    recording = record(scene, wave, seen, meter.part(1.0), restart)
+    variables: Variables = {}
+    for recorder in recorders:
+        variables |= recorder.variables()
+    for measure in measures:
+        part = meter.part(COST[measure])
+        values = measured_error(scene, wave, measure, samples.samples, part)
+        attributes = entry_named(measure).variables[0].attributes
+        variables[measure] = (("time",), values, attributes)
+    reached = scene.snapshots
+    if recording.march.blow_up is not None:
+        reached = tuple(t for t in reached if t < recording.march.state.t)
+    return build_dataset(scene, reached, variables, _cost(scene, recording))
+
+
+class _Meter:
+    """Turns the progress of each part of the work into progress of the whole."""
+
+    def __init__(self, scene: Scene, progress: Progress | None) -> None:
+        self._progress = progress
+        self._total = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
+        self._before = 0.0
+
+    def part(self, cost: float) -> Progress:
+        start, self._before = self._before, self._before + cost
+
+        def report(share: float) -> None:
+            if self._progress is not None:
+                self._progress(min(1.0, (start + share * cost) / self._total))
+
+        return report
+
+
+def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
+    march, scheme = recording.march, scene.scheme_table
+    return {
+        "engine": "stencil",
+        "scheme": scheme.name,
+        "order": scheme.order,
+        "steps": march.steps,
+        "force_evaluations": march.steps * scheme.stages,
+        "sites": scene.sites,
+        "step_limit": recording.step_limit,
+        "seconds": recording.seconds,
+        "feed_mismatch": march.domain.mismatch,
+        "blow_up": "" if march.blow_up is None else str(march.blow_up),
+    }
