@@ -3,10 +3,12 @@ PY := .venv/bin/python
 STAMP := .venv/.longwave-installed
 WORKERS ?= 2
 
-.PHONY: report test test-slow lint format clean help
+.PHONY: report report-full bench test test-slow lint format clean help
 
 help:
 	@echo "make report     derive, check, run the scenes, typeset: reports/build/longwave.pdf"
+	@echo "make report-full  the same with the long scenes and the full studies"
+	@echo "make bench      what accuracy costs, nothing running beside: reports/build/bench"
 	@echo "make test       the default test suite (WORKERS=$(WORKERS) processes)"
 	@echo "make test-slow  the tests marked slow"
 	@echo "make lint       ruff check, ruff format --check, mypy"
@@ -19,6 +21,12 @@ $(STAMP): pyproject.toml tools/bootstrap.sh
 
 report: $(STAMP)
 	@$(PY) -m reports
+
+report-full: $(STAMP)
+	@$(PY) -m reports --full
+
+bench: $(STAMP)
+	@$(PY) -m reports.bench
 
 test: $(STAMP)
 	@$(PY) -m pytest -q -n $(WORKERS) --dist loadfile

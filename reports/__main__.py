@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from reports.assemble import TABLES, write_figures, write_source
+from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures, write_source
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
@@ -72,10 +72,12 @@ def build(options: argparse.Namespace, console: Console) -> tuple[Path, bool]:
             options.workers,
             lambda share: bar.update(working, completed=share),
         )
-        drawing = bar.add_task("drawing", total=len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + 1)
+        drawing = bar.add_task(
+            "drawing", total=len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES
+        )
         for _ in write_figures(found, options.output):
             bar.advance(drawing)
-        wrote = advance(bar, "writing", len(TABLES))
+        wrote = advance(bar, "writing", len(TABLES) + len(STUDY_TABLES))
         tex = write_source(found, options.output, options.full, wrote)
     return tex, found.sound
 

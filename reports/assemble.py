@@ -2,22 +2,23 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
-from itertools import groupby
-from operator import attrgetter
 from pathlib import Path
 
 from reports.environment import render
-from reports.figures.costs import CostPanel, cost_figure
+from reports.figures.costs import cost_figure
 from reports.figures.paper import draw_all
 from reports.figures.style import save, styled
-from reports.sections import claims, derivation, evaluation, proofs, runs, solutions
+from reports.sections import claims, costs, derivation, evaluation, proofs, runs, solutions
+from reports.studies import Studies
 from reports.tables import write
 from reports.work import Findings
 from verify.lattice import Scene
 from verify.study.claims import all_claims
-from verify.study.cost_evaluation import ARITHMETICS
 
 SOURCE = "longwave.tex"
+
+STUDY_FIGURES = 3
+"""How many figures the studies have."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     "solution_table": lambda _: solutions.solution_table(),
@@ -25,11 +26,21 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "mutation_table": lambda found: proofs.mutation_table(found.mutations),
     "survivor_table": lambda found: proofs.survivor_table(found.mutations),
     "accuracy_table": lambda found: evaluation.accuracy_table(found.accuracy),
-    "cost_table": lambda found: evaluation.cost_table(found.costs),
     "run_table": lambda found: runs.run_table(found.evidence),
     "claim_table": lambda found: claims.claim_table(all_claims(found.evidence)),
 }
-"""Every table of the report under the name that the templates give it."""
+"""The tables of proofs, waves and runs under the names that the templates give them."""
+
+STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
+    "cost_table": lambda found: evaluation.cost_table(found.evaluation),
+    "precision_table": lambda found: costs.precision_table(found.precision),
+    "scaling_table": lambda found: costs.scaling_table(found.scaling),
+    "rk4_table": lambda found: costs.rk4_table(found.rk4),
+    "window_table": lambda found: costs.window_table(found.windows),
+    "hard_case_table": lambda found: costs.hard_case_table(found.hard_cases),
+    "long_table": lambda found: costs.long_table(found.long_runs) if found.long_runs else "",
+}
+"""The tables of the studies."""
 
 
 def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) -> str:
@@ -38,6 +49,7 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         "report.tex.j2",
         version=version("longwave"),
         full=full,
+        alone=False,
         formulas=solutions.formulas(),
         equations=solutions.equations(),
         figures=runs.figure_entries(scenes),
@@ -49,28 +61,45 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
 def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
     """Draw every figure below the folder, yielding each path when it is written."""
     yield from draw_all(found.evidence.runs, found.evidence.scenes, folder / "figures")
+    yield from write_study_figures(found.studies, folder)
+
+
+def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
+    """Draw the figures of the studies, yielding each path when it is written."""
+    per_point, error = "seconds a point", r"error of $y/\epsilon$"
+    figures = {
+        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4),
+        "work_precision": (costs.precision_panels(found.precision), "seconds", error, 3),
+        "cost_scaling": (costs.scaling_panels(found.scaling), r"$1/\epsilon$", "seconds", 1),
+    }
     with styled():
-        figure = cost_figure(evaluation_panels(found), "seconds", "digits", across=4)
-        yield save(figure, folder / "figures" / "evaluation_costs.pdf")
+        for name, (panels, x, y, across) in figures.items():
+            yield save(cost_figure(panels, x, y, across), folder / "figures" / f"{name}.pdf")
 
 
-def evaluation_panels(found: Findings) -> list[CostPanel]:
-    """One panel a wave: digits against seconds for each family of arithmetics."""
-    family = {arithmetic.name: arithmetic.family for arithmetic in ARITHMETICS}
-    panels = []
-    for wave, costs in groupby(found.costs, attrgetter("wave")):
-        curves: dict[str, list[tuple[float, float]]] = {}
-        for cost in costs:
-            curves.setdefault(family[cost.arithmetic], []).append((cost.seconds, cost.digits))
-        panels.append(CostPanel(wave.replace("_", " "), curves))
-    return panels
+def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:
+    """Write every table below the folder, yielding its name and LaTeX when it is written."""
+    for name, make in TABLES.items():
+        yield name, write_table(name, make(found), folder)
+    yield from write_study_tables(found.studies, folder)
+
+
+def write_study_tables(found: Studies, folder: Path) -> Iterator[tuple[str, str]]:
+    """Write the studies' tables, yielding each one's name and LaTeX when it is written."""
+    for name, make in STUDY_TABLES.items():
+        yield name, write_table(name, make(found), folder)
+
+
+def write_table(name: str, text: str, folder: Path) -> str:
+    """Write one table; return its LaTeX."""
+    write(folder / "tables" / f"{name}.tex", text)
+    return text
 
 
 def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], None]) -> Path:
     """Write the tables and the LaTeX source below the folder; return the source's path."""
     content = {}
-    for name, make in TABLES.items():
-        content[name] = make(found)
-        write(folder / "tables" / f"{name}.tex", content[name])
+    for name, text in write_tables(found, folder):
+        content[name] = text
         wrote()
     return write(folder / SOURCE, source(content, found.evidence.scenes, full))

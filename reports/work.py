@@ -5,19 +5,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from reports.jobs import Job, Progress, run_jobs
+from reports.studies import Key, Studies, studies, study_jobs
 from solutions import CATALOGUE, closed_form
 from verify.check import NAMES
 from verify.lattice import Scene, run
 from verify.residual import check_residual
 from verify.study.claims_evidence import Evidence
-from verify.study.cost_evaluation import EvaluationCost, evaluation_costs
 from verify.study.evaluation import Accuracy, measure, worst_of
 from verify.study.evaluation_cases import Case, all_cases, wave_names
 from verify.study.mutations import MutationCount, count_mutants
 from verify.study.proofs import ProofRecord, proof_record
 from verify.verdict import Verdict
-
-Key = tuple[str, object]
 
 SITE_SECONDS = 2.5e-9
 """About the time of one force evaluation on one site."""
@@ -38,15 +36,16 @@ class Findings:
     residuals: Mapping[str, Verdict]
     mutations: Sequence[MutationCount]
     accuracy: Sequence[Accuracy]
-    costs: Sequence[EvaluationCost]
+    studies: Studies
 
     @property
     def sound(self) -> bool:
-        """Whether every form stands and every run came to its end."""
+        """Whether every form and hard case stands and every run came to its end."""
         proved = all(record.outcome.passed for record in self.proofs)
         accepted = all(record.accepted is not False for record in self.proofs)
         refuted = all(count.undecided == 0 for count in self.mutations)
-        return proved and accepted and refuted and not self.evidence.blown_up
+        steady = all(case.passed for case in self.studies.hard_cases)
+        return proved and accepted and refuted and steady and not self.evidence.blown_up
 
 
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
@@ -63,7 +62,7 @@ def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progre
         residuals={verdict.name: verdict for verdict in of("residual")},
         mutations=of("mutants"),
         accuracy=[worst_of(results) for results in measured.values()],
-        costs=[cost for costs in of("cost") for cost in costs],
+        studies=studies(found),
     )
 
 
@@ -74,11 +73,10 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
     for form in CATALOGUE:
         jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
         jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
-        jobs["cost", form.name] = Job(evaluation_costs, (form.name,), 1.0)
     for name in wave_names():
         for key in _accuracy_keys(name, full):
             jobs[key] = _accuracy_job(key[1], full)
-    return jobs
+    return jobs | study_jobs(full)
 
 
 def scene_job(scene: Scene) -> Job:

@@ -9,7 +9,10 @@ from matplotlib.figure import Figure
 
 from reports.figures.style import CURVES, TEXT_WIDTH
 
-PANEL_HEIGHT = 2.1
+LEGEND = 4
+"""Most entries of the legend side by side."""
+
+PANEL_HEIGHT = 1.8
 """Height of one row of panels, in inches."""
 
 
@@ -38,7 +41,7 @@ def cost_figure(panels: Sequence[CostPanel], x: str, y: str, across: int = 3) ->
         ax.set_ylabel(y)
     handles = {h.get_label(): h for ax in grid.flat for h in ax.lines}
     ordered = [handles[label] for label in looks]
-    figure.legend(handles=ordered, loc="outside upper center", ncols=len(ordered))
+    figure.legend(handles=ordered, loc="outside upper center", ncols=min(len(ordered), LEGEND))
     return figure
 
 

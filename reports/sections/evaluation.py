@@ -1,11 +1,12 @@
 """Evaluation: worst errors over the stated domains, and digits against seconds."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import groupby
 from operator import attrgetter
 
 from reports.environment import escape
+from reports.figures.costs import CostPanel
 from reports.tables import scientific, table
 from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
 from verify.study.evaluation import Accuracy
@@ -35,7 +36,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
         for result in results
     ]
     head = ["wave", "arithmetic", "points", "$Y$", "$Y_X$", "$Y_T$", "worst at"]
-    return table("lL{22mm}rlllL{42mm}", head, rows)
+    return table("lL{22mm}rlllL{47mm}", head, rows)
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:
@@ -47,8 +48,14 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
         cells = [cell for cost in chosen for cell in (digits(cost.digits), duration(cost.seconds))]
         ratio = found["mpmath, 15 digits"].seconds / found["double"].seconds
         rows.append([rf"\texttt{{{escape(wave)}}}", *cells, f"{float(f'{ratio:.2g}'):.0f}"])
-    head = ["wave", *(rf"\multicolumn{{2}}{{l}}{{{escape(name)}}}" for name in TABULATED), "ratio"]
-    return rf"\footnotesize\setlength{{\tabcolsep}}{{3pt}}{table('l' + 'rr' * 5 + 'r', head, rows)}"
+    head = ["wave", *map(_two_columns, TABULATED), "ratio"]
+    return table("l" + "rr" * len(TABULATED) + "r", head, rows)
+
+
+def _two_columns(name: str) -> str:
+    """Return a heading over two columns, in two lines where it has a comma."""
+    lines = r"\\".join(part.strip() for part in escape(name).split(","))
+    return rf"\multicolumn{{2}}{{r}}{{\begin{{tabular}}[b]{{@{{}}r@{{}}}}{lines}\end{{tabular}}}}"
 
 
 def digits(value: float) -> str:
@@ -71,6 +78,13 @@ def duration(seconds: float) -> str:
     return f"{value:.1f} {unit}" if value < 10 else f"{float(f'{value:.2g}'):.0f} {unit}"
 
 
-def families() -> Sequence[str]:
-    """The families of arithmetics, each once, in the order of the study."""
-    return list(dict.fromkeys(arithmetic.family for arithmetic in ARITHMETICS))
+def cost_panels(costs: Iterable[EvaluationCost]) -> list[CostPanel]:
+    """One panel a wave: digits against seconds for each family of arithmetics."""
+    family = {arithmetic.name: arithmetic.family for arithmetic in ARITHMETICS}
+    panels = []
+    for wave, group in groupby(costs, attrgetter("wave")):
+        curves: dict[str, list[tuple[float, float]]] = {}
+        for cost in group:
+            curves.setdefault(family[cost.arithmetic], []).append((cost.seconds, cost.digits))
+        panels.append(CostPanel(wave.replace("_", " "), curves))
+    return panels

@@ -30,7 +30,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         for record in records
     ]
     head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
-    return table("llL{32mm}rrrll", head, rows)
+    return table("llL{31mm}rrrll", head, rows)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:

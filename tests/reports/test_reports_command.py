@@ -7,19 +7,25 @@ import xarray as xr
 
 from reports import __main__ as command_line
 from reports.engine import EngineMissingError
+from reports.studies import Studies
 from reports.work import Findings
 from verify.study.claims_evidence import Evidence
+from verify.study.hard_case import HardCase
 from verify.study.mutations import MutationCount, Survivor
 from verify.study.proofs import ProofRecord
 from verify.verdict import Outcome
 
 
-def findings(outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0) -> Findings:
+def findings(
+    outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0, fails: bool = False
+) -> Findings:
     """What a report found: one proof, one run, one count of misprints."""
     proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
+    hard = HardCase("h", "what", 1.0, 0.5, not fails, 0.1, "")
+    empty = Studies([], [], [], [], [], [hard], {})
     evidence = Evidence({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
-    return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], [])
+    return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)
 
 
 @pytest.fixture
@@ -65,8 +71,9 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
         findings(Outcome.UNDECIDED),
         findings(blow_up="at t = 1, site 2"),
         findings(undecided=1),
+        findings(fails=True),
     ],
-    ids=["undecided form", "blow-up", "undecided misprint"],
+    ids=["undecided form", "blow-up", "undecided misprint", "hard case"],
 )
 def test_what_does_not_stand_fails_the_report(
     without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings

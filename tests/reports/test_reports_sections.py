@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.assemble import TABLES, source
+from reports.assemble import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.sections.claims import claim_table, mathematics
@@ -25,7 +25,7 @@ from verify.verdict import Outcome, Verdict
 
 @pytest.fixture(scope="module")
 def report() -> str:
-    tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
+    tables = dict.fromkeys((*TABLES, *STUDY_TABLES), "") | {"solution_table": solution_table()}
     return source(tables, report_scenes(), full=False)
 
 
@@ -118,7 +118,7 @@ def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str)
     picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
     (tmp_path / "figures").mkdir()
     names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
-    for name in (*names, "evaluation_costs"):
+    for name in (*names, "evaluation_costs", "work_precision", "cost_scaling"):
         shutil.copy(picture, tmp_path / "figures" / f"{name}.png")
     tex = tmp_path / "longwave.tex"
     tex.write_text(re.sub(r"(figures/\w+)\.pdf", r"\1.png", report), encoding="utf-8")

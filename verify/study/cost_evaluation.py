@@ -23,6 +23,7 @@ from solutions.symbols import tau, xi
 from verify.proof.balls import BallEvaluator
 from verify.proof.jet import Shape
 from verify.study.evaluation_cases import Case
+from verify.study.soliton_cases import SOLITON_VALUES
 from verify.tape import Tape
 
 __all__ = ["ARITHMETICS", "Arithmetic", "EvaluationCost", "evaluation_costs", "ordinary_case"]
@@ -77,6 +78,8 @@ def ordinary_case(name: str) -> Case:
     >>> str(ordinary_case("breather_sn"))
     'k = 0.7, alpha = 0.5, X_0 = 0'
     """
+    if name in SOLITON_VALUES:
+        return Case(name, SOLITON_VALUES[name][0])
     names = [parameter.name for parameter in Case(name).form.parameters]
     return Case(name, tuple((key, ORDINARY[key]) for key in names))
 

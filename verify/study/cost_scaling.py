@@ -1,0 +1,132 @@
+"""How cost and error scale: with eps, with the number of sites, with RK4's time step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from verify.lattice import Scene, load_scene, relative_sup_error, run
+from verify.study.cost_precision import spectral, warmed
+
+SLOW_TIME = 1.25
+"""T runs from minus this to 0, the peak."""
+
+TOLERANCE = 1e-3
+WINDOW_SCHEME = "blanes_moan_6"
+WINDOW_STEP, RK4_STEP = 0.5, 0.1
+STEPS = 400
+"""Steps of a run that is timed, where the whole is too long."""
+
+WINDOW_COMPARED = 400
+COMPARED_X = 10.0
+WINDOW_X = 200.0
+"""Half-width compared, and width of a window, in X."""
+
+
+@dataclass(frozen=True)
+class ScalingPoint:
+    """A quantity at one abscissa; ``scaled`` if only a fraction of the run was timed."""
+
+    series: str
+    x: float
+    value: float
+    scaled: bool = False
+
+
+@dataclass(frozen=True)
+class Law:
+    """value = factor * x^exponent, fitted to a series."""
+
+    series: str
+    factor: float
+    exponent: float
+
+
+def fit_law(points: Sequence[ScalingPoint]) -> Law:
+    """The power law through the points of one series.
+
+    >>> fit_law([ScalingPoint("s", 1.0, 3.0), ScalingPoint("s", 2.0, 12.0)]).exponent
+    2.0
+    """
+    exponent, level = np.polyfit(
+        np.log([point.x for point in points]), np.log([point.value for point in points]), 1
+    )
+    return Law(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+
+
+def at_eps(eps: float) -> list[ScalingPoint]:
+    """Seconds of each way, and the reduction's error, for Y2 to its peak at one eps.
+
+    The wide lattice's cost is that of the paper's: as many sites as sound travels, RK4. It and the
+    window's are timed for a number of steps and scaled.
+    """
+    for scheme in ("", WINDOW_SCHEME, "rk4"):
+        warmed(scheme)
+    base = _scene(eps)
+    found = run(spectral(base, TOLERANCE))
+    whole = float(found.attrs["seconds"] + found.attrs.get("planning_seconds", 0.0))
+    wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
+    sites = max(2048, round(WINDOW_X / eps))
+    window = _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites, sites)
+    rk4 = _scaled(base, "rk4", RK4_STEP, sites, wide)
+    rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
+    return [
+        ScalingPoint("spectral", 1 / eps, whole),
+        ScalingPoint("window", 1 / eps, window, scaled=True),
+        ScalingPoint("RK4, wide lattice", 1 / eps, rk4, scaled=True),
+        ScalingPoint("error of the reduction", eps, relative_sup_error(*rows)),
+    ]
+
+
+def _scene(eps: float) -> Scene:
+    end = SLOW_TIME / eps**3
+    return replace(
+        load_scene("rational_2_eps_0.05"),
+        eps=eps,
+        t0=-end,
+        snapshots=(0.0,),
+        compared=round(COMPARED_X / eps),
+        observables=("strain",),
+    )
+
+
+def _scaled(base: Scene, scheme: str, step: float, sites: int, wanted: int) -> float:
+    """Seconds of the whole run on ``wanted`` sites, from STEPS steps on ``sites``."""
+    part = replace(
+        base,
+        scheme=scheme,
+        step=step,
+        sites=sites,
+        compared=min(base.compared, 200),
+        snapshots=(base.t0 + STEPS * step,),
+    )
+    seconds = float(run(part).attrs["seconds"])
+    return seconds * (base.end - base.t0) / (STEPS * step) * wanted / sites
+
+
+def _figure(t0: float) -> Scene:
+    """Y2 at eps = 0.05 up to its peak."""
+    scene = load_scene("rational_2_eps_0.05")
+    return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
+
+
+def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
+    """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
+    scene = replace(_figure(t0), compared=WINDOW_COMPARED)
+    strains = [run(replace(scene, sites=count))["strain"].values[-1] for count in sites]
+    return [
+        ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
+        for count, strain in zip(sites[:-1], strains[:-1], strict=True)
+    ]
+
+
+def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
+    """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
+    scene = _figure(t0)
+    variants = {step: replace(scene, scheme="rk4", step=step) for step in steps}
+    points = []
+    for step, variant in {**variants, 0.0: scene}.items():
+        found = run(variant)
+        rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
+        points.append(ScalingPoint("error figure", step, relative_sup_error(*rows)))
+    return points
