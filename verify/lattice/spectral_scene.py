@@ -24,8 +24,11 @@ SCHEME = "exponential_adams"
 SAMPLING_SAFETY = 3.0
 """Factor on the sampling's error: it was measured on another circumference, with other points."""
 
+DOMAIN_SAFETY = 1.5
+"""Factor on the domain's error, which rests on a law for its decay."""
+
 ASKED = 0.5
-"""Share of the tolerance asked of the engine, so that the estimates with their factor fit."""
+"""Share of the tolerance asked of the engine, so that the estimates with their factors fit."""
 
 
 def run_spectral(
@@ -99,7 +102,7 @@ def _show(
 
 def _estimate(solved: SpectralRun) -> Estimate:
     found = solved.estimates
-    space = SAMPLING_SAFETY * found.sampling + found.domain
+    space = SAMPLING_SAFETY * found.sampling + DOMAIN_SAFETY * found.domain
     return Estimate(found.time_step, space, found.next_decade)
 
 

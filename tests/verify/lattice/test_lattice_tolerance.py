@@ -100,6 +100,23 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
 
 
 @pytest.mark.parametrize(
+    ("observables", "variables"),
+    [
+        (("spectrum",), {"spectrum"}),
+        (("error_curve",), {"error_curve", "error_curve_far_field"}),
+        (("crest_track",), {"crest_position", "crest_strain"}),
+        ((), set()),
+    ],
+)
+def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
+    ring_scene: Callable[..., Scene], observables: tuple[str, ...], variables: set[str]
+) -> None:
+    measured = run(with_tolerance(ring_scene(observables=observables), 1e-2))
+    assert set(measured.data_vars) == variables
+    assert all(np.all(np.isfinite(measured[name])) for name in variables)
+
+
+@pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"tolerance": 0.0}, "tolerance must satisfy tolerance > 0, got 0"),
