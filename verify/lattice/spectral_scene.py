@@ -21,13 +21,13 @@ from verify.lattice.state import empty_state
 SCHEME = "exponential_adams"
 """The one scheme of the spectral engine."""
 
-SAMPLING_SAFETY = 3.0
+SAMPLING_SAFETY = 5.0
 """Factor on the sampling's error: it was measured on another circumference, with other points."""
 
 DOMAIN_SAFETY = 1.5
 """Factor on the domain's error, which rests on a law for its decay."""
 
-ASKED = 0.5
+ASKED = 0.4
 """Share of the tolerance asked of the engine, so that the estimates with their factors fit."""
 
 
