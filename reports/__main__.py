@@ -10,16 +10,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from reports.assemble import write_figures, write_source
+from reports.assemble import TABLES, write_figures, write_source
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
-from reports.evidence import Evidence, report_scenes
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.runs import run_scenes
-from verify.check import NAMES, check_all
-from verify.verdict import Verdict
+from reports.work import find
+from verify.study.claims_evidence import report_scenes
 
 BUILD = Path(__file__).parent / "build"
-TABLES = 4
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -27,7 +24,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = parse(argv)
     console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
     try:
-        tex, sound = build(options.output, options.workers, console)
+        tex, sound = build(options, console)
         ensure_engine(console.print)
         pdf = compile_pdf(tex)
     except ValueError as error:
@@ -50,12 +47,15 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build"
     )
     parser.add_argument(
+        "--full", action="store_true", help="take the long scenes and the full studies as well"
+    )
+    parser.add_argument(
         "--workers", type=int, default=os.cpu_count() or 1, metavar="N", help="processes to use"
     )
     return parser.parse_args(argv)
 
 
-def build(folder: Path, workers: int, console: Console) -> tuple[Path, bool]:
+def build(options: argparse.Namespace, console: Console) -> tuple[Path, bool]:
     """Write figures, tables and source below the folder.
 
     Returns the source's path, and whether every form stands and every run came to its end.
@@ -65,26 +65,19 @@ def build(folder: Path, workers: int, console: Console) -> tuple[Path, bool]:
         TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn(), console=console
     )
     with bar:
-        running = bar.add_task("running the lattice", total=1.0)
-        runs = run_scenes(scenes, workers, lambda share: bar.update(running, completed=share))
-        verdicts = checked(bar)
-        evidence = Evidence(runs, scenes)
-        drawing = bar.add_task("drawing", total=len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES))
-        for _ in write_figures(evidence, folder):
+        working = bar.add_task("proving and running", total=1.0)
+        found = find(
+            scenes,
+            options.full,
+            options.workers,
+            lambda share: bar.update(working, completed=share),
+        )
+        drawing = bar.add_task("drawing", total=len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + 1)
+        for _ in write_figures(found, options.output):
             bar.advance(drawing)
-        tex = write_source(evidence, verdicts, folder, advance(bar, "writing", TABLES))
-    blown = [run.attrs["blow_up"] for run in runs.values() if run.attrs["blow_up"]]
-    return tex, not blown and all(verdict.passed for verdict in verdicts)
-
-
-def checked(bar: Progress) -> list[Verdict]:
-    """Prove every closed form, advancing a bar."""
-    task = bar.add_task("proving the forms", total=len(NAMES))
-    verdicts: list[Verdict] = []
-    for verdict in check_all():
-        verdicts.append(verdict)
-        bar.advance(task)
-    return verdicts
+        wrote = advance(bar, "writing", len(TABLES))
+        tex = write_source(found, options.output, options.full, wrote)
+    return tex, found.sound
 
 
 def advance(bar: Progress, name: str, total: int) -> "Step":

@@ -22,6 +22,9 @@ CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#D55E00", "linestyle": "--", "marker": "s"},
     {"color": "#009E73", "linestyle": "-.", "marker": "^"},
     {"color": "#CC79A7", "linestyle": ":", "marker": "D"},
+    {"color": "#000000", "linestyle": (0, (5, 1)), "marker": "v"},
+    {"color": "#56B4E9", "linestyle": (0, (3, 1, 1, 1)), "marker": "P"},
+    {"color": "#E69F00", "linestyle": (0, (1, 1)), "marker": "X"},
 )
 """Okabe and Ito's colours, told apart by line and marker as well."""
 

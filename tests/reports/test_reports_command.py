@@ -7,22 +7,28 @@ import xarray as xr
 
 from reports import __main__ as command_line
 from reports.engine import EngineMissingError
-from verify.verdict import Outcome, Verdict
+from reports.work import Findings
+from verify.study.claims_evidence import Evidence
+from verify.study.mutations import MutationCount, Survivor
+from verify.study.proofs import ProofRecord
+from verify.verdict import Outcome
 
-SOUND = Verdict("kink", "defocusing mKdV", "exact", Outcome.PROVED, "", 0.0)
-UNSOUND = Verdict("kink", "defocusing mKdV", "exact", Outcome.UNDECIDED, "too hard")
+
+def findings(outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0) -> Findings:
+    """What a report found: one proof, one run, one count of misprints."""
+    proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
+    survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
+    evidence = Evidence({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
+    return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], [])
 
 
 @pytest.fixture
-def without_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No lattice is run and nothing is drawn; the source is one line."""
-    run = xr.Dataset(attrs={"blow_up": ""})
-    monkeypatch.setattr(command_line, "report_scenes", dict)
-    monkeypatch.setattr(command_line, "run_scenes", lambda *_: {"one": run})
-    monkeypatch.setattr(command_line, "check_all", lambda: [SOUND])
+def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is computed or drawn; the source is one line."""
+    monkeypatch.setattr(command_line, "find", lambda *_: findings())
     monkeypatch.setattr(command_line, "write_figures", lambda *_: [])
 
-    def write_source(_e: object, _v: object, folder: Path, _w: object) -> Path:
+    def write_source(_found: object, folder: Path, _full: bool, _wrote: object) -> Path:
         (folder / "longwave.tex").write_text("source")
         return folder / "longwave.tex"
 
@@ -32,14 +38,14 @@ def without_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_it_ends_with_the_path(
-    without_runs: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    without_work: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert command_line.main(["--output", str(tmp_path)]) == 0
     assert capsys.readouterr().out.rstrip().endswith(f"{tmp_path}/longwave.pdf")
 
 
 def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
-    without_runs: None,
+    without_work: None,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -53,18 +59,19 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
     assert (tmp_path / "longwave.tex").exists()
 
 
-def test_a_form_that_does_not_stand_fails_the_report(
-    without_runs: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "found",
+    [
+        findings(Outcome.UNDECIDED),
+        findings(blow_up="at t = 1, site 2"),
+        findings(undecided=1),
+    ],
+    ids=["undecided form", "blow-up", "undecided misprint"],
+)
+def test_what_does_not_stand_fails_the_report(
+    without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings
 ) -> None:
-    monkeypatch.setattr(command_line, "check_all", lambda: [SOUND, UNSOUND])
-    assert command_line.main(["--output", str(tmp_path)]) == 1
-
-
-def test_a_run_that_blew_up_fails_the_report(
-    without_runs: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = xr.Dataset(attrs={"blow_up": "at t = 1, site 2"})
-    monkeypatch.setattr(command_line, "run_scenes", lambda *_: {"one": run})
+    monkeypatch.setattr(command_line, "find", lambda *_: found)
     assert command_line.main(["--output", str(tmp_path)]) == 1
 
 

@@ -6,21 +6,27 @@ from pathlib import Path
 
 import pytest
 
-from reports import sections
-from reports.assemble import source
+from reports.assemble import TABLES, source
 from reports.engine import compile_pdf, engine_present
-from reports.evidence import report_scenes
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.sections.claims import claim_table, mathematics
+from reports.sections.derivation import derivation
+from reports.sections.proofs import mutation_table, proof_table, survivor_table
+from reports.sections.runs import caption_part
+from reports.sections.solutions import solution_table
 from solutions import CATALOGUE
 from verify.lattice import shipped_scenes
+from verify.study.claims_evidence import report_scenes
+from verify.study.claims_record import Claim, Measurement, Ruling
+from verify.study.mutations import MutationCount, Survivor
+from verify.study.proofs import ProofRecord
 from verify.verdict import Outcome, Verdict
-
-TABLES = dict.fromkeys(("solution_table", "residual_table", "run_table", "claim_table"), "")
 
 
 @pytest.fixture(scope="module")
 def report() -> str:
-    return source(TABLES | {"solution_table": sections.solution_table()}, report_scenes())
+    tables = dict.fromkeys(TABLES, "") | {"solution_table": solution_table()}
+    return source(tables, report_scenes(), full=False)
 
 
 def test_every_form_has_a_row_and_a_formula(report: str) -> None:
@@ -38,21 +44,58 @@ def test_environments_and_braces_balance(report: str) -> None:
 
 
 def test_the_derivation_shows_each_order_and_the_condition() -> None:
-    content = sections.derivation()
+    content = derivation()
     assert [order for order, _ in content["orders"]] == [3, 4, 5, 6, 7]
     assert content["conditions"][0][:2] == ("K_{3} = 0", 4)
     assert content["dispersion_agrees"] is True
 
 
-def test_a_residual_row_shows_the_outcome() -> None:
-    proved = Verdict("kink", "defocusing mKdV", "exact", Outcome.PROVED, "", 0.0, seconds=0.5)
-    refuted = Verdict(
-        "wave_sn", "defocusing mKdV", "residual", Outcome.REFUTED, "", 1e-3, {"xi": "1"}
+def proof(outcome: Outcome, accepted: bool | None) -> ProofRecord:
+    size = None if accepted is None else 1700
+    seconds = None if accepted is None else 0.25
+    return ProofRecord(
+        "kink", "defocusing mKdV", "algebra", outcome, "", 0.5, size, seconds, accepted, None
     )
-    text = sections.residual_table([proved, refuted])
-    assert r"\texttt{kink} & defocusing mKdV & exact & PROVED & $0$ & 0.50" in text
-    assert r"\texttt{wave\_sn}" in text
-    assert "REFUTED" in text
+
+
+def test_a_proof_row_shows_verdict_certificate_times_and_residual() -> None:
+    residual = Verdict("kink", "defocusing mKdV", "mpmath", Outcome.CHECKED, "", 1e-3)
+    text = proof_table([proof(Outcome.PROVED, True)], {"kink": residual})
+    cells = [r"\texttt{kink}", "PROVED", "algebra", "1.7", "0.50", "0.25", "accepted", "$0.0010$"]
+    assert " & ".join(cells) in text
+    assert "REJECTED" in proof_table([proof(Outcome.PROVED, False)], {})
+    bare = proof_table([proof(Outcome.UNDECIDED, None)], {})
+    assert "UNDECIDED & algebra & -- & 0.50 & -- & -- & --" in bare
+
+
+def test_misprints_are_counted_and_survivors_listed() -> None:
+    """Catches a survivor counted as refuted."""
+    survivors = (
+        Survivor("term x_1: dropped", Outcome.PROVED, "constant"),
+        Survivor("term y: sign flipped", Outcome.UNDECIDED, "too hard"),
+    )
+    counts = [MutationCount("kink", 10, survivors, 1.0), MutationCount("sech", 5, (), 0.5)]
+    text = mutation_table(counts)
+    assert r"\texttt{kink} & 10 & 8 & 1 & 1 & 1.0" in text
+    assert "together & 15 & 13 & 1 & 1 & 1.5" in text
+    listed = survivor_table(counts)
+    assert r"x\_1: dropped" in listed
+    assert "UNDECIDED" in listed
+    assert "too hard" in listed
+
+
+def test_a_claim_row_shows_number_error_verdict_and_reading() -> None:
+    numbers = (Measurement("$eps=0.05$, largest", 0.1014, 0.00004), Measurement("$Y_2$", 5.0))
+    claim = Claim("one", "not above 20 %", numbers, Ruling.DEPENDS, "$alpha$")
+    text = claim_table([claim])
+    assert r"not above 20 \%" in text
+    assert r"$\epsilon =0.05$, largest: $0.101400 \pm 0.000040$\newline $Y_2$: $5$" in text
+    assert r"depends & $\alpha $" in text
+
+
+def test_only_mathematics_is_translated() -> None:
+    """Catches a word of the text taken for a symbol."""
+    assert mathematics("alpha of $alpha <= 1$") == r"alpha of $\alpha  \le  1$"
 
 
 def test_every_shipped_scene_is_in_a_figure() -> None:
@@ -63,7 +106,7 @@ def test_every_shipped_scene_is_in_a_figure() -> None:
 
 
 def test_a_caption_names_the_constants() -> None:
-    caption = sections.caption_part(report_scenes()["breather_sn_k_0.7"])
+    caption = caption_part(report_scenes()["breather_sn_k_0.7"])
     assert "$k=0.7$" in caption
     assert r"$\alpha=K/2$" in caption
     assert "$K_4=-1$" in caption
@@ -74,8 +117,9 @@ def test_a_caption_names_the_constants() -> None:
 def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str) -> None:
     picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
     (tmp_path / "figures").mkdir()
-    for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES):
-        shutil.copy(picture, tmp_path / "figures" / f"{figure.name}.png")
+    names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
+    for name in (*names, "evaluation_costs"):
+        shutil.copy(picture, tmp_path / "figures" / f"{name}.png")
     tex = tmp_path / "longwave.tex"
     tex.write_text(re.sub(r"(figures/\w+)\.pdf", r"\1.png", report), encoding="utf-8")
     assert compile_pdf(tex).read_bytes().startswith(b"%PDF")

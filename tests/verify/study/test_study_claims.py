@@ -1,5 +1,6 @@
 """Evidence and claims: numbers from known runs, verdicts that follow the numbers."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -7,10 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reports import claims
-from reports.claims import CONFIRMED, DEPENDS, NOT_CONFIRMED, Claim
-from reports.evidence import RK4_STEP, Evidence, report_scenes, rk4_name
 from verify.lattice import Scene
+from verify.study import claims, claims_constant, claims_periodic, claims_waves
+from verify.study.claims_evidence import RK4_STEP, Evidence, report_scenes, rk4_name
+from verify.study.claims_record import Ruling
 
 SCENES = report_scenes()
 
@@ -77,51 +78,72 @@ def test_the_rk4_variant_changes_scheme_and_step_only() -> None:
     ) == replace(base)
 
 
-def test_every_claim_has_text_and_a_known_verdict() -> None:
+def test_every_claim_has_a_name_a_statement_and_numbers() -> None:
     found = claims.all_claims(evidence({}))
-    assert len(found) == len(claims.CLAIMS)
+    assert len({claim.name for claim in found}) == len(found) == 15
     for claim in found:
-        assert isinstance(claim, Claim)
-        assert claim.statement
-        assert claim.measured
-        assert claim.verdict in (CONFIRMED, NOT_CONFIRMED, DEPENDS)
+        assert claim.statement.count("$") % 2 == 0
+        assert claim.measurements
+        assert all(math.isfinite(item.value) for item in claim.measurements)
 
 
 @pytest.mark.parametrize(
     ("accurate", "rk4", "expected"),
-    [(0.15, 0.15, CONFIRMED), (0.15, 0.25, DEPENDS), (0.25, 0.3, NOT_CONFIRMED)],
+    [
+        (0.15, 0.15, Ruling.CONFIRMED),
+        (0.15, 0.25, Ruling.DEPENDS),
+        (0.25, 0.3, Ruling.NOT_CONFIRMED),
+    ],
 )
 def test_the_20_percent_claim_follows_the_numbers(
-    accurate: float, rk4: float, expected: str
+    accurate: float, rk4: float, expected: Ruling
 ) -> None:
     tops = {"rational_3_eps_0.05": accurate, rk4_name(3): rk4}
-    assert claims.error_stays_below_20_percent(evidence(tops)).verdict == expected
+    assert claims_constant.twenty_percent(evidence(tops)).ruling is expected
 
 
 @pytest.mark.parametrize(
-    ("errors", "expected"), [((3, 2, 1), CONFIRMED), ((1, 2, 3), NOT_CONFIRMED)]
+    ("errors", "expected"), [((3, 2, 1), Ruling.CONFIRMED), ((1, 2, 3), Ruling.NOT_CONFIRMED)]
 )
 def test_the_breather_claim_follows_the_numbers(
-    errors: tuple[float, float, float], expected: str
+    errors: tuple[float, float, float], expected: Ruling
 ) -> None:
-    names = [f"breather_sn_k_{modulus}" for modulus in claims.BREATHER_MODULI]
+    names = [f"breather_sn_k_{modulus}" for modulus in claims_periodic.BREATHER_MODULI]
     tops = dict(zip(names, errors, strict=True))
-    assert claims.breather_error_falls_with_k(evidence(tops)).verdict == expected
+    assert claims_periodic.breather_and_modulus(evidence(tops)).ruling is expected
 
 
 def test_around_the_largest_amplitude() -> None:
-    assert claims.error_peaks_with_the_wave(evidence({})).verdict == CONFIRMED
-    assert claims.error_peaks_with_the_wave(evidence({}, -4000.0)).verdict == NOT_CONFIRMED
+    near, far = evidence({}), evidence({}, -4000.0)
+    assert claims_constant.peak_of_the_error(near).ruling is Ruling.CONFIRMED
+    assert claims_constant.peak_of_the_error(far).ruling is Ruling.NOT_CONFIRMED
 
 
 def test_the_order_claim_depends_when_only_the_top_is_higher() -> None:
     higher = {name: 0.2 for name in SCENES if name.startswith("rational_3")}
-    assert claims.error_grows_with_the_order(evidence(higher)).verdict == CONFIRMED
-    assert claims.error_grows_with_the_order(evidence({})).verdict == NOT_CONFIRMED
+    found = claims_constant.error_against_order(evidence(higher))
+    assert found.ruling is Ruling.CONFIRMED
+    equal = claims_constant.error_against_order(evidence({}))
+    assert equal.ruling is Ruling.NOT_CONFIRMED
 
 
 def test_the_peaks_are_exact() -> None:
-    claim = claims.peaks_of_the_waves(evidence({}))
-    assert claim.verdict == CONFIRMED
-    assert "$Y_2=5$, $Y_3=7$" in claim.measured
-    assert "$3 k$" in claim.measured
+    found = claims_waves.peaks()
+    assert found.ruling is Ruling.CONFIRMED
+    assert [item.value for item in found.measurements] == [5, 7, 9, 11, 13, 15, 17]
+
+
+def test_the_waves_do_not_vanish_in_time() -> None:
+    """mathematics of the tau functions: extrema at distance 4 from the background remain."""
+    found = claims_waves.localised_in_time()
+    assert found.ruling is Ruling.NOT_CONFIRMED
+    assert [item.value for item in found.measurements] == pytest.approx([4, 4], abs=0.01)
+
+
+def test_the_instability_is_too_slow_to_be_seen() -> None:
+    """Catches a rate taken per tau instead of per lattice time."""
+    found = claims_periodic.modulational_instability(evidence({}))
+    growth = [item.value for item in found.measurements]
+    assert 1.001 < growth[0] < 1.02
+    assert growth[1:] == [1.0, 1.0]
+    assert found.ruling is Ruling.NOT_CONFIRMED

@@ -2,27 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from reports.tables import measured
 from verify.lattice import Scene, load_scene, shipped_scenes
 
 RK4_STEP = 0.25
 """A time step at which the paper's scheme is stable and yet part of the error shown."""
 
 
-@dataclass(frozen=True)
-class Number:
+class Number(NamedTuple):
     """A measured number and the largest change that step and domain could make to it."""
 
     value: float
     error: float
-
-    def latex(self) -> str:
-        """The number with its discretisation error."""
-        return measured(self.value, self.error)
 
 
 @dataclass(frozen=True)
@@ -31,6 +26,11 @@ class Evidence:
 
     runs: Mapping[str, xr.Dataset]
     scenes: Mapping[str, Scene]
+
+    @property
+    def blown_up(self) -> list[str]:
+        """The names of the runs that did not come to their end."""
+        return [name for name, run in self.runs.items() if run.attrs["blow_up"]]
 
     def discretisation(self, name: str) -> xr.DataArray:
         """Return the sup error of y/eps by step and domain together, at each snapshot.

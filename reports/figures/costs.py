@@ -1,0 +1,56 @@
+"""What accuracy costs: digits or errors against seconds, on logarithmic axes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from reports.figures.style import CURVES, TEXT_WIDTH
+
+PANEL_HEIGHT = 2.1
+"""Height of one row of panels, in inches."""
+
+
+@dataclass(frozen=True)
+class CostPanel:
+    """Curves of one panel: for each label the points (x, y), both positive."""
+
+    title: str
+    curves: Mapping[str, Sequence[tuple[float, float]]]
+
+
+def cost_figure(panels: Sequence[CostPanel], x: str, y: str, across: int = 3) -> Figure:
+    """Draw the panels, ``across`` in a row, all with the same axes and one legend."""
+    across = min(across, len(panels))
+    down = -(-len(panels) // across)
+    figure = Figure((TEXT_WIDTH, PANEL_HEIGHT * down + 0.4), layout="constrained")
+    grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    looks = dict(zip(_labels(panels), CURVES, strict=False))
+    for panel, ax in zip(panels, grid.flat, strict=False):
+        _draw(ax, panel, looks)
+    for ax in list(grid.flat)[len(panels) :]:
+        ax.set_visible(False)
+    for ax in grid[-1]:
+        ax.set_xlabel(x)
+    for ax in grid[:, 0]:
+        ax.set_ylabel(y)
+    handles = {h.get_label(): h for ax in grid.flat for h in ax.lines}
+    ordered = [handles[label] for label in looks]
+    figure.legend(handles=ordered, loc="outside upper center", ncols=len(ordered))
+    return figure
+
+
+def _labels(panels: Sequence[CostPanel]) -> list[str]:
+    return list(dict.fromkeys(label for panel in panels for label in panel.curves))
+
+
+def _draw(ax: Axes, panel: CostPanel, looks: Mapping[str, dict[str, object]]) -> None:
+    """Draw one panel; points that are not finite and positive are left out."""
+    for label, points in panel.curves.items():
+        values = np.array([p for p in points if min(p) > 0 and np.all(np.isfinite(p))])
+        style = dict(looks[label], markersize=4.0)
+        ax.loglog(*values.reshape(-1, 2).T, label=label, **style)
+    ax.set_title(panel.title, loc="left")
+    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)

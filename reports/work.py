@@ -1,0 +1,113 @@
+"""The work behind a report, as jobs for the pool, and what it finds."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from reports.jobs import Job, Progress, run_jobs
+from solutions import CATALOGUE, closed_form
+from verify.check import NAMES
+from verify.lattice import Scene, run
+from verify.residual import check_residual
+from verify.study.claims_evidence import Evidence
+from verify.study.cost_evaluation import EvaluationCost, evaluation_costs
+from verify.study.evaluation import Accuracy, measure, worst_of
+from verify.study.evaluation_cases import Case, all_cases, wave_names
+from verify.study.mutations import MutationCount, count_mutants
+from verify.study.proofs import ProofRecord, proof_record
+from verify.verdict import Verdict
+
+Key = tuple[str, object]
+
+SITE_SECONDS = 2.5e-9
+"""About the time of one force evaluation on one site."""
+
+SHORT_TIMES = (0, 80_000_000)
+"""Lattice times at which the short report measures the evaluation: T = 0 and 1e4."""
+
+SHORT_GRID = 401
+SHORT_CASES = 3
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Everything that a report shows and that had to be computed."""
+
+    evidence: Evidence
+    proofs: Sequence[ProofRecord]
+    residuals: Mapping[str, Verdict]
+    mutations: Sequence[MutationCount]
+    accuracy: Sequence[Accuracy]
+    costs: Sequence[EvaluationCost]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every form stands and every run came to its end."""
+        proved = all(record.outcome.passed for record in self.proofs)
+        accepted = all(record.accepted is not False for record in self.proofs)
+        refuted = all(count.undecided == 0 for count in self.mutations)
+        return proved and accepted and refuted and not self.evidence.blown_up
+
+
+def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
+    """Do the work of a report in the pool; raises as `run_jobs` does."""
+    found = run_jobs(all_jobs(scenes, full), workers, progress)
+
+    def of(kind: str) -> list[Any]:
+        return [value for (part, _), value in found.items() if part == kind]
+
+    measured = {name: [found[key] for key in _accuracy_keys(name, full)] for name in wave_names()}
+    return Findings(
+        evidence=Evidence({name: found["run", name] for name in scenes}, scenes),
+        proofs=of("proof"),
+        residuals={verdict.name: verdict for verdict in of("residual")},
+        mutations=of("mutants"),
+        accuracy=[worst_of(results) for results in measured.values()],
+        costs=[cost for costs in of("cost") for cost in costs],
+    )
+
+
+def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
+    """The jobs of a report under (kind, subject)."""
+    jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
+    jobs |= {("proof", name): Job(proof_record, (name,), 0.5) for name in NAMES}
+    for form in CATALOGUE:
+        jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
+        jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
+        jobs["cost", form.name] = Job(evaluation_costs, (form.name,), 1.0)
+    for name in wave_names():
+        for key in _accuracy_keys(name, full):
+            jobs[key] = _accuracy_job(key[1], full)
+    return jobs
+
+
+def scene_job(scene: Scene) -> Job:
+    """The run of a scene; its weight is its number of force evaluations."""
+    steps = (scene.end - scene.t0) / scene.step
+    evaluations = steps * scene.scheme_table.stages * scene.sites
+    refined = 1 + 2 * sum(name.endswith("_error") for name in scene.observables)
+    return Job(run, (scene,), evaluations * refined * SITE_SECONDS, tells=True)
+
+
+def _accuracy_keys(name: str, full: bool) -> list[tuple[str, Case]]:
+    """All cases of a wave, or for the short report the first, the middle and the last."""
+    cases = list(all_cases(name))
+    if not full and len(cases) > SHORT_CASES:
+        cases = [cases[0], cases[len(cases) // 2], cases[-1]]
+    return [("accuracy", case) for case in cases]
+
+
+def _accuracy_job(case: Case, full: bool) -> Job:
+    return Job(measure, (case,), 3.0) if full else Job(_quick_accuracy, (case,), 0.5)
+
+
+def _quick_accuracy(case: Case) -> Accuracy:
+    return measure(case, times=SHORT_TIMES, grid=SHORT_GRID)
+
+
+def _residual(name: str) -> Verdict:
+    return check_residual(closed_form(name))
+
+
+def _mutants(name: str) -> MutationCount:
+    return count_mutants(closed_form(name))
