@@ -8,6 +8,7 @@ import sympy as sp
 
 from solutions.closed_form import ClosedForm
 from solutions.special.double import numpy_module
+from solutions.straight_line import StraightLine
 from solutions.symbols import tau, xi
 
 __all__ = ["numpy_function"]
@@ -26,7 +27,9 @@ def numpy_function(form: ClosedForm) -> Callable[..., Any]:
     >>> float(U), float(U_xi) == 0.0
     (2.0, True)
     """
-    stable = form.stable
-    outputs = [stable, stable.diff(xi), stable.diff(tau)]
+    program = StraightLine()
+    value = program.record(form.stable)
+    outputs = [value, program.derivative(value, xi), program.derivative(value, tau)]
     arguments = [xi, tau, *(parameter.symbol for parameter in form.parameters)]
-    return sp.lambdify(arguments, outputs, [numpy_module(), "numpy"], cse=True)
+    modules = [numpy_module(), "numpy"]
+    return sp.lambdify(arguments, outputs, modules, cse=lambda values: (program.lines, values))

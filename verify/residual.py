@@ -18,9 +18,9 @@ import sympy as sp
 
 from solutions.closed_form import ClosedForm
 from solutions.special.mp import mp_module
+from solutions.straight_line import StraightLine, UnknownDerivativeError
 from verify.decay import Decay, checked_digits
 from verify.sampling import Point, sample_points
-from verify.tape import Tape, UnknownDerivativeError
 from verify.terms import FieldEquation, field_derivatives, residual_terms
 from verify.verdict import Outcome, Verdict
 
@@ -59,7 +59,7 @@ class ResidualProgram:
     def __init__(self, expression: sp.Expr, equation: FieldEquation) -> None:
         self.symbols = tuple(sorted({equation.xi, equation.tau} | expression.free_symbols, key=str))
         self._context = mpmath.mp.clone()
-        tape = Tape()
+        tape = StraightLine()
         try:
             entries = _term_entries(tape, expression, equation)
         except UnknownDerivativeError as error:
@@ -84,7 +84,9 @@ class ResidualProgram:
         return float(context.log10(total / size)) if total else float("-inf")
 
 
-def _term_entries(tape: Tape, expression: sp.Expr, equation: FieldEquation) -> list[sp.Expr]:
+def _term_entries(
+    tape: StraightLine, expression: sp.Expr, equation: FieldEquation
+) -> list[sp.Expr]:
     terms, field = residual_terms(equation)
     value = tape.record(expression)
     entries = {}

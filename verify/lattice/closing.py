@@ -3,8 +3,12 @@
 A localised wave on a periodic background approaches its far field through a phase that decays like
 1/x, so the data at the two ends of m wavelengths miss each other by O(1/m). The circumference of a
 spectral ring is any real number: the one for which Y(x + L) = Y(x) across the seam in the sense of
-least squares leaves a miss of a higher order, and the effect of the domain falls like L^-4 instead
-of L^-2. Where the phase jumps by a constant, as across the dark breather, it closes exactly.
+least squares leaves a miss of a higher order. Where the phase jumps by a constant, as across the
+dark breather, it closes exactly.
+
+What the miss does grows with time through the mean velocity that it leaves; on a closed ring that
+part of the error falls like L^-4. Without the mean velocity a part that falls like L^-2 is left,
+smaller by ten at 64 wavelengths (dn soliton, k = 0.7, to |t| = 10^4).
 """
 
 from collections.abc import Callable

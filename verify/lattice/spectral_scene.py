@@ -8,6 +8,7 @@ import xarray as xr
 
 from solutions import Wave
 from verify.exponential.adams import ORDER
+from verify.lattice.blow_up import BlowUp, find_blow_up
 from verify.lattice.comparison import Comparison
 from verify.lattice.dataset import build_dataset
 from verify.lattice.estimate import Estimate
@@ -20,6 +21,15 @@ from verify.lattice.state import empty_state
 SCHEME = "exponential_adams"
 """The one scheme of the spectral engine."""
 
+SAMPLING_SAFETY = 5.0
+"""Factor on the sampling's error: it was measured on another circumference, with other points."""
+
+DOMAIN_SAFETY = 1.5
+"""Factor on the domain's error, which rests on a law for its decay."""
+
+ASKED = 0.4
+"""Share of the tolerance asked of the engine, so that the estimates with their factors fit."""
+
 
 def run_spectral(
     scene: Scene, wave: Wave, progress: Progress
@@ -27,13 +37,14 @@ def run_spectral(
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
     What the stencil would look at where its march stops is looked at equidistant times here. Only
-    the compared sites are formed, at the times asked for. Raises ValueError for a tolerance that
-    cannot be met and for a lattice that blows up.
+    the compared sites are formed, at the times asked for. The run ends where their
+    strains are no longer sound. Raises ValueError for a tolerance that cannot be met and for a
+    lattice that blows up.
     """
     assert scene.tolerance is not None
     scene_run = _with_looks(scene)
     recorders = build_recorders(scene_run)
-    task = _task(scene_run, wave, recorders, scene.tolerance)
+    task = _task(scene_run, wave, recorders, ASKED * scene.tolerance)
     try:
         solved = spectral_run(task, progress)
     except FloatingPointError as error:
@@ -41,9 +52,10 @@ def run_spectral(
             f"the scene must stay bounded for engine 'spectral': {error} "
             "(engine 'stencil' shows when and where)"
         ) from None
-    _show(scene, wave, solved, recorders)
+    reached, fault = _show(scene, wave, solved, recorders)
     variables = {name: value for item in recorders for name, value in item.variables().items()}
-    run = build_dataset(scene, scene.snapshots, variables, _cost(solved))
+    cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
+    run = build_dataset(scene, reached, variables, cost)
     return run, _estimate(solved), solved.cost.planning_seconds
 
 
@@ -66,22 +78,32 @@ def _task(
     )
 
 
-def _show(scene: Scene, wave: Wave, solved: SpectralRun, observables: Sequence[Observable]) -> None:
-    """Show each observable the compared sites at its moments."""
+def _show(
+    scene: Scene, wave: Wave, solved: SpectralRun, observables: Sequence[Observable]
+) -> tuple[tuple[float, ...], BlowUp | None]:
+    """Show each observable the compared sites at its moments, as far as they are sound.
+
+    Return the snapshots that were shown and what was wrong afterwards, if anything was.
+    """
+    amplitude = float(np.max(np.abs(solved.states[0].y)))
     for index, t in enumerate(solved.task.times):
-        due = [item for item in observables if item.moments.due(t)]
-        if due:
-            sites = solved.task.sites(t)
-            state = empty_state(t, int(sites[0]), sites.size)
-            state.store(sites, solved.strain(index), np.zeros(sites.size))
-            view = Comparison(scene, wave, state)
-            for item in due:
+        sites = solved.task.sites(t)
+        state = empty_state(t, int(sites[0]), sites.size)
+        state.store(sites, solved.strain(index), np.zeros(sites.size))
+        fault = find_blow_up(scene.constants, state, amplitude)
+        if fault is not None:
+            return tuple(seen for seen in scene.snapshots if seen < t), fault
+        view = Comparison(scene, wave, state)
+        for item in observables:
+            if item.moments.due(t):
                 item.see(view)
+    return scene.snapshots, None
 
 
 def _estimate(solved: SpectralRun) -> Estimate:
     found = solved.estimates
-    return Estimate(found.time_step, found.sampling + found.domain, found.next_decade)
+    space = SAMPLING_SAFETY * found.sampling + DOMAIN_SAFETY * found.domain
+    return Estimate(found.time_step, space, found.next_decade)
 
 
 def _cost(solved: SpectralRun) -> dict[str, object]:
@@ -96,5 +118,4 @@ def _cost(solved: SpectralRun) -> dict[str, object]:
         "circumference": solved.circumference,
         "step": solved.step,
         "seconds": cost.seconds,
-        "blow_up": "",
     }

@@ -19,12 +19,12 @@ import sympy as sp
 from flint import acb, ctx
 
 from solutions.special.mp import mp_module
+from solutions.straight_line import StraightLine
 from solutions.symbols import tau, xi
 from verify.proof.balls import BallEvaluator
 from verify.proof.jet import Shape
 from verify.study.evaluation_cases import Case
 from verify.study.soliton_cases import SOLITON_VALUES
-from verify.tape import Tape
 
 __all__ = ["ARITHMETICS", "Arithmetic", "EvaluationCost", "evaluation_costs", "ordinary_case"]
 
@@ -168,7 +168,7 @@ def exact_values(case: Case) -> list[Row]:
 @lru_cache(maxsize=1)
 def _mp_program(case: Case) -> tuple[Any, Callable[..., Row]]:
     """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
-    context, tape = mpmath.MPContext(), Tape()
+    context, tape = mpmath.MPContext(), StraightLine()
     value = tape.record(case.form.expression)
     entries = [value, *(tape.derivative(value, variable) for variable in (xi, tau))]
     symbols = (xi, tau, *case.wave().parameters)

@@ -1,5 +1,6 @@
 """Catches: tracebacks at the command line, a wrong exit status, a file that cannot be read back."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -79,3 +80,37 @@ def test_an_output_in_no_folder_is_refused_before_the_run(
 ) -> None:
     assert run_command([str(short), "--output", "/nonexistent/run.nc"]) == 2
     assert "--output must lie in an existing folder" in capsys.readouterr().err
+
+
+def test_a_tolerance_and_an_engine_on_the_command_line(
+    short: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command([str(short), "--tolerance", "1e-3", "--engine", "stencil"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "stencil, blanes_moan_6: " in out
+    assert re.search(r"error estimate \S+ of 0.001 allowed, planned in .* times as long", out)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--tolerance", "0"], "tolerance must satisfy tolerance > 0, got 0"),
+        (["--engine", "spectral"], "tolerance must be given for engine 'spectral'"),
+        (["--tolerance", "1e-3", "--engine", "steam"], "engine must be one of stencil, spectral"),
+    ],
+)
+def test_bad_options_are_one_line_and_status_2(
+    short: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+) -> None:
+    assert run_command([str(short), *words]) == 2
+    lines = [line for line in capsys.readouterr().err.splitlines() if line]
+    assert len(lines) == 1
+    assert expected in lines[0]
+
+
+def test_a_file_with_step_and_tolerance_is_refused(
+    short: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short.write_text("tolerance = 1e-4\n" + SHORT)
+    assert run_command([str(short)]) == 2
+    assert "step must not be given with a tolerance" in capsys.readouterr().err

@@ -9,10 +9,10 @@ from mpmath import MPContext
 
 from solutions import CATALOGUE, ClosedForm
 from solutions.special.mp import mp_module
+from solutions.straight_line import StraightLine
 from verify.proof import check_certificate, prove, prove_form, prove_stable
 from verify.proof.compilation import compile_expressions, generator_balls, polynomial_ball
 from verify.sampling import Point, sample_points
-from verify.tape import Tape
 from verify.verdict import Outcome
 
 ALL = pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
@@ -54,7 +54,7 @@ def _at_sixty_digits(expression: sp.Expr, point: Point) -> sp.Float:
     """The value by mpmath, not by the prover's balls."""
     context = MPContext()
     context.dps = 60
-    tape = Tape()
+    tape = StraightLine()
     entry = tape.record(expression)
     symbols = sorted(expression.free_symbols, key=str)
     evaluate = tape.compile(symbols, [entry], mp_module(context))

@@ -19,11 +19,11 @@ class UnknownDerivativeError(ValueError):
     """A function on the tape has no derivative that SymPy knows."""
 
 
-class Tape:
+class StraightLine:
     """Lines ``symbol = node`` in order of evaluation; equal nodes share one line.
 
     >>> x = sp.Symbol("x")
-    >>> tape = Tape()
+    >>> tape = StraightLine()
     >>> entry = tape.record(sp.sin(x**2) + x**2)
     >>> len(tape.lines)
     3
