@@ -46,6 +46,12 @@ ORDINARY = {
     "alpha": sp.Rational(1, 2),
     "A": sp.S.One,
     "X_0": sp.S.Zero,
+    "p": sp.Rational(6, 5),
+    "q": sp.Rational(4, 5),
+    "A_1": sp.Rational(7, 5),
+    "A_2": sp.Rational(3, 5),
+    "kappa": sp.Rational(9, 10),
+    "U_0": sp.Rational(1, 2),
 }
 
 Errors = Iterable[float]
