@@ -24,7 +24,7 @@ SHORT_TIMES = (0, 80_000_000)
 """Lattice times at which the short report measures the evaluation: T = 0 and 1e4."""
 
 SHORT_GRID = 401
-SHORT_CASES = 3
+SHORT_POINTS, SHORT_CASES = 4, 3
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _accuracy_job(case: Case, full: bool) -> Job:
 
 
 def _quick_accuracy(case: Case) -> Accuracy:
-    return measure(case, times=SHORT_TIMES, grid=SHORT_GRID)
+    return measure(case, times=SHORT_TIMES, per_time=SHORT_POINTS, grid=SHORT_GRID)
 
 
 def _residual(name: str) -> Verdict:

@@ -36,7 +36,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
         for result in results
     ]
     head = ["wave", "arithmetic", "points", "$Y$", "$Y_X$", "$Y_T$", "worst at"]
-    return table("lL{22mm}rlllL{47mm}", head, rows)
+    return table("lL{18mm}rlllL{31mm}", head, rows)
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:

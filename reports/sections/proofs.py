@@ -30,7 +30,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         for record in records
     ]
     head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
-    return table("llL{31mm}rrrll", head, rows)
+    return table("llL{30mm}rrrll", head, rows)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
@@ -65,7 +65,7 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
         for count in counts
         for survivor in count.survivors
     ]
-    return table("llL{76mm}L{34mm}", ["solution", "verdict", "change", "why"], rows)
+    return table("llL{71mm}L{33mm}", ["solution", "verdict", "change", "why"], rows)
 
 
 def _breakable(text: str) -> str:

@@ -19,7 +19,7 @@ SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
 """Steps, as shares of the largest stable one."""
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-FINEST_TOLERANCE = 1e-8
+FINEST_TOLERANCE = 1e-7
 FINEST_SHARE = 0.1
 COMPARED = 200
 SITES = 3072

@@ -94,17 +94,13 @@ def test_cost_does_not_depend_on_eps() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "k", "seconds"),
-    [("rogue_cn", 0.5, 10), ("soliton_dn", 0.5, 30), ("soliton_dn", 0.7, 30)],
-)
-def test_long_runs_on_periodic_backgrounds(name: str, k: float, seconds: float) -> None:
+@pytest.mark.parametrize(("name", "k"), [("rogue_cn", 0.5), ("soliton_dn", 0.7)])
+def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, 1), k=k)
     times = tuple(np.linspace(-1e4, 1e4, 11))
     task = SpectralTask(Constants(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
     run = spectral_run(task)
     assert run.estimates.total <= 1e-4
-    assert run.cost.seconds < seconds
     data = RingData(task.constants, wave, 0.05, -1e4, 801)
     twice = data.circumference(2 * round(run.circumference / data.unit))
     ring = SpectralRing(task.constants, data.state(twice, 2 * run.cost.points), run.step)

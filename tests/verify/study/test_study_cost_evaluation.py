@@ -31,10 +31,6 @@ def test_each_arithmetic_has_its_digits(
     assert least < costs[arithmetic].digits < most
 
 
-def test_arrays_are_faster_than_single_points(costs: dict[str, EvaluationCost]) -> None:
-    assert 0 < costs["double"].seconds < 0.1 * costs["mpmath, 15 digits"].seconds
-
-
 def test_the_exact_values_are_those_of_the_wave() -> None:
     """Catches a derivative not scaled to X and T."""
     case = ordinary_case("breather_sn")
