@@ -11,6 +11,7 @@ from solutions.closed_form import ClosedForm
 from solutions.special import jacobi_dn
 from solutions.symbols import X_0, k, tau, xi
 from verify.mutation import Mutant, mutants
+from verify.proof import prove
 from verify.residual import Sampling, check_residual
 from verify.tree import replaced
 from verify.verdict import Outcome
@@ -49,6 +50,11 @@ def _refuted(form: ClosedForm, mutant: Mutant) -> bool:
     )
 
 
+def _is_a_solution(form: ClosedForm, mutant: Mutant) -> bool:
+    """Whether the misprint solves the equation all the same, by exact proof."""
+    return prove(form.equation, mutant.expression).outcome is Outcome.PROVED
+
+
 def _handful(form: ClosedForm) -> list[Mutant]:
     """The first mutant of each kind."""
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
@@ -66,8 +72,8 @@ def test_a_handful_of_misprints_is_refuted(form: ClosedForm) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
 def test_every_misprint_is_refuted(form: ClosedForm) -> None:
-    passed = [m.description for m in _wrong(form) if not _refuted(form, m)]
-    assert passed == []
+    passed = [m for m in _wrong(form) if not _refuted(form, m)]
+    assert [m.description for m in passed if not _is_a_solution(form, m)] == []
 
 
 def test_elliptic_forms_have_every_kind_of_mutant() -> None:
