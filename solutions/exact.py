@@ -46,5 +46,5 @@ def _exact_expression(name: str, value: sp.Expr) -> sp.Expr:
         raise ValueError(f"{name} must be a number, got {value} (substitute its symbols first)")
     if not (value.is_real and value.is_finite) and not sp.N(value).is_Float:
         raise ValueError(f"{name} must be real and finite, got {value}")
-    exact = sp.nsimplify(value, rational=True) if value.has(sp.Float) else value
-    return sp.sympify(exact)
+    exact: sp.Expr = sp.nsimplify(value, rational=True) if value.has(sp.Float) else value
+    return exact
