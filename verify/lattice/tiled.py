@@ -1,6 +1,6 @@
 """Splitting schemes on a ring, several steps at a time while a block of sites is in the L1 cache.
 
-The sites are laid out in rows of ``LANES``: site ``l R + r`` of a ring of ``4 R`` sites stands in
+The sites are laid out in rows of ``LANES``: site ``l R + r`` of a ring of ``8 R`` sites stands in
 row r, lane l (dimension-lifted transposition; Henretty et al., CC 2011), and rows past the ring's
 end repeat those at its beginning with the lanes moved by one. All stages of a few steps are done in
 one passage over the rows: a front of blocks goes up, and in each block stage k stops one row short
@@ -20,9 +20,9 @@ from verify.lattice.vector import LANES, stage
 Array = NDArray[np.float64]
 
 ROWS = 256
-"""Rows by which a block moves up (measured: 192 to 384 cost the same to 4 %)."""
+"""Rows by which a block moves up (measured: 96 to 256 cost the same to 5 %)."""
 
-STAGES = 56
+STAGES = 28
 """Stages done in a passage, at most (at least one step's)."""
 
 ALIGNMENT = 8
@@ -34,7 +34,7 @@ _jit = njit(cache=True, error_model="numpy", nogil=True)
 def fits(size: int, stages: int) -> bool:
     """Whether a ring of ``size`` sites can be advanced in rows with ``stages`` stages a step.
 
-    >>> fits(4096, 14), fits(4097, 14), fits(32, 14)
+    >>> fits(4096, 14), fits(4100, 14), fits(112, 14)
     (True, False, False)
     """
     return size % LANES == 0 and size // LANES > stages

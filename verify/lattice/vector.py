@@ -9,8 +9,8 @@ and every load is aligned. The loop goes up the rows once: the forces of the las
 velocity of the last one stay in registers, so that a row costs two loads, two stores and the
 arithmetic. LLVM's own vectoriser does not find this form; it takes three passes over memory.
 
-The code says vectors of four doubles and multiply-adds that may be contracted; LLVM lowers both to
-what the processor has, so that one without AVX2 or FMA runs the same code in halves.
+The code says vectors of eight doubles and multiply-adds that may be contracted; LLVM lowers both to
+what the processor has: one without AVX-512 runs the same code in halves, without AVX2 in quarters.
 
 Numba's cache on disk does not notice a change in this file: clear it (`make clean`) after one.
 """
@@ -23,8 +23,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-LANES = 4
-"""Sites per row: one 256-bit vector of doubles."""
+LANES = 8
+"""Sites per row: one 512-bit vector of doubles, which is also a line of the cache."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _INDEX = ir.IntType(64)

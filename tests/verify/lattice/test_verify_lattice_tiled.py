@@ -24,7 +24,7 @@ SPLITTINGS = (STOERMER_VERLET, MCLACHLAN_4, BLANES_MOAN_6, SUZUKI_UMENO_8, KAHAN
 
 @pytest.mark.parametrize("K3", [0.0, 0.3])
 @pytest.mark.parametrize("K4", [0.0, -0.7, 1.0])
-@pytest.mark.parametrize(("size", "steps"), [(4096, 9), (2304, 4), (1028, 4), (60, 5)])
+@pytest.mark.parametrize(("size", "steps"), [(4096, 9), (4608, 4), (1032, 4), (120, 5)])
 def test_tiled_equals_plain(K3: float, K4: float, size: int, steps: int) -> None:
     random = np.random.default_rng(1)
     y, s = 0.1 * random.standard_normal((2, size))
