@@ -93,11 +93,41 @@ BLANES_MOAN_6 = Splitting(
     reference="Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN 14a of order 6",
 )
 
+REDUCED_PHASE_6 = Splitting(
+    name="reduced_phase_6",
+    order=6,
+    drift_half=(
+        "0.02630326121015110780308557102295",
+        "0.10734879598149237352174996660561",
+        "-0.01049628716496408483660660039303",
+        "0.15961110713515186284804499147734",
+        "0.16111166525746726061905943498217",
+        "0.13881921373214868578404472817905",
+        "-0.08269775615144720573937809187409",
+    ),
+    kick_half=(
+        "0.07116838769198220445697717038840",
+        "0.27020247705620322093337665924754",
+        "-0.12586929830540811456108351644380",
+        "0.15212324113167785131370730712159",
+        "0.13664354161102701639888393821651",
+        "-0.04401448119336451822387092703190",
+        "0.07949226401576467936401873700331",
+    ),
+    reference=(
+        "13 stages, solved for here: order 6, phase-lag order 8 (van der Houwen, Sommeijer, "
+        "SIAM J. Numer. Anal. 24 (1987) 595), no unstable band at z = pi; the four weights that "
+        "are left make the errors on five lattice waves small"
+    ),
+    phase_order=8,
+)
+
 SCHEMES: tuple[Scheme, ...] = (
     RK4,
     STOERMER_VERLET,
     MCLACHLAN_4,
     BLANES_MOAN_6,
+    REDUCED_PHASE_6,
     SUZUKI_UMENO_8,
     KAHAN_LI_8,
 )

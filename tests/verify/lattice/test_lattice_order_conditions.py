@@ -4,11 +4,23 @@ from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
+from verify.lattice.nystroem_conditions import phase_lag_defect, splitting_defect
 from verify.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 from verify.lattice.scheme import Composition
-from verify.lattice.schemes import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET, SUZUKI_UMENO_8
+from verify.lattice.schemes import (
+    BLANES_MOAN_6,
+    KAHAN_LI_8,
+    MCLACHLAN_4,
+    REDUCED_PHASE_6,
+    RK4,
+    SCHEMES,
+    STOERMER_VERLET,
+    SUZUKI_UMENO_8,
+)
+from verify.lattice.splitting import Splitting
 
 COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
 
@@ -28,6 +40,62 @@ def test_one_digit_off_is_refused(scheme: Composition, place: int) -> None:
     half = (*scheme.half[:place], wrong, *scheme.half[place + 1 :])
     with pytest.raises(ValueError, match=r"order 8 .* got a defect"):
         replace(scheme, half=half)
+
+
+@pytest.mark.parametrize(
+    "scheme", [MCLACHLAN_4, BLANES_MOAN_6, REDUCED_PHASE_6], ids=lambda scheme: scheme.name
+)
+def test_splittings_have_their_orders_and_no_more(scheme: Splitting) -> None:
+    tables = literals(scheme.drift_half, scheme.kick_half)
+    assert splitting_defect(*tables, scheme.order) < 1e-13
+    assert splitting_defect(*tables, scheme.order + 1) > 1e-6
+    reached = max(scheme.order, scheme.phase_order)
+    assert phase_lag_defect(*tables, reached) < 1e-13
+    assert phase_lag_defect(*tables, reached + 2) > 1e-11
+
+
+def literals(drifts: tuple[str, ...], kicks: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    """All weights of a symmetric splitting; the longer half, or the kicks, hold the middle."""
+    drift_middle = len(drifts) > len(kicks)
+    return (
+        [*drifts, *drifts[::-1][drift_middle:]],
+        [*kicks, *kicks[::-1][not drift_middle :]],
+    )
+
+
+@pytest.mark.parametrize("place", range(7))
+def test_one_digit_off_in_a_splitting_is_refused(place: int) -> None:
+    half = REDUCED_PHASE_6.kick_half
+    wrong = str(Decimal(half[place]) + Decimal("1e-22"))
+    with pytest.raises(ValueError, match=r"order 6 .* got a defect"):
+        replace(REDUCED_PHASE_6, kick_half=(*half[:place], wrong, *half[place + 1 :]))
+
+
+def test_a_phase_lag_order_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match="phase-lag order 8"):
+        replace(BLANES_MOAN_6, phase_order=8)
+
+
+def test_phase_lag_is_that_of_the_matrices() -> None:
+    """The angle of one step against its length: the error falls like z^(phase order + 1)."""
+    z = np.array([0.4, 0.8])
+    step = STOERMER_VERLET.oscillator(z)
+    lag = z - np.arccos(0.5 * np.trace(step, axis1=1, axis2=2))
+    assert np.log2(lag[1] / lag[0]) == pytest.approx(3.0, abs=0.2)
+    step = REDUCED_PHASE_6.oscillator(3.0 * z)
+    lag = 3.0 * z - np.arccos(0.5 * np.trace(step, axis1=1, axis2=2))
+    assert np.log2(lag[1] / lag[0]) == pytest.approx(9.0, abs=1.0)
+
+
+def test_reduced_phase_has_no_unstable_band_at_pi() -> None:
+    """Blanes and Moan's trace passes -2 by 4e-7 there, and ends the stable steps at z = 3.1409."""
+    z = np.pi + np.linspace(-1e-4, 1e-4, 20_001)
+    depth = {
+        scheme.name: -2.0 - np.trace(scheme.oscillator(z), axis1=1, axis2=2).min()
+        for scheme in (BLANES_MOAN_6, REDUCED_PHASE_6)
+    }
+    assert depth["blanes_moan_6"] > 1e-8
+    assert depth["reduced_phase_6"] < 1e-14
 
 
 def test_a_yoshida_weight_off_by_a_thousandth_is_refused() -> None:

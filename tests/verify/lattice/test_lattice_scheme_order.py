@@ -21,6 +21,7 @@ STEPS = {
     "rk4": (200, 400, 800),
     "mclachlan_4": (60, 90, 140),
     "blanes_moan_6": (36, 48, 64),
+    "reduced_phase_6": (30, 40, 54),
     "suzuki_umeno_8": (40, 60, 90),
     "kahan_li_8": (30, 45, 70),
 }

@@ -142,6 +142,7 @@ def test_energy_is_conserved_without_drift_and_only_by_symplectic_schemes(
     assert drift["kahan_li_8"] < 1e-7
     assert drift["suzuki_umeno_8"] < 1e-6
     assert drift["blanes_moan_6"] < 1e-6
+    assert drift["reduced_phase_6"] < 1e-6
     assert drift["mclachlan_4"] < 1e-3
     assert drift["stoermer_verlet"] < 2e-2
     assert drift["rk4"] > 2e-2

@@ -14,12 +14,20 @@ from verify.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     MCLACHLAN_4,
+    REDUCED_PHASE_6,
     STOERMER_VERLET,
     SUZUKI_UMENO_8,
 )
 from verify.lattice.splitting import Splitting
 
-SPLITTINGS = (STOERMER_VERLET, MCLACHLAN_4, BLANES_MOAN_6, SUZUKI_UMENO_8, KAHAN_LI_8)
+SPLITTINGS = (
+    STOERMER_VERLET,
+    MCLACHLAN_4,
+    BLANES_MOAN_6,
+    REDUCED_PHASE_6,
+    SUZUKI_UMENO_8,
+    KAHAN_LI_8,
+)
 
 
 @pytest.mark.parametrize("K3", [0.0, 0.3])
