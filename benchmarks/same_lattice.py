@@ -28,7 +28,13 @@ from peak import multiply_add_rate
 from problem import CONSTANTS, SITES, Array, error, initial, reference
 
 from verify.lattice.scheme import Scheme
-from verify.lattice.schemes import BLANES_MOAN_6, KAHAN_LI_8, MCLACHLAN_4, SUZUKI_UMENO_8
+from verify.lattice.schemes import (
+    BLANES_MOAN_6,
+    KAHAN_LI_8,
+    MCLACHLAN_4,
+    REDUCED_PHASE_6,
+    SUZUKI_UMENO_8,
+)
 from verify.lattice.vector import OPERATIONS
 
 TARGET = 1e-6
@@ -43,6 +49,7 @@ def _stencil(scheme: Scheme) -> Callable[[Path], Contender]:
 
 
 ENTRANTS: dict[str, tuple[Callable[[Path], Contender], Ladder]] = {
+    "stencil reduced_phase_6": (_stencil(REDUCED_PHASE_6), (300, 1200, 1.02)),
     "stencil blanes_moan_6": (_stencil(BLANES_MOAN_6), (600, 2400, 1.02)),
     "stencil kahan_li_8": (_stencil(KAHAN_LI_8), (600, 2400, 1.02)),
     "stencil suzuki_umeno_8": (_stencil(SUZUKI_UMENO_8), (600, 2400, 1.02)),
@@ -53,6 +60,8 @@ ENTRANTS: dict[str, tuple[Callable[[Path], Contender], Ladder]] = {
     "heyoka.py": (lambda _: heyoka_contender(), TOLERANCES),
     "NumPy RK4": (lambda _: run_numpy_rk4, (12000, 48000, 2.0**0.25)),
 }
+
+FIRST = next(iter(ENTRANTS))
 
 
 def coarsest(
@@ -99,7 +108,7 @@ def entered(
 def print_share(seconds: float, steps: float, rate: float) -> None:
     """The kernel's arithmetic as a share of the core's multiply-add rate."""
     operations = OPERATIONS[CONSTANTS.K3 != 0, CONSTANTS.K4 != 0]
-    evaluations = SITES * round(steps) * BLANES_MOAN_6.stages
+    evaluations = SITES * round(steps) * REDUCED_PHASE_6.stages
     done = operations * evaluations / seconds
     print(
         f"{operations} operations per site and force evaluation (a multiply-add counts once): "
@@ -130,7 +139,8 @@ def main() -> int:
             f"{name:24s} {spent * 1e3:9.1f} ms  error {errors[name]:.1e}  "
             f"ratio {spent / seconds[first]:6.1f}  resolution {field[name][1]:.4g}"
         )
-    print_share(seconds[first], field[first][1], max(rates))
+    if first == FIRST:
+        print_share(seconds[first], field[first][1], max(rates))
     return 0
 
 
