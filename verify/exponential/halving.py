@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from verify.exponential.adams import ORDER
+
 Array = NDArray[np.float64]
 
 PATIENCE = 4
@@ -15,39 +17,44 @@ BLOWN = 10
 """Halvings after which a solution that still blows up does so by itself."""
 
 
+LEAST_RATIO = 8.0
+"""Differences that fell by at least this much from one halving to the next follow the law."""
+
+SAFETY = 2.0
+"""Factor on an error that rests on that law."""
+
+
 @dataclass(frozen=True)
 class Halving:
-    """The finer of the last two runs: its step, its values, and by how much the two differ.
-
-    ``difference`` is about the error of the coarser run; that of ``values`` is smaller by 2^order.
-    """
+    """The finer of the last two runs: its step, its values, and their estimated error."""
 
     step: float
     values: Array
-    difference: float
+    error: float
     runs: int
 
 
 def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving:
-    """Halve ``step`` until the values of two successive runs differ by at most ``bound`` (sup).
+    """Halve ``step`` until the estimated error (sup) is at most ``bound``.
 
     ``solve`` gives the values for a step. Values that are not finite count as infinitely far off.
-    Raises ValueError if the difference stops falling above the bound, and FloatingPointError if
-    the finest runs were not finite either.
+    Raises ValueError if the difference of two runs stops falling above the bound, and
+    FloatingPointError if the finest runs were not finite either.
 
     >>> result = halve(lambda h: np.array([1.0 + h**4]), 1.0, 1e-3)
     >>> result.step, result.runs
-    (0.0625, 5)
+    (0.125, 4)
     """
     coarse, runs = solve(step), 1
-    best, since = np.inf, 0
+    best, since, difference = np.inf, 0, np.inf
     while since < PATIENCE:
         step /= 2.0
         fine = solve(step)
         runs += 1
-        difference = sup_difference(fine, coarse)
-        if difference <= bound:
-            return Halving(step, fine, difference, runs)
+        before, difference = difference, sup_difference(fine, coarse)
+        error = _error(before, difference)
+        if error <= bound:
+            return Halving(step, fine, error, runs)
         improved = difference < best or (best == np.inf and runs <= BLOWN)
         since = 0 if improved else since + 1
         best, coarse = min(best, difference), fine
@@ -57,6 +64,16 @@ def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving
         f"tolerance must leave more than {best:.2g} for the time step, got {bound:.2g} "
         "(halving it further no longer helps; rounding or an instability is what is left)"
     )
+
+
+def _error(before: float, difference: float) -> float:
+    """Error of the finest of three runs whose differences were ``before`` and ``difference``.
+
+    Where these do not follow a law it is the difference, which is about the coarser run's error.
+    """
+    if not (np.isfinite(before) and before >= LEAST_RATIO * difference > 0):
+        return difference
+    return SAFETY * difference / (min(before / difference, 2.0**ORDER) - 1.0)
 
 
 def sup_difference(fine: Array, coarse: Array) -> float:
