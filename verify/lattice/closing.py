@@ -37,13 +37,16 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     """
     offsets = wavelength * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
 
-    def miss(shift: Array) -> Array:
-        half = 0.5 * wavelength * (count + shift[0])
-        return np.asarray(profile(half + offsets) - profile(-half + offsets))
+    def misses(shifts: Array) -> Array:
+        half = 0.5 * wavelength * (count + shifts[:, None])
+        ends = np.concatenate([half + offsets, -half + offsets])
+        values = np.asarray(profile(ends.ravel())).reshape(2, -1)
+        return values[0] - values[1]
 
     shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
-    misses = [float(np.sum(miss(np.array([shift])) ** 2)) for shift in shifts]
-    best = least_squares(miss, [shifts[int(np.argmin(misses))]], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    squares = np.sum(misses(shifts).reshape(SAMPLES, SAMPLES) ** 2, axis=1)
+    first = shifts[int(np.argmin(squares))]
+    best = least_squares(misses, [first], xtol=1e-15, ftol=1e-15, gtol=1e-15)
     return wavelength * (count + float(best.x[0]))
 
 

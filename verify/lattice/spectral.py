@@ -150,7 +150,8 @@ class SpectralRing:
 
     def _sound(self, y: Array, t: float) -> Array:
         """The stiffness about the strains ``y``, if waves exist about all of them."""
-        stiffness = self._constants.stiffness(y)
+        with np.errstate(over="ignore", invalid="ignore"):
+            stiffness = self._constants.stiffness(y)
         worst = int(np.argmin(stiffness))
         if stiffness[worst] <= 0:
             start = self._start

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from verify.exponential.halving import Halving, halve, sup_difference
 from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import NotHyperbolicError, SamplingError, SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import Ring, RingData
 from verify.lattice.spectral_scale import first_density, first_step
 from verify.lattice.spectral_task import Estimates, SpectralCost, SpectralRun, SpectralTask
 
@@ -80,14 +80,15 @@ class _Planner:
         width, duration = 2 * task.compared + 1, task.times[-1] - task.t0
         self._data = RingData(task.constants, task.wave, task.eps, task.t0, width, duration)
         self._density = first_density(task.wave, task.eps)
-        self._rings: dict[tuple[int, int], RingState] = {}
+        self._rings: dict[int, Ring] = {}
+        self._states: dict[tuple[Ring, int], RingState] = {}
         self._attempts: list[_Attempt] = []
         self._softened = 0
 
     def run(self) -> SpectralRun:
         tolerance, count = self._task.tolerance, self._data.smallest
         duration = self._task.times[-1] - self._task.t0
-        start = first_step(self._task.constants, self._ring(count), duration)
+        start = first_step(self._task.constants, self._state(self._ring(count)), duration)
         halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
         values, sampling = self._settle_sampling(count, halving)
         domain, ratio = self._settle_domain(count, halving.step, values)
@@ -113,7 +114,7 @@ class _Planner:
     def _settle_domain(self, count: int, step: float, values: Array) -> tuple[float, float]:
         """Double the ring until its share is met; the error, and the ratio that it comes from."""
         ratio, before = UNMEASURED_RATIO, None
-        while not self._data.ring(count).causal:
+        while not self._ring(count).causal:
             count *= 2
             fine = self._values(count, step)
             difference = sup_difference(fine, values)
@@ -152,8 +153,9 @@ class _Planner:
         task = self._task
         begun = time.perf_counter()
         tail = SAMPLING_SHARE * task.tolerance * task.eps
-        state, cutoff = self._ring(count), self._data.absorbed(self._data.ring(count))
-        ring = SpectralRing(task.constants, state, step, tail, absorbed=cutoff)
+        where = self._ring(count)
+        cutoff = self._data.absorbed(where)
+        ring = SpectralRing(task.constants, self._state(where), step, tail, absorbed=cutoff)
         states = tuple(self._through(ring))
         values = [state.strain(task.sites(state.t)) / task.eps for state in states]
         seconds = time.perf_counter() - begun
@@ -168,8 +170,12 @@ class _Planner:
                 share = (t - t0) / (end - t0)
                 self._progress(1.0 - 0.5 ** (len(self._attempts) + share))
 
-    def _ring(self, count: int) -> RingState:
-        ring = self._data.ring(count)
+    def _ring(self, count: int) -> Ring:
+        if count not in self._rings:
+            self._rings[count] = self._data.ring(count)
+        return self._rings[count]
+
+    def _state(self, ring: Ring) -> RingState:
         wanted = ring.circumference * self._density
         if wanted > MOST_POINTS:
             raise ValueError(
@@ -177,9 +183,9 @@ class _Planner:
                 f"than {MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
             )
         points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
-        if (count, points) not in self._rings:
-            self._rings[count, points] = self._data.state(ring, points)
-        return self._rings[count, points]
+        if (ring, points) not in self._states:
+            self._states[ring, points] = self._data.state(ring, points)
+        return self._states[ring, points]
 
     def _cost(self) -> SpectralCost:
         *before, last = self._attempts

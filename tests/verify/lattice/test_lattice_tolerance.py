@@ -80,11 +80,13 @@ def test_the_model_takes_the_cheaper_engine() -> None:
     assert chosen["Y2_eps_0.0125"] == chosen["Y2_eps_0.00625"] == "spectral"
 
 
-def test_the_engine_follows_from_the_background_and_from_what_is_asked(
+def test_the_engine_follows_from_the_duration_and_from_what_is_asked(
     ring_scene: Callable[..., Scene],
 ) -> None:
     scene = with_tolerance(ring_scene(), 1e-3)
     wave = build_wave(scene)
+    assert choose_engine(scene, wave) == "stencil"
+    scene = replace(scene, snapshots=(2e4,))
     assert choose_engine(scene, wave) == "spectral"
     assert choose_engine(replace(scene, observables=("energy",)), wave) == "stencil"
     assert choose_engine(replace(scene, engine="stencil"), wave) == "stencil"
@@ -116,7 +118,8 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
 def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
     ring_scene: Callable[..., Scene], observables: tuple[str, ...], variables: set[str]
 ) -> None:
-    measured = run(with_tolerance(ring_scene(observables=observables), 1e-2))
+    scene = with_tolerance(ring_scene(observables=observables), 1e-2)
+    measured = run(replace(scene, engine="spectral"))
     assert set(measured.data_vars) == variables
     assert all(np.all(np.isfinite(measured[name])) for name in variables)
 
@@ -180,7 +183,7 @@ def test_the_spectral_ring_refuses_what_blows_up(
         begin(ring, *args, **options)
 
     monkeypatch.setattr(SpectralRing, "__init__", begin_and_count)
-    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=eps)
+    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=eps, engine="spectral")
     with pytest.raises(ValueError, match=f"K4 y\\^2 <= 0 at t = {t}.*take a smaller eps"):
         run(scene)
     assert len(set(tried)) <= (1 if t == "-20" else 6)
