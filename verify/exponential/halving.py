@@ -18,7 +18,7 @@ BLOWN = 10
 
 
 LEAST_RATIO = 8.0
-"""Differences that fell by at least this much from one halving to the next follow the law."""
+"""Differences that fell by at least this much in each of the last two halvings follow the law."""
 
 SAFETY = 2.0
 """Factor on an error that rests on that law."""
@@ -46,13 +46,14 @@ def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving
     (0.125, 4)
     """
     coarse, runs = solve(step), 1
-    best, since, difference = np.inf, 0, np.inf
+    best, since, differences = np.inf, 0, [np.inf, np.inf]
     while since < PATIENCE:
         step /= 2.0
         fine = solve(step)
         runs += 1
-        before, difference = difference, sup_difference(fine, coarse)
-        error = _error(before, difference)
+        difference = sup_difference(fine, coarse)
+        differences = [*differences[-2:], difference]
+        error = _error(*differences)
         if error <= bound:
             return Halving(step, fine, error, runs)
         improved = difference < best or (best == np.inf and runs <= BLOWN)
@@ -66,14 +67,15 @@ def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving
     )
 
 
-def _error(before: float, difference: float) -> float:
-    """Error of the finest of three runs whose differences were ``before`` and ``difference``.
+def _error(first: float, second: float, last: float) -> float:
+    """Error of the finest of four runs, from the differences of each to the next.
 
-    Where these do not follow a law it is the difference, which is about the coarser run's error.
+    Where these do not follow the law it is the last one, which is about the coarser run's error.
     """
-    if not (np.isfinite(before) and before >= LEAST_RATIO * difference > 0):
-        return difference
-    return SAFETY * difference / (min(before / difference, 2.0**ORDER) - 1.0)
+    if not (np.isfinite(first) and first * last > 0 and second > 0):
+        return last
+    ratio = min(first / second, second / last, 2.0**ORDER)
+    return SAFETY * last / (ratio - 1.0) if ratio >= LEAST_RATIO else last
 
 
 def sup_difference(fine: Array, coarse: Array) -> float:
