@@ -5,7 +5,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -38,6 +38,9 @@ class Domain(Protocol):
 
     def follow(self, state: State) -> BlowUp | None:
         """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with what the domain may have to do with it."""
 
 
 def frame(scene: Scene, t: float) -> int:
@@ -91,6 +94,12 @@ class Ring:
     def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""
 
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with its distance from the seam if the seam's signals can have been there."""
+        distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
+        reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
+        return replace(found, from_seam=distance) if distance <= reach else found
+
     def _check(self, state: State) -> None:
         least = least_ring(self.scene, state.y)
         if self.scene.sites < least:
@@ -142,6 +151,10 @@ class Window:
         state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``: a window has no seam."""
+        return found
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""

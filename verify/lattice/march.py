@@ -37,7 +37,7 @@ class March:
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
-        self.blow_up: BlowUp | None = find_blow_up(constants, state, amplitude)
+        self.blow_up: BlowUp | None = self._find_blow_up()
 
     def through(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
@@ -69,7 +69,7 @@ class March:
         before = state.y.copy(), state.s.copy()
         self.scheme.advance(state.y, state.s, h, steps, self.constants)
         state.t = t
-        found = find_blow_up(self.constants, state, self._amplitude)
+        found = self._find_blow_up()
         if found is None:
             self.steps += steps
             self.blow_up = self.domain.follow(state)
@@ -81,3 +81,11 @@ class March:
             for step in range(1, steps + 1):
                 if self.blow_up is None:
                     self._advance(h, 1, t if step == steps else begin + step * h)
+
+    def _find_blow_up(self) -> BlowUp | None:
+        """What is wrong anywhere, far from the compared sites, too.
+
+        Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
+        """
+        found = find_blow_up(self.constants, self.state, self._amplitude)
+        return None if found is None else self.domain.locate(found, self.state)
