@@ -1,5 +1,6 @@
 """What is printed of a run: its table of errors, and one line each on cost, trust and blow-up."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -43,6 +44,8 @@ def _trust(found: Mapping[str, Any], scene: Scene) -> str:
     """Whether the periodic background is stable, and until when rounding stays small if not."""
     if found["trust_rate"] == 0.0:
         return "background: periodic and stable"
+    if math.isnan(found["trust_rate"]):
+        return "background: periodic, its crests too far apart for its stability to be computed"
     last = scene.t0 + found["trust_horizon"]
     verdict = "before" if scene.end <= last else "after that, and is not to be trusted there"
     return (

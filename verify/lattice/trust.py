@@ -37,13 +37,14 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
 
     The rate is that of the reduced equation, of relative accuracy eps^2, the largest over all
     perturbations of the infinite lattice. It is 0, and the horizon infinite, on a constant
-    background and on stable periodic ones.
+    background and on stable periodic ones; both are NaN where the background is too sharp for
+    `fastest_rate`.
     """
     if not has_periodic_background(scene):
         return Trust(0.0, math.inf)
     wave = build_wave(scene)
     per_tau = _fastest_rate(wave)
-    rate = per_tau * float(wave.normal_form.b) * scene.eps**3 if per_tau > FLOOR else 0.0
+    rate = 0.0 if per_tau <= FLOOR else per_tau * float(wave.normal_form.b) * scene.eps**3
     return Trust(rate, horizon(rate, tolerance, ROUNDING))
 
 
@@ -85,14 +86,14 @@ def horizon(rate: float, tolerance: float, rounding: float) -> float:
     >>> round(horizon(0.001, 1e-4, 1e-16))
     27631
     """
-    return max(0.0, math.log(tolerance / rounding)) / rate if rate > 0 else math.inf
+    return math.inf if rate == 0.0 else max(0.0, math.log(tolerance / rounding)) / rate
 
 
 def _fastest_rate(wave: Wave) -> float:
     """Largest growth rate per tau; the wave's speed is read off where it is steepest."""
     period = float(wave.wavelength or 0.0)
     a, b, s = (float(getattr(wave.normal_form, name)) for name in ("a", "b", "s"))
-    background = wave.background(period * np.arange(SAMPLES) / SAMPLES, 0.0)
-    steepest = int(np.argmax(np.abs(background.Y_X)))
-    speed = -(background.Y_T[steepest] / b) / (background.Y_X[steepest] / a)
-    return fastest_rate(background.Y, a * period, float(speed), int(s))
+    bare = wave.far_field(period * np.arange(SAMPLES) / SAMPLES, 0.0, "left")
+    steepest = int(np.argmax(np.abs(bare.Y_X)))
+    speed = -(bare.Y_T[steepest] / b) / (bare.Y_X[steepest] / a)
+    return fastest_rate(bare.Y, a * period, float(speed), int(s))

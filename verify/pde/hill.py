@@ -19,7 +19,7 @@ BLOCH_POINTS = 25
 """Wavenumbers that are tried before the best is refined to a thousandth of the zone's edge."""
 
 LEAST_MODES = 12
-MOST_MODES = 64
+MOST_MODES = 96
 
 TAIL = 1e-7
 """Modes of the wave below this share of its largest are left out."""
@@ -28,9 +28,12 @@ TAIL = 1e-7
 def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     """Largest growth rate (per tau) over all perturbations of the infinite line.
 
-    ``U`` are the wave's samples over one wavelength, several for each mode that counts.
+    ``U`` are the wave's samples over one wavelength, several for each mode that counts. NaN if
+    those are too many: a train of crests that are very far apart.
     """
     modes = resolving_modes(U)
+    if modes > MOST_MODES:
+        return float("nan")
     edge = np.pi / wavelength
 
     def negative(kappa: float) -> float:
@@ -49,7 +52,7 @@ def resolving_modes(U: Array) -> int:
     """How many Fourier modes the perturbations of a wave with samples ``U`` need."""
     sizes = np.abs(np.fft.rfft(U))
     last = int(np.flatnonzero(sizes > TAIL * np.max(sizes))[-1])
-    return min(max(last, LEAST_MODES), MOST_MODES)
+    return max(last, LEAST_MODES)
 
 
 def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float, modes: int) -> float:

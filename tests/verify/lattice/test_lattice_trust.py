@@ -69,3 +69,18 @@ def test_a_tolerance_beyond_the_horizon_is_refused_before_anything_is_run() -> N
     scene = replace(load_scene("rogue_cn_k_0.5"), snapshots=(2e6,))
     with pytest.raises(ValueError, match=r"snapshots must satisfy t <= 1.106e\+06 with tolerance"):
         run(with_tolerance(scene, 1e-4))
+
+
+def test_a_bare_wave_is_its_own_background() -> None:
+    """Its record's background is zero, which has no wavelength."""
+    scene = load_scene("rogue_cn_k_0.5")
+    bare = trust_in(replace(scene, wave="wave_cn"), TOLERANCE)
+    assert bare.rate == pytest.approx(trust_in(scene, TOLERANCE).rate, rel=1e-5)
+
+
+def test_a_background_too_sharp_is_said_to_be() -> None:
+    scene = replace(load_scene("rogue_cn_k_0.5"), parameters=(("k", 1.0 - 1e-15),))
+    found = trust_attributes(scene)
+    assert np.isnan(found["trust_rate"])
+    assert np.isnan(found["trust_horizon"])
+    assert "too far apart" in _line(found)
