@@ -143,7 +143,7 @@ class Wave:
     def _lattice(self, eps: float) -> Variables:
         exact = long_number(exact_number("eps", eps))
         if not exact > 0:
-            raise ValueError(f"eps must satisfy eps > 0, got {eps}")
+            raise ValueError(f"eps must satisfy eps > 0, got {eps} (0.05 is usual)")
         a, b, c = (self._rates[name] for name in ("a", "b", "c"))
         return Variables(a * exact, b * exact**3, -a * c * exact)
 
@@ -187,11 +187,13 @@ def check_finite(position: ArrayLike, time: ArrayLike) -> None:
     """Raise ValueError for NaN or infinity."""
     for name, values in (("position", position), ("time", time)):
         if not np.all(np.isfinite(values)):
-            raise ValueError(f"every {name} must be finite, got NaN or infinity")
+            raise ValueError(
+                f"every {name} must be finite, got NaN or infinity (leave such points out)"
+            )
 
 
 def check_side(side: Side) -> Side:
     """``side``, or a ValueError if it is none."""
     if side not in ("left", "right"):
-        raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+        raise ValueError(f"side must be 'left' or 'right', got {side!r} (a far field has two)")
     return side

@@ -1,6 +1,5 @@
 """``python -m verify run SCENE``: run a scene file or a shipped scene."""
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from derive.command_line import OneLineParser, fail
 from verify.lattice.families import rational_family_scenes
 from verify.lattice.restart import save_run
 from verify.lattice.run import run
@@ -38,14 +38,15 @@ def run_command(arguments: Sequence[str]) -> int:
         if options.output is not None:
             save_run(dataset, options.output)
     except (ValueError, OSError) as error:
-        errors.print(f"error: {error}", markup=False)
-        return 2
+        return fail(error)
+    except MemoryError as error:
+        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
     print_summary(dataset, scene, Console(highlight=False))
     return 1 if dataset.attrs["blow_up"] else 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> OneLineParser:
+    parser = OneLineParser(
         prog="python -m verify run",
         description="Run the lattice from a closed-form wave and compare the two.",
         epilog=f"Shipped scenes: {', '.join((*shipped_scenes(), *further_scenes()))}; "
@@ -65,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _check_output(path: Path | None) -> None:
     if path is not None and not path.parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {path}")
+        raise ValueError(f"--output must lie in an existing folder, got {path} (make it first)")
 
 
 def _find_scene(text: str) -> Scene:

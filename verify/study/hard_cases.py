@@ -100,7 +100,8 @@ def hard_case(name: str) -> Case:
     for case in HARD_CASES:
         if case.name == name:
             return case
-    raise ValueError(f"name must be one of {', '.join(c.name for c in HARD_CASES)}, got {name!r}")
+    known = ", ".join(case.name for case in HARD_CASES)
+    raise ValueError(f"name must be a hard case, got {name!r} (one of {known})")
 
 
 def run_hard_cases(cases: Sequence[Case] = HARD_CASES) -> list[HardCase]:
