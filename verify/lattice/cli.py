@@ -21,6 +21,7 @@ from verify.lattice.scene import (
     with_tolerance,
 )
 from verify.lattice.summary import print_summary
+from verify.lattice.trust import trust_attributes
 
 
 def run_command(arguments: Sequence[str]) -> int:
@@ -34,7 +35,7 @@ def run_command(arguments: Sequence[str]) -> int:
     try:
         _check_output(options.output)
         scene = _changed(_find_scene(options.scene), options.tolerance, options.engine)
-        dataset = _run_with_bar(scene, errors)
+        dataset = _run_with_bar(scene, errors).assign_attrs(trust_attributes(scene))
         if options.output is not None:
             save_run(dataset, options.output)
     except (ValueError, OSError) as error:

@@ -6,7 +6,7 @@ from verify.lattice.recording import Progress
 from verify.lattice.scene import Scene
 from verify.lattice.stencil_run import run_from
 from verify.lattice.tolerance import run_to_tolerance
-from verify.lattice.trust import check_trust, trust_attributes
+from verify.lattice.trust import check_trust
 
 
 def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
@@ -19,14 +19,11 @@ def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
     Attributes: the scene as JSON, versions, cost, and ``blow_up`` (empty if there was none). A run
     that blows up keeps the times before it. With a tolerance also ``error_estimate`` and its parts
     (`tolerance.py`); the scene is then the one with step and domain filled in, if sites were
-    computed one by one. On a periodic background also ``trust_rate`` and ``trust_horizon``
-    (`trust.py`). ``progress`` is called with the share of the work that is done, 0 .. 1.
+    computed one by one. ``progress`` is called with the share of the work that is done, 0 .. 1.
 
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit.
     """
     if scene.tolerance is None:
-        found = run_from(scene, None, progress)
-    else:
-        check_trust(scene)
-        found = run_to_tolerance(scene, progress)
-    return found.assign_attrs(trust_attributes(scene))
+        return run_from(scene, None, progress)
+    check_trust(scene)
+    return run_to_tolerance(scene, progress)

@@ -54,7 +54,7 @@ def has_periodic_background(scene: Scene) -> bool:
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
-    """A run's ``trust_rate`` and ``trust_horizon``; nothing on a constant background.
+    """``trust_rate`` and ``trust_horizon`` for a run's attributes; {} on a constant background.
 
     The horizon is the time after t0 until rounding has grown to the scene's tolerance.
     """

@@ -41,12 +41,20 @@ def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFix
     output = tmp_path / "run.nc"
     assert run_command([str(short), "--output", str(output)]) == 0
     out = capsys.readouterr().out
-    for expected in ("A short run", "relative error", "kahan_li_8: 40 steps, 512 sites", "-10"):
+    for expected in (
+        "A short run",
+        "relative error",
+        "kahan_li_8: 40 steps, 512 sites",
+        "-10",
+        "stable",
+    ):
         assert expected in out
     with xr.open_dataset(output, engine="scipy") as read:
         assert read.strain.shape == (2, 201)
         assert np.array_equal(read.time, [-10.0, 10.0])
         assert "soliton_dn" in read.attrs["scene"]
+        assert read.attrs["trust_rate"] == 0.0
+        assert read.attrs["trust_horizon"] == np.inf
 
 
 @pytest.mark.parametrize(

@@ -59,12 +59,6 @@ def test_the_summary_says_whether_the_scene_ends_before() -> None:
     assert _line({"trust_rate": 0.0, "trust_horizon": np.inf}) == "background: periodic and stable"
 
 
-def test_a_run_carries_its_horizon() -> None:
-    scene = load_scene("rogue_cn_k_0.5")
-    scene = replace(scene, t0=-1.0, snapshots=(0.0,), curve_points=2)
-    assert run(scene).attrs["trust_rate"] == trust_in(scene, TOLERANCE).rate
-
-
 def test_a_tolerance_beyond_the_horizon_is_refused_before_anything_is_run() -> None:
     scene = replace(load_scene("rogue_cn_k_0.5"), snapshots=(2e6,))
     with pytest.raises(ValueError, match=r"snapshots must satisfy t <= 1.106e\+06 with tolerance"):
