@@ -85,12 +85,12 @@ def soft_lattice() -> Measurement:
     """The reported time of the blow-up against a double-double run of the same scene, in steps."""
     scene = soft_scene()
     measured = run(scene)
-    text = str(measured.attrs["blow_up"])
+    text = str(measured.attrs["blow_up"]).partition(" (")[0]
     kept = measured.time.values.tolist() == [-20.0, -10.0] and np.isfinite(measured.strain).all()
     t, site = _first_soft_site(scene)
     expected = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {site}"
     reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
-    sound = kept and text.endswith(f"site {site}") and text[:30] == expected[:30]
+    sound = kept and f"site {site}," in f"{text}," and text[:30] == expected[:30]
     return Measurement(abs(reported - t) / scene.step if sound else math.inf, text)
 
 

@@ -39,7 +39,7 @@ def test_the_refusal_tells_the_limit() -> None:
 
 def test_the_blow_up_tells_time_site_and_criterion() -> None:
     detail = hard_case("soft_lattice").run().detail
-    assert detail == "blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = 65, site -747"
+    assert detail.startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = 65, site -747, 3 sites")
 
 
 def test_nan_does_not_pass() -> None:
@@ -49,7 +49,7 @@ def test_nan_does_not_pass() -> None:
 def test_the_records_come_in_the_tables_order() -> None:
     found = run_hard_cases([hard_case("restart"), hard_case("wrong_feed")])
     assert [record.name for record in found] == ["restart", "wrong_feed"]
-    with pytest.raises(ValueError, match=r"name must be one of step_limit, .*, got 'easy'"):
+    with pytest.raises(ValueError, match=r"got 'easy' \(one of step_limit, "):
         hard_case("easy")
 
 
