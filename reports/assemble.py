@@ -5,10 +5,11 @@ from importlib.metadata import version
 from pathlib import Path
 
 from reports.environment import render
-from reports.figures.costs import cost_figure
+from reports.figures.costs import CostPanel, cost_figure
 from reports.figures.paper import draw_all
+from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
-from reports.sections import claims, costs, derivation, evaluation, proofs, runs, solutions
+from reports.sections import claims, costs, derivation, evaluation, further, proofs, runs, solutions
 from reports.studies import Studies
 from reports.tables import write
 from reports.work import Findings
@@ -18,7 +19,7 @@ from verify.study.claims import all_claims
 SOURCE = "longwave.tex"
 
 STUDY_FIGURES = 3
-"""How many figures the studies have."""
+"""How many figures the studies have, at least."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     "solution_table": lambda _: solutions.solution_table(),
@@ -38,7 +39,10 @@ STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
     "rk4_table": lambda found: costs.rk4_table(found.rk4),
     "window_table": lambda found: costs.window_table(found.windows),
     "hard_case_table": lambda found: costs.hard_case_table(found.hard_cases),
-    "long_table": lambda found: costs.long_table(found.long_runs) if found.long_runs else "",
+    "message_table": lambda found: costs.message_table(found.hard_cases),
+    "peak_table": lambda found: further.peak_table(found.peaks) if found.peaks else "",
+    "split_table": lambda found: further.split_table(found.split),
+    "long_table": lambda found: further.long_table(found.long_runs),
 }
 """The tables of the studies."""
 
@@ -66,15 +70,22 @@ def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
     """Draw the figures of the studies, yielding each path when it is written."""
-    per_point, error = "seconds a point", r"error of $y/\epsilon$"
-    figures = {
-        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4),
-        "work_precision": (costs.precision_panels(found.precision), "seconds", error, 3),
-        "cost_scaling": (costs.scaling_panels(found.scaling), r"$1/\epsilon$", "seconds", 1),
+    per_point, error, eps = "seconds a point", r"error of $y/\epsilon$", r"$1/\epsilon$"
+    precision = costs.precision_panels(found.precision)
+    figures: dict[str, tuple[list[CostPanel], str, str, int, float]] = {
+        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4, 1.8),
+        "work_precision": (precision, "seconds", error, 2, 2.7),
+        "cost_scaling": (costs.scaling_panels(found.scaling), eps, "seconds", 1, 2.8),
     }
+    if found.peaks:
+        peaks = further.peak_panels(found.peaks)
+        figures["reduction_error"] = (peaks, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
     with styled():
-        for name, (panels, x, y, across) in figures.items():
-            yield save(cost_figure(panels, x, y, across), folder / "figures" / f"{name}.pdf")
+        for name, look in figures.items():
+            yield save(cost_figure(*look), folder / "figures" / f"{name}.pdf")
+        if found.split:
+            rows = further.split_rows(found.split)
+            yield save(snapshot_figure(rows), folder / "figures" / "split.pdf")
 
 
 def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:

@@ -24,11 +24,16 @@ class CostPanel:
     curves: Mapping[str, Sequence[tuple[float, float]]]
 
 
-def cost_figure(panels: Sequence[CostPanel], x: str, y: str, across: int = 3) -> Figure:
-    """Draw the panels, ``across`` in a row, all with the same axes and one legend."""
+def cost_figure(
+    panels: Sequence[CostPanel], x: str, y: str, across: int = 3, height: float = PANEL_HEIGHT
+) -> Figure:
+    """Draw the panels, ``across`` in a row, all with the same axes and one legend.
+
+    ``height`` is that of a row, in inches.
+    """
     across = min(across, len(panels))
     down = -(-len(panels) // across)
-    figure = Figure((TEXT_WIDTH, PANEL_HEIGHT * down + 0.4), layout="constrained")
+    figure = Figure((TEXT_WIDTH, height * down + 0.4), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     looks = dict(zip(_labels(panels), CURVES, strict=False))
     for panel, ax in zip(panels, grid.flat, strict=False):
