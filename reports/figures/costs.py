@@ -40,8 +40,9 @@ def cost_figure(
         _draw(ax, panel, looks)
     for ax in list(grid.flat)[len(panels) :]:
         ax.set_visible(False)
-    for ax in grid[-1]:
+    for ax in list(grid.flat)[max(0, len(panels) - across) : len(panels)]:
         ax.set_xlabel(x)
+        ax.tick_params(labelbottom=True)
     for ax in grid[:, 0]:
         ax.set_ylabel(y)
     handles = {h.get_label(): h for ax in grid.flat for h in ax.lines}

@@ -87,3 +87,11 @@ def test_panels_share_their_axes_and_one_look_a_label() -> None:
     assert [line.get_xdata().size for line in first.lines] == [1, 1]
     assert second.lines[0].get_color() == first.lines[1].get_color()
     assert first.get_xscale() == first.get_yscale() == "log"
+
+
+def test_the_lowest_panel_of_each_column_is_labelled() -> None:
+    """Catches a column that ends above an empty place, whose labels matplotlib hides."""
+    panels = [CostPanel(name, {"one": [(1.0, 2.0)]}) for name in "abc"]
+    figure = cost_figure(panels, "seconds", "digits", across=2)
+    assert [ax.get_xlabel() for ax in figure.axes] == ["", "seconds", "seconds", ""]
+    assert figure.axes[1].xaxis.get_tick_params()["labelbottom"]
