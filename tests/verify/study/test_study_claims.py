@@ -31,7 +31,8 @@ def fake_run(scene: Scene, top: float, when: float = 0.0) -> xr.Dataset:
     site = np.arange(-1, 2)
     crest = scene.eps * np.array([0.0, 2.0, 0.0])
     rows = np.tile(crest, (len(times), 1))
-    parts = {f"error_{name}": ("time", np.full(len(times), top / 3)) for name in PARTS}
+    shares = zip(PARTS, (2, 4, 8), strict=True)
+    parts = {f"error_{name}": ("time", np.full(len(times), top / part)) for name, part in shares}
     return xr.Dataset(
         {
             **parts,
@@ -84,14 +85,15 @@ def test_a_split_carries_the_runs_own_error() -> None:
     """Catches the parts' error taken for the shift's: 4e-4 of y/eps with slopes of 2 a site."""
     parts = evidence({}).split(SPLIT, 0.0)
     assert parts["shift"] == pytest.approx((-0.4, 4e-4 / 2.0))
-    assert parts["position"] == pytest.approx((0.1 / 3, 2e-4))
+    assert parts["position"] == pytest.approx((0.1 / 2, 2e-4))
 
 
 def test_the_claim_tells_how_far_the_wave_is_shifted() -> None:
     found = claims_constant.peak_of_the_error(evidence({}))
     told = {item.of.split(", ")[-1]: item.value for item in found.measurements}
     assert told["the lattice's wave is shifted by sites"] == -0.4
-    assert told["part by shape"] == pytest.approx(0.1 / 3)
+    assert told["part by position"] == pytest.approx(0.1 / 2)
+    assert told["part by shape"] == pytest.approx(0.1 / 8)
 
 
 def test_the_rk4_variant_changes_scheme_and_step_only() -> None:
