@@ -29,6 +29,9 @@ PRINTED = {
 }
 """Names of the methods as they are printed, with the orders of the splittings."""
 
+LONG = 1e4
+"""Seconds from which on they are shown as a power of ten."""
+
 FITTED = 3
 """Points at the small-eps end through which a law is fitted."""
 
@@ -106,7 +109,8 @@ def _eps(point: ScalingPoint) -> float:
 def _scaled(point: ScalingPoint) -> str:
     if point.series in (REDUCTION, TRUE_ERROR):
         return scientific(point.value)
-    return f"({duration(point.value)})" if point.scaled else duration(point.value)
+    seconds = duration(point.value) if point.value < LONG else f"{scientific(point.value)} s"
+    return f"({seconds})" if point.scaled else seconds
 
 
 def scaling_panels(points: Iterable[ScalingPoint]) -> list[CostPanel]:
@@ -154,8 +158,8 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
         ]
         for case in cases
     ]
-    head = ["case", "measured is", "measured", "bound", ""]
-    return table("L{56mm}L{50mm}lll", head, rows, gap="0.5ex")
+    head = ["case", "the number", "measured", "bound", "verdict"]
+    return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
 def message_table(cases: Iterable[HardCase]) -> str:

@@ -42,7 +42,7 @@ def peak_table(points: Iterable[PeakError]) -> str:
         "time",
         "law",
     ]
-    return table("lrL{48mm}llrl", head, rows)
+    return table("lrL{34mm}llrl", head, rows)
 
 
 def _peak(point: PeakError) -> list[str]:
@@ -107,10 +107,11 @@ def long_table(runs: Mapping[str, LongRun]) -> str:
         *(f"${time:g}$" for time in times),
         "estimate",
         "difference",
+        "its step",
         "ring",
         "stencil",
     ]
-    return table("l" + "r" * (len(times) + 4), head, rows) if rows else ""
+    return table("l" + "r" * (len(times) + 5), head, rows) if rows else ""
 
 
 def _times(runs: Mapping[str, LongRun]) -> list[float]:
@@ -125,12 +126,13 @@ def _long_row(name: str, found: LongRun) -> list[str]:
         parts = (np.asarray(at[key]) for key in ("strain", "analytic", "background"))
         errors.append(f"{relative_sup_error(*parts):.4f}")
     attributes = found.ring.attrs
-    judged = measured(float(found.differences.max(skipna=False)), found.own)
+    judged = scientific(float(found.differences.max(skipna=False)))
     return [
         escape(name.split("_k_")[0].replace("_", " ")),
         *errors,
         scientific(float(attributes["error_estimate"])),
         judged if found.kept else f"{judged} (TOO LARGE)",
+        scientific(found.own, 1),
         duration(float(attributes["seconds"] + attributes["planning_seconds"])),
         duration(float(found.fine.attrs["seconds"])),
     ]

@@ -31,9 +31,9 @@ def peak_of_the_error(evidence: Evidence) -> Claim:
 def _split(evidence: Evidence) -> list[Measurement]:
     """The error of one run at its peak, taken apart: where the lattice's crest is, and the rest."""
     parts = evidence.split(SPLIT, 0.0)
-    words = "$Y_2$, $eps=0.05$, $t=0$"
-    shift = Measurement(f"{words}, the lattice's wave is shifted by sites", *parts["shift"])
-    return [shift, *(Measurement(f"{words}, part by {name}", *parts[name]) for name in PARTS)]
+    words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
+    shares = (Measurement(f"there, part by {name}", *parts[name]) for name in PARTS)
+    return [Measurement(words, *parts["shift"]), *shares]
 
 
 def error_against_order(evidence: Evidence) -> Claim:

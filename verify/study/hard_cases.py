@@ -80,7 +80,7 @@ HARD_CASES = (
     ),
     Case(
         "rounding_growth",
-        "rounding of the energy, 30 000 steps",
+        "rounding of the energy, 30000 steps",
         "exponent of its growth in $t$ (1/2 unbiased, 1 biased)",
         0.75,
         cases_rounding.rounding_growth,
