@@ -25,9 +25,9 @@ MARGIN = 64
 
 
 class Domain(Protocol):
-    """What a run needs of a domain."""
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave."""
 
-    stay: float
+    moves: frozenset[float]
 
     @property
     def mismatch(self) -> float:
@@ -37,7 +37,10 @@ class Domain(Protocol):
         """The initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+
+        To be called at each of the ``moves``.
+        """
 
 
 def frame(scene: Scene, t: float) -> int:
@@ -76,7 +79,7 @@ class Ring:
 
     scene: Scene
     wave: Wave
-    stay: float = math.inf
+    moves: frozenset[float] = frozenset()
     mismatch: float = 0.0
 
     def start(self) -> State:
@@ -104,6 +107,9 @@ class Ring:
 class Window:
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
+    It moves at fixed times, whatever the time step: two runs that differ in their step alone have
+    the same error from the window, which cancels in their difference.
+
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
     the window outruns those at its rear. A monitor compares each feed with the sites behind it.
@@ -123,7 +129,7 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.stay = STRIDE / self.scene.constants.sound_speed()
+        self.moves = self._moves()
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
@@ -142,6 +148,12 @@ class Window:
         state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
+
+    def _moves(self) -> frozenset[float]:
+        """The times, counted from t0, after which sound has gone ``STRIDE`` sites."""
+        scene, stay = self.scene, STRIDE / self.scene.constants.sound_speed()
+        count = math.ceil((scene.end - scene.t0) / stay)
+        return frozenset(scene.t0 + stay * move for move in range(1, count + 1))
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""

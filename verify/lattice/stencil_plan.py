@@ -3,9 +3,9 @@
 Time step: the errors of a scheme of order p at two steps differ by the factor ratio^p, so the
 difference of two pilots tells both. Domain: the part of a window's error that comes from its finite
 size falls at least like N^-5 on a constant background, and a ring is wide enough that its seam is
-not felt; two sizes are compared. The pilots with different steps run in a window whose own error is
-allowed already: it depends a little on when the window moves, and thereby on the step. Each
-estimate carries the factor ``SAFETY``.
+not felt; two sizes are compared. A window moves at times that do not depend on the step, so its
+error cancels where steps are compared, and those pilots may run in the smallest one. Each estimate
+carries the factor ``SAFETY``.
 """
 
 import math
@@ -75,10 +75,8 @@ def plan_stencil(scene: Scene, wave: Wave, progress: Progress) -> StencilPlan:
     begin = least_sites(replace(scene, compared=pilots.compared), domain, extent)
     least = least_sites(scene, domain, extent)
     allowed = (1.0 - TIME_SHARE) * scene.tolerance
-    pilot_sites, sites, space = plan_domain(pilots, longest, begin, least, domain, allowed)
-    step, time, cost = plan_step(
-        pilots, longest, pilot_sites, scheme.order, TIME_SHARE * scene.tolerance
-    )
+    sites, space = plan_domain(pilots, longest, begin, least, domain, allowed)
+    step, time, cost = plan_step(pilots, longest, begin, scheme.order, TIME_SHARE * scene.tolerance)
     stated = replace(
         scene,
         tolerance=None,
@@ -117,26 +115,22 @@ def round_up(sites: float) -> int:
 
 def plan_domain(
     pilots: Pilots, step: float, begin: int, least: int, domain: str, allowed: float
-) -> tuple[int, int, float]:
-    """Sites for the pilots, sites for the run (at least ``least``), and the run's error.
-
-    The domain of the pilots has an error that is ``allowed``, too.
-    """
+) -> tuple[int, float]:
+    """Sites for the run, at least ``least``, and its error; the pilots have ``begin`` and more."""
     if domain == "ring":
         wider = least + round_up(4 * MARGIN)
-        return least, least, SAFETY * pilots.difference((step, least), (step, wider))
+        return least, SAFETY * pilots.difference((step, least), (step, wider))
     small = begin
     for _ in range(ATTEMPTS):
         large = round_up(GROWTH * small)
         change = pilots.difference((step, small), (step, large))
         error = SAFETY * richardson(change, small / large, DECAY)
-        for size in (small, large):
-            expected = error * (small / size) ** DECAY
+        for sites in (max(least, small), max(least, large)):
+            expected = error * (small / sites) ** DECAY
             if expected <= allowed:
-                sites = max(least, size)
-                return size, sites, expected * (size / sites) ** DECAY
+                return sites, expected
         small = large
-    return small, max(least, small), math.inf
+    return max(least, small), math.inf
 
 
 def plan_step(
