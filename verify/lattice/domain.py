@@ -69,6 +69,13 @@ def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]
     return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
 
 
+def window_moves(scene: Scene) -> tuple[float, ...]:
+    """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
+    stay = STRIDE / scene.constants.sound_speed()
+    count = math.ceil((scene.end - scene.t0) / stay)
+    return tuple(scene.t0 + stay * move for move in range(1, count + 1))
+
+
 @dataclass
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
@@ -129,7 +136,7 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.moves = self._moves()
+        self.moves = frozenset(window_moves(self.scene))
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
@@ -148,12 +155,6 @@ class Window:
         state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
-
-    def _moves(self) -> frozenset[float]:
-        """The times, counted from t0, after which sound has gone ``STRIDE`` sites."""
-        scene, stay = self.scene, STRIDE / self.scene.constants.sound_speed()
-        count = math.ceil((scene.end - scene.t0) / stay)
-        return frozenset(scene.t0 + stay * move for move in range(1, count + 1))
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
