@@ -8,6 +8,7 @@ from reports.environment import render
 from reports.figures.costs import cost_figure
 from reports.figures.paper import draw_all
 from reports.figures.style import save, styled
+from reports.paper import SOURCES, cited
 from reports.sections import claims, costs, derivation, evaluation, proofs, runs, solutions
 from reports.studies import Studies
 from reports.tables import write
@@ -53,6 +54,8 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         formulas=solutions.formulas(),
         equations=solutions.equations(),
         figures=runs.figure_entries(scenes),
+        cited=cited,
+        sources=sorted(SOURCES.items()),
         **derivation.derivation(),
         **content,
     )

@@ -1,42 +1,48 @@
 r"""Formulas on the page: SymPy expressions as LaTeX displays that fit the line.
 
-A wide expression is shortened by naming what occurs often in it, then its widest factors; a wide
-sum is broken at its terms.
+What functions take as arguments is named first (phases $\phi$, exponents $\eta$), then the
+complementary modulus and the elliptic functions of a common phase. Of what is still too wide, the
+repeated parts are named, then the fraction's numerator $N$ and denominator $D$. Every row is
+written out of nested fractions, as a product where that is shorter, and broken at its terms.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 
 import sympy as sp
 
-LINE = 88
-"""Widest display line, in characters of SymPy's two-dimensional text form."""
+from reports.latex import FUNCTION_ORDER, is_phase, joined, latex, measure, nesting, ordered_terms, runs_left, sum_latex
+from solutions.special.function import JacobiFunction
+from solutions.symbols import complementary_modulus, k, xi
 
-OFTEN = 3
-"""A sum or square root that occurs this many times in a wide formula gets a name."""
+LINE = 76.0
+"""Widest display line, in characters as `measure` counts them."""
 
-SHORT = 6
-"""Parts up to this width are left as they are."""
+HEAVY = 55.0
+"""A formula with a row wider than this has its repeated parts named."""
 
-HUGE = 300
+COMPANION = 25.0
+"""A denominator wider than this is named where the numerator is, and the other way about."""
+
+STATED = 45.0
+"""Widest phase that is stated in the sentence behind the display."""
+
+GAIN = 0.9
+"""A row is written in another form if that is narrower by this factor."""
+
+MARK = "MARK"
+
+OFTEN = 2
+"""A part of a wide formula gets a name if it occurs this many times."""
+
+WORTH = 10.0
+"""Narrowest part that gets a name for being repeated."""
+
+HUGE = 200
 """An expression of more nodes than this is wide; it is not printed to find out."""
 
-
-def width(expression: sp.Expr) -> int:
-    """Return how many characters wide the expression is when it is set in two dimensions.
-
-    >>> x, y = sp.symbols("x y")
-    >>> width(x / (x + y))
-    5
-    """
-    text = sp.pretty(expression, use_unicode=True, wrap_line=False)
-    return max(len(line) for line in text.splitlines())
-
-
-def is_wide(expression: sp.Expr) -> bool:
-    """Tell whether the expression needs more than one line."""
-    return size(expression) > HUGE or width(expression) > LINE
+Name = sp.Dummy
 
 
 @cache
@@ -45,31 +51,57 @@ def size(expression: sp.Expr) -> int:
     return 1 + sum(size(arg) for arg in expression.args)
 
 
+@cache
+def width(expression: sp.Expr) -> float:
+    """Return about how many characters wide the expression is when it is set.
+
+    >>> x, y = sp.symbols("x y")
+    >>> width(x / (x + y))
+    4.0
+    """
+    return measure(latex(expression))
+
+
+def is_wide(expression: sp.Expr, line: float = LINE) -> bool:
+    """Tell whether the expression needs more than one line."""
+    return size(expression) > HUGE or width(expression) > line
+
+
 class Formula:
     """A formula in rows: the expression first, then the parts of it that were given names.
 
-    `rows` holds the expressions, `names` the symbols of all rows but the first. Putting the
-    parts back into the first row restores the expression (`whole`).
+    `parts` holds each name's expression. Putting the parts back into `first` restores the
+    expression (`whole`). What is printed is `tidied` row by row, the same rational function of
+    the names and functions in it.
     """
 
     def __init__(self, expression: sp.Expr) -> None:
-        self.rows = [expression]
-        self.names: list[sp.Symbol] = []
-        if is_wide(expression):
-            self._name_what_is_frequent()
-            for place, row in enumerate(self.rows):
-                self.rows[place] = self._shorten(row)
+        self.first = expression
+        self.parts: dict[Name, sp.Expr] = {}
+        if is_wide(expression) or _shared_arguments(expression):
+            self._name_modulus()
+            self._name_arguments()
+        if any(is_wide(row, HEAVY) or is_wide(tidied(row)) for row in self.rows):
+            self._name_functions()
+            self._name_what_is_repeated()
+            self._name_common_factors()
+            self._name_what_is_wide()
+            self._inline()
+
+    @property
+    def rows(self) -> list[sp.Expr]:
+        """The expression and the named parts."""
+        return [self.first, *self.parts.values()]
 
     def whole(self) -> sp.Expr:
         """Return the expression with all named parts put back."""
-        parts = dict(zip(self.names, self.rows[1:], strict=True))
-        expression = self.rows[0]
-        while expression.free_symbols & set(parts):
-            expression = expression.xreplace(parts)
+        expression = self.first
+        while expression.free_symbols & set(self.parts):
+            expression = expression.xreplace(self.parts)
         return expression
 
     def latex(self, left: str) -> str:
-        r"""Return the display as an `align*` environment; `left` is the left-hand side's LaTeX.
+        r"""Return the display and, if parts are short, a sentence; `left` is the left-hand side.
 
         >>> x = sp.Symbol("x")
         >>> print(Formula(2 * x + 1).latex("U"))
@@ -77,50 +109,206 @@ class Formula:
         U &= 2 x + 1
         \end{align*}
         """
-        lefts = [left, *(sp.latex(name) for name in self.names)]
-        lines = [line for pair in zip(lefts, self.rows, strict=True) for line in _lines(*pair)]
-        return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}"
+        names = self._letters()
+        rows = [(left, tidied(self.first).xreplace(names))]
+        stated, functions = [], []
+        for name, part in self._in_reading_order():
+            shown = tidied(part).xreplace(names)
+            if isinstance(part, JacobiFunction):
+                functions.append((names[name], shown))
+            elif name.name not in "NDP" and width(part) < STATED:
+                stated.append(f"${latex(names[name])} = {latex(shown)}$")
+            else:
+                rows.append((latex(names[name]), shown))
+        lines = [line for row in rows for line in _lines(*row)]
+        stated += _functions_stated(functions)
+        where = f"\nwhere {', '.join(stated)}." if stated else ""
+        return joined(lines) + where
 
-    def _name(self, part: sp.Expr) -> sp.Symbol:
-        """Return the part's name; a part without one becomes a new row."""
-        if part in self.rows[1:]:
-            return self.names[self.rows.index(part, 1) - 1]
-        self.names.append(sp.Symbol(f"A_{len(self.names) + 1}", real=True))
-        self.rows.append(part)
-        return self.names[-1]
+    def _substitute(self, changes: dict[sp.Expr, sp.Expr]) -> None:
+        self.first = self.first.xreplace(changes)
+        self.parts = {name: part.xreplace(changes) for name, part in self.parts.items()}
 
-    def _name_what_is_frequent(self) -> None:
-        """Name sums and square roots that occur often, the widest first, in all rows."""
-        for part in sorted(_frequent(self.rows[0]), key=size, reverse=True):
-            if sum(_occurrences(row)[part] for row in self.rows) >= OFTEN:
-                name = sp.Symbol(f"A_{len(self.names) + 1}", real=True)
-                self.rows = [row.xreplace({part: name}) for row in self.rows]
-                self.names.append(name)
-                self.rows.append(part)
+    def _name(self, part: sp.Expr, letter: str) -> Name:
+        """Return the part's name in that letter; a part without one becomes a new row."""
+        for name, known in self.parts.items():
+            if known == part:
+                return name
+        name = Name(letter, real=True)
+        self.parts[name] = part
+        return name
+
+    def _name_modulus(self) -> None:
+        """Put k' for the square root of 1 - k**2, and its powers for those of 1 - k**2."""
+        if not self.first.has(complementary_modulus):
+            return
+        name = Name("k'", positive=True)
+        bare = 1 - k**2
+        powers = [node for node in self.first.atoms(sp.Pow) if node.base == bare]
+        self._substitute({node: name ** (2 * node.exp) for node in powers} | {bare: name**2})
+        self.parts[name] = complementary_modulus
+
+    def _name_arguments(self) -> None:
+        """Name what functions take as arguments, up to sign and a constant shift."""
+        for letter, kinds in (("phi", (JacobiFunction, sp.sin, sp.cos)), ("eta", EXPONENTIALS)):
+            changes: dict[sp.Expr, sp.Expr] = {}
+            bases: list[sp.Expr] = []
+            for node in sorted(self.first.atoms(*kinds), key=lambda node: size(node.args[0])):
+                base, change = _based(node, bases)
+                if base.args:
+                    bases = [*bases, base] if base not in bases else bases
+                    changes[node] = change(self._name(base, letter))
+            self.first = self.first.xreplace(changes)
+            for base in filter(is_phase, bases):
+                self._name_phase_in_sums(base, self._name(base, letter))
+
+    def _name_phase_in_sums(self, phase: sp.Expr, name: Name) -> None:
+        """Put the name for number multiples of the phase that are parts of sums."""
+        while changes := {
+            total: changed
+            for total in self.first.atoms(sp.Add)
+            if (changed := _with_phase(total, phase, name)) is not None
+        }:
+            self.first = self.first.xreplace(changes)
+
+    def _name_functions(self) -> None:
+        """Name the elliptic functions of which each kind has one argument."""
+        found = {node for row in self.rows for node in row.atoms(JacobiFunction)}
+        nodes = sorted(found, key=str)
+        kinds = Counter(node.func for node in nodes)
+        alone = [node for node in nodes if kinds[node.func] == 1]
+        names = {node: Name(node.latex_symbol, real=True) for node in alone}
+        self._substitute(names)
+        self.parts |= {name: node for node, name in names.items()}
+
+    def _name_what_is_repeated(self) -> None:
+        """Name the sums and roots that occur often, the widest first, in all rows."""
+        while True:
+            counted: Counter[sp.Expr] = Counter()
+            for row in self.rows:
+                counted.update(_occurrences(row))
+                counted[row] -= 1
+            often = [part for part, times in counted.items() if times >= OFTEN]
+            part = max(filter(_is_worth_a_name, often), key=size, default=None)
+            if part is None:
+                return
+            name = Name("z" if is_phase(part) else "P", real=True)
+            self._substitute({part: name})
+            self.parts[name] = part
+
+    def _name_common_factors(self) -> None:
+        """Name products of sums that occur as a power and as factors of other products."""
+        for product in {root for row in self.rows for root in _product_roots(row)}:
+            name = Name("P", real=True)
+            changes = {
+                node: changed
+                for row in self.rows
+                for node in row.atoms(sp.Mul)
+                if (changed := _divided(node, product, name)) is not None
+            }
+            if len(changes) >= OFTEN:
+                self._substitute(changes)
+                self.parts[name] = product
+
+    def _name_what_is_wide(self) -> None:
+        """Name wide numerators, denominators and factors until every term fits the line."""
+        self.first = self._shorten(self.first)
+        done: set[Name] = set()
+        while rest := [name for name in self.parts if name not in done]:
+            for name in rest:
+                self.parts[name] = self._shorten(self.parts[name])
+                done.add(name)
 
     def _shorten(self, expression: sp.Expr) -> sp.Expr:
-        """Name factors, arguments and powers' bases of the expression until its lines can fit."""
-        if not expression.args or not is_wide(expression):
+        terms = sp.Add.make_args(expression)
+        if not any(is_wide(tidied(term), HEAVY) for term in terms):
             return expression
-        short = expression.xreplace({arg: self._shorten(arg) for arg in expression.args})
-        if short.is_Add:
-            return short
-        for part in sorted(_nameable(short), key=size, reverse=True):
-            if not is_wide(short):
-                break
-            short = short.xreplace({part: self._name(part)})
-        return short
+        return sp.Add(*(self._shortened_term(term) for term in terms))
+
+    def _shortened_term(self, term: sp.Expr) -> sp.Expr:
+        """Name the term's sums, the widest first, until it fits; N and D in a fraction."""
+        below = sp.fraction(term, exact=True)[1]
+        for part in sorted(_sums(term), key=size, reverse=True):
+            whole_fraction = below != 1 and is_wide(part, COMPANION) and term.atoms(Name)
+            if is_wide(tidied(term), HEAVY) or whole_fraction:
+                letter = "D" if below.has(part) else "N" if below != 1 else "P"
+                term = term.xreplace({part: self._name(part, letter)})
+        return term
+
+    def _inline(self) -> None:
+        """Put back what is used once and leaves its row on one line."""
+        for name in [name for name in self.parts if name.name == "P"]:
+            users = [row for row in self.rows if row.has(name)]
+            if len(users) == 1 and _uses(users[0], name) == 1:
+                changed = users[0].xreplace({name: self.parts[name]})
+                if not is_wide(tidied(changed)) and nesting(latex(tidied(changed))) < 2:
+                    part = self.parts.pop(name)
+                    self._substitute({name: part})
+
+    def _in_reading_order(self) -> Iterator[tuple[Name, sp.Expr]]:
+        """Yield the parts in the order in which a reader meets their names."""
+        met: list[Name] = []
+        rows = [self.first]
+        while rows:
+            row = rows.pop(0)
+            found = [name for name in self.parts if name not in met and row.has(name)]
+            found.sort(key=lambda name: _place(name, row))
+            met += found
+            rows += [self.parts[name] for name in found]
+        yield from ((name, self.parts[name]) for name in met)
+
+    def _letters(self) -> dict[Name, sp.Symbol]:
+        """Return the names as printed: numbered where a letter stands for several parts."""
+        order = [name for name, _ in self._in_reading_order()]
+        counts = Counter(name.name for name in order)
+        seen: Counter[str] = Counter()
+        letters = {}
+        for name in order:
+            seen[name.name] += 1
+            index = f"_{seen[name.name]}" if counts[name.name] > 1 else ""
+            letters[name] = Name(name.name + index)
+        return letters
 
 
-def _frequent(expression: sp.Expr) -> list[sp.Expr]:
-    """Return the sums and square roots of sums that occur often in the expression."""
-    counted = _occurrences(expression).items()
-    return [part for part, times in counted if times >= OFTEN and not _is_short(part)]
+EXPONENTIALS = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.sech)
 
 
-def _is_short(expression: sp.Expr) -> bool:
-    """Tell whether a name would save nothing."""
-    return size(expression) <= HUGE and width(expression) <= SHORT
+def _shared_arguments(expression: sp.Expr) -> bool:
+    """Tell whether functions share an argument that is no symbol."""
+    counted = Counter(
+        node.args[0] for node in expression.atoms(sp.Function, sp.exp) if not node.args[0].is_Atom
+    )
+    return any(times >= OFTEN for times in counted.values())
+
+
+def _based(
+    node: sp.Expr, bases: Iterable[sp.Expr]
+) -> tuple[sp.Expr, Callable[[sp.Expr], sp.Expr]]:
+    """Return what to name in a function's argument, and the function in terms of the name."""
+    argument, *rest = node.args
+    for base in bases:
+        for sign in (1, -1):
+            shift = argument - sign * base
+            if not shift.has(xi):
+                return base, lambda name: node.func(sign * name + shift, *rest)
+    number, factor = argument.as_coeff_Mul()
+    if runs_left(factor) or (factor.is_Add and factor.coeff(xi).is_negative):
+        number, factor = -number, -factor
+    return factor, lambda name: node.func(number * name, *rest)
+
+
+def _with_phase(total: sp.Expr, phase: sp.Expr, name: Name) -> sp.Expr | None:
+    """Return the sum with the name for a number times the phase; None if that is no part of it."""
+    number = total.coeff(xi)
+    scaled = {number * term for term in sp.Add.make_args(phase)}
+    if not number or not number.is_number or not scaled <= set(total.args):
+        return None
+    return sp.Add(number * name, *(term for term in total.args if term not in scaled))
+
+
+def _is_worth_a_name(part: sp.Expr) -> bool:
+    """Tell whether a name for the part saves anything."""
+    return is_wide(part, WORTH) or is_phase(part)
 
 
 @cache
@@ -135,12 +323,129 @@ def _occurrences(expression: sp.Expr) -> Counter[sp.Expr]:
     return found
 
 
-def _nameable(expression: sp.Expr) -> Iterator[sp.Expr]:
-    """Yield the parts of a product, power or function that deserve a name."""
-    for arg in expression.args:
-        base = arg.base if arg.is_Pow else arg
-        if base.args and not base.is_number:
-            yield base
+def _sums(term: sp.Expr) -> list[sp.Expr]:
+    """Return the sums that are factors of the term, or below a factor's power."""
+    bases = (factor.base if factor.is_Pow else factor for factor in sp.Mul.make_args(term))
+    return [base for base in bases if base.is_Add]
+
+
+def _product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
+    """Yield the products of two sums or more whose power stands in the row."""
+    for node in row.atoms(sp.Mul):
+        powers = node.as_coeff_Mul()[1].as_powers_dict()
+        exponents = set(powers.values())
+        named = [base for base in powers if base.is_Add or isinstance(base, Name)]
+        sums = any(base.is_Add for base in named)
+        if len(exponents) == 1 and min(exponents) > 1 and sums and len(named) >= OFTEN:
+            yield sp.Mul(*powers)
+
+
+def _divided(node: sp.Expr, product: sp.Expr, name: Name) -> sp.Expr | None:
+    """Return the node with the product's power as that of the name; None if it is no factor."""
+    powers = node.as_powers_dict()
+    exponents = {powers.get(base, sp.S.Zero) for base in sp.Mul.make_args(product)}
+    if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
+        return None
+    return node / product**power * name**power
+
+
+def _functions_stated(functions: list[tuple[Name, sp.Expr]]) -> list[str]:
+    """Return which functions are taken at which argument."""
+    arguments = dict.fromkeys(function.args[0] for _, function in functions)
+    ordered = sorted(functions, key=lambda pair: FUNCTION_ORDER.index(pair[0].name))
+    return [
+        ", ".join(f"${latex(name)}$" for name, function in ordered if function.args[0] == argument)
+        + f" are taken at $({latex(argument)};k)$"
+        for argument in arguments
+    ]
+
+
+def _uses(expression: sp.Expr, name: Name) -> int:
+    """Count how often the name stands in the expression."""
+    if expression == name:
+        return 1
+    return sum(_uses(arg, name) for arg in expression.args)
+
+
+def _place(name: Name, row: sp.Expr) -> int:
+    """Return where the name stands in the printed row."""
+    marked = latex(tidied(row).xreplace({name: Name(MARK)}))
+    return marked.index(MARK)
+
+
+@cache
+def tidied(row: sp.Expr) -> sp.Expr:
+    """Return the row, or an equal form of it with fewer nested fractions or less wide.
+
+    Only rational operations on its symbols and functions are used.
+    """
+    if size(row) > HUGE or is_phase(row) or any(is_phase(factor) for factor in row.args):
+        return row
+    row = row.func(*map(_tidied_inside, row.args)) if row.args else row
+    generators = {
+        node: sp.Dummy(real=True)
+        for node in row.atoms(sp.Function, sp.exp, sp.Pow)
+        if not (node.is_Pow and node.exp.is_Integer)
+    }
+    back = {symbol: node for node, symbol in generators.items()}
+    forms = [form.xreplace(back) for form in _forms(row.xreplace(generators))]
+    best = min(forms, key=_clumsiness)
+    return best if _clumsiness(best) < (_clumsiness(row)[0], GAIN * width(row)) else row
+
+
+def _tidied_inside(part: sp.Expr) -> sp.Expr:
+    """Return a term or factor with the sums in it tidied."""
+    if part.is_Add:
+        return tidied(part)
+    if part.is_Mul:
+        return sp.Mul(*(factor for arg in part.args for factor in _content(_tidied_inside(arg))))
+    if part.is_Pow and part.exp.is_Integer:
+        return part.func(*map(_tidied_inside, part.args))
+    return part
+
+
+def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Return a sum's number factor, negative if all its terms are, and the rest."""
+    if not factor.is_Add:
+        return (factor,)
+    number, rest = factor.primitive()
+    if all(term.as_coeff_Mul()[0].is_negative for term in rest.args):
+        number, rest = -number, -rest
+    return number, rest
+
+
+def _clumsiness(form: sp.Expr) -> tuple[int, float]:
+    """Return how deep fractions are nested, one level being none, and the width."""
+    return max(nesting(latex(form)), 1), width(form)
+
+
+def _forms(rational: sp.Expr) -> Iterator[sp.Expr]:
+    """Yield ways to write a rational expression; a sum's terms are not put on one fraction."""
+    terms = sp.Add.make_args(rational)
+    if any(sp.fraction(term)[1] != 1 for term in terms):
+        yield sp.Add(*map(sp.together, terms))
+        yield sp.Add(*(_factored(sp.together(term)) for term in terms))
+    else:
+        yield _factored(rational)
+        content = _without_sign(sp.factor_terms(rational))
+        yield content
+        common, rest = content.as_independent(sp.Add) if content.is_Mul else (sp.S.One, rational)
+        for symbol in sorted(rest.free_symbols, key=str):
+            yield common * sp.collect(sp.expand(rest), symbol, sp.factor_terms)
+
+
+def _factored(rational: sp.Expr) -> sp.Expr:
+    return sp.Mul(*(sp.factor(sp.factor_terms(part)) ** power for part, power in
+                    zip(sp.fraction(rational), (1, -1), strict=True)))
+
+
+def _without_sign(product: sp.Expr) -> sp.Expr:
+    """Return the product with a minus sign moved into its sum, if that has more of them."""
+    for total in product.args if product.is_Mul else ():
+        minus = sum(bool(term.as_coeff_Mul()[0].is_negative) for term in total.args)
+        if total.is_Add and 2 * minus > len(total.args):
+            return product / total * -1 * -total
+    return product
 
 
 def _lines(left: str, expression: sp.Expr) -> Iterator[str]:
@@ -154,21 +459,14 @@ def _lines(left: str, expression: sp.Expr) -> Iterator[str]:
 def broken(expression: sp.Expr) -> list[str]:
     """Return the expression's LaTeX in lines, a sum being broken before a term's sign."""
     if not expression.is_Add or not is_wide(expression):
-        return [sp.latex(expression)]
+        return [latex(expression)]
     lines: list[list[sp.Expr]] = [[]]
     room = LINE
-    for term in expression.as_ordered_terms():
-        room -= width(term) + 3
+    for term in ordered_terms(expression):
+        room -= width(term) + 2
         if room < 0 and lines[-1]:
             lines.append([])
-            room = LINE - width(term) - 3
+            room = LINE - width(term) - 2
         lines[-1].append(term)
-    first, *rest = [_sum_latex(terms) for terms in lines]
+    first, *rest = [sum_latex(terms) for terms in lines]
     return [first, *(line if line.startswith("-") else f"+ {line}" for line in rest)]
-
-
-def _sum_latex(terms: list[sp.Expr]) -> str:
-    """Return the LaTeX of the terms, in the order given."""
-    texts = [sp.latex(term) for term in terms]
-    tail = (text if text.startswith("-") else f"+ {text}" for text in texts[1:])
-    return " ".join([texts[0], *tail])

@@ -5,6 +5,7 @@ from typing import Any
 
 from reports.environment import escape
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.paper import cited
 from reports.tables import measured, scientific, table
 from solutions import closed_form
 from verify.lattice import Scene
@@ -51,13 +52,13 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
     snapshots = [
         {
             "name": figure.name,
-            "label": figure.label,
+            "paper": cited(figure.label),
             "scenes": [caption_part(scenes[name]) for name in figure.scenes],
         }
         for figure in SNAPSHOT_FIGURES
     ]
     errors: Sequence[dict[str, Any]] = [
-        {"name": figure.name, "label": figure.label, "scenes": []} for figure in ERROR_FIGURES
+        {"name": figure.name, "paper": cited(figure.label), "scenes": []} for figure in ERROR_FIGURES
     ]
     return [*snapshots, *errors]
 
