@@ -5,7 +5,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from reports.environment import render
-from reports.figures.costs import cost_figure
+from reports.figures.costs import CostAxes, cost_figure
 from reports.figures.paper import draw_all
 from reports.figures.style import save, styled
 from reports.paper import SOURCES, cited
@@ -69,15 +69,18 @@ def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
     """Draw the figures of the studies, yielding each path when it is written."""
-    per_point, error = "seconds a point", r"error of $y/\epsilon$"
+    digits = CostAxes("seconds a point", "digits", digits=(0, 30, 60, 90))
+    error = CostAxes("seconds", r"error of $y/\epsilon$")
+    scaling = CostAxes(r"$1/\epsilon$", "seconds", x_ticks=(10, 20, 40, 80, 160))
     figures = {
-        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4),
-        "work_precision": (costs.precision_panels(found.precision), "seconds", error, 3),
-        "cost_scaling": (costs.scaling_panels(found.scaling), r"$1/\epsilon$", "seconds", 1),
+        "evaluation_costs": (evaluation.cost_panels(found.evaluation), digits, 4, 1.35),
+        "work_precision": (costs.precision_panels(found.precision), error, 3, 1.8),
+        "cost_scaling": (costs.scaling_panels(found.scaling), scaling, 1, 1.8),
     }
     with styled():
-        for name, (panels, x, y, across) in figures.items():
-            yield save(cost_figure(panels, x, y, across), folder / "figures" / f"{name}.pdf")
+        for name, (panels, axes, across, height) in figures.items():
+            figure = cost_figure(panels, axes, across, height)
+            yield save(figure, folder / "figures" / f"{name}.pdf")
 
 
 def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:

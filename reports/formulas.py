@@ -8,7 +8,7 @@ written out of nested fractions, as a product where that is shorter, and broken 
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from functools import cache
+from functools import cache, cached_property
 
 import sympy as sp
 
@@ -109,21 +109,46 @@ class Formula:
         U &= 2 x + 1
         \end{align*}
         """
-        names = self._letters()
-        rows = [(left, tidied(self.first).xreplace(names))]
-        stated, functions = [], []
-        for name, part in self._in_reading_order():
-            shown = tidied(part).xreplace(names)
+        rows, stated = [(left, tidied(self.first).xreplace(self.letters))], []
+        functions = []
+        for name, (letter, shown) in self.printed_parts().items():
+            part = self.parts[name]
             if isinstance(part, JacobiFunction):
-                functions.append((names[name], shown))
+                functions.append((letter, shown))
             elif name.name not in "NDP" and width(part) < STATED:
-                stated.append(f"${latex(names[name])} = {latex(shown)}$")
+                stated.append(f"${latex(letter)} = {latex(shown)}$")
             else:
-                rows.append((latex(names[name]), shown))
+                rows.append((latex(letter), shown))
         lines = [line for row in rows for line in _lines(*row)]
         stated += _functions_stated(functions)
         where = f"\nwhere {', '.join(stated)}." if stated else ""
         return joined(lines) + where
+
+    def printed_parts(self) -> dict[Name, tuple[Name, sp.Expr]]:
+        """Return for each part its printed name and what is printed for it, in reading order."""
+        return {
+            name: (self.letters[name], tidied(part).xreplace(self.letters))
+            for name, part in self._in_reading_order()
+        }
+
+    @cached_property
+    def letters(self) -> dict[Name, Name]:
+        """The names as printed: numbered where a letter stands for several parts.
+
+        A letter that the expression has as a symbol gets a hat.
+        """
+        order = [name for name, _ in self._in_reading_order()]
+        counts = Counter(name.name for name in order)
+        taken = {symbol.name for symbol in self.whole().free_symbols}
+        seen: Counter[str] = Counter()
+        letters = {}
+        for name in order:
+            letter = name.name
+            seen[letter] += 1
+            index = f"_{seen[letter]}" if counts[letter] > 1 else ""
+            hat = rf"\hat{{{letter}}}" if letter + index in taken else letter
+            letters[name] = Name(hat + index)
+        return letters
 
     def _substitute(self, changes: dict[sp.Expr, sp.Expr]) -> None:
         self.first = self.first.xreplace(changes)
@@ -177,7 +202,10 @@ class Formula:
         nodes = sorted(found, key=str)
         kinds = Counter(node.func for node in nodes)
         alone = [node for node in nodes if kinds[node.func] == 1]
-        names = {node: Name(node.latex_symbol, real=True) for node in alone}
+        names = {
+            node: Name(node.latex_symbol.replace("operatorname", "mathrm"), real=True)
+            for node in alone
+        }
         self._substitute(names)
         self.parts |= {name: node for node, name in names.items()}
 
@@ -256,19 +284,6 @@ class Formula:
             met += found
             rows += [self.parts[name] for name in found]
         yield from ((name, self.parts[name]) for name in met)
-
-    def _letters(self) -> dict[Name, sp.Symbol]:
-        """Return the names as printed: numbered where a letter stands for several parts."""
-        order = [name for name, _ in self._in_reading_order()]
-        counts = Counter(name.name for name in order)
-        seen: Counter[str] = Counter()
-        letters = {}
-        for name in order:
-            seen[name.name] += 1
-            index = f"_{seen[name.name]}" if counts[name.name] > 1 else ""
-            letters[name] = Name(name.name + index)
-        return letters
-
 
 EXPONENTIALS = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.sech)
 
@@ -381,7 +396,10 @@ def tidied(row: sp.Expr) -> sp.Expr:
     """
     if size(row) > HUGE or is_phase(row) or any(is_phase(factor) for factor in row.args):
         return row
-    row = row.func(*map(_tidied_inside, row.args)) if row.args else row
+    if row.is_Add:
+        row = sp.Add(*map(_tidied_inside, row.args))
+    else:
+        row = _tidied_inside(row)
     generators = {
         node: sp.Dummy(real=True)
         for node in row.atoms(sp.Function, sp.exp, sp.Pow)
@@ -421,17 +439,17 @@ def _clumsiness(form: sp.Expr) -> tuple[int, float]:
 
 def _forms(rational: sp.Expr) -> Iterator[sp.Expr]:
     """Yield ways to write a rational expression; a sum's terms are not put on one fraction."""
-    terms = sp.Add.make_args(rational)
-    if any(sp.fraction(term)[1] != 1 for term in terms):
-        yield sp.Add(*map(sp.together, terms))
-        yield sp.Add(*(_factored(sp.together(term)) for term in terms))
-    else:
+    if rational.is_polynomial():
         yield _factored(rational)
         content = _without_sign(sp.factor_terms(rational))
         yield content
         common, rest = content.as_independent(sp.Add) if content.is_Mul else (sp.S.One, rational)
         for symbol in sorted(rest.free_symbols, key=str):
             yield common * sp.collect(sp.expand(rest), symbol, sp.factor_terms)
+    else:
+        together = [sp.together(term) for term in sp.Add.make_args(rational)]
+        yield sp.Add(*together)
+        yield sp.Add(*map(_factored, together))
 
 
 def _factored(rational: sp.Expr) -> sp.Expr:

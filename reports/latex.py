@@ -16,11 +16,11 @@ from solutions.symbols import tau, xi
 FUNCTIONS: tuple[type[sp.Expr], ...] = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon)
 """Functions in the order in which they stand in a product; others follow."""
 
-FUNCTION_ORDER = [*(function.latex_symbol for function in FUNCTIONS), r"\mathrm{Z}"]
+FUNCTION_ORDER = [r"\mathrm{sn}", r"\mathrm{cn}", r"\mathrm{dn}", r"\mathcal{E}", r"\mathrm{Z}"]
 
 NAMES: dict[type[sp.Expr], str] = {
     sp.sin: r"\sin", sp.cos: r"\cos", sp.sinh: r"\sinh", sp.cosh: r"\cosh", sp.tanh: r"\tanh",
-    sp.sech: r"\operatorname{sech}",
+    sp.sech: r"\mathrm{sech}",
 }  # fmt: skip
 """Names of functions that stand before a single symbol without brackets."""
 
@@ -54,6 +54,8 @@ def sum_latex(terms: Iterable[sp.Expr]) -> str:
 def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
     """Return a sum's terms as they are printed, a positive one first where an end has one."""
     terms = sorted(sp.Add.make_args(total), key=_phase_rank if _is_linear(total) else _degree_rank)
+    if len(terms) == 2 and terms[1].is_positive and terms[1].is_number:
+        return terms[::-1]
     negative = [bool(term.as_coeff_Mul()[0].is_negative) for term in terms]
     return terms[::-1] if negative[0] and not negative[-1] else terms
 
@@ -192,6 +194,14 @@ def _has_fraction(total: sp.Expr) -> bool:
     return any(sp.fraction(term, exact=True)[1] != 1 for term in total.args)
 
 
+def _product(factors: list[str]) -> str:
+    """Return the factors side by side, a function's name with a space before it."""
+    return " ".join(
+        rf"\, {factor}" if place and factor.startswith((r"\mathrm", r"\mathcal")) else factor
+        for place, factor in enumerate(factors)
+    )
+
+
 def _name_kind(name: str) -> int:
     return 1 if name == "k'" else 7 if name in FUNCTION_ORDER else 4
 
@@ -212,8 +222,8 @@ class _Printer(LatexPrinter):
         factors = sorted(sp.Mul.make_args(rest), key=_factor_rank)
         texts = [self._factor(factor) for factor in factors]
         if coefficient == -1:
-            return f"- {' '.join(texts)}"
-        return " ".join(texts if coefficient == 1 else [self._print(coefficient), *texts])
+            return f"- {_product(texts)}"
+        return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
 
     def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
         """A numerator's sums of fractions stand behind the fraction."""
@@ -231,6 +241,7 @@ class _Printer(LatexPrinter):
 
     def _print_Function(self, expr: sp.Expr, exp: str | None = None) -> str:
         name = getattr(expr, "latex_symbol", NAMES.get(expr.func, ""))
+        name = name.replace("operatorname", "mathrm")
         if not name:
             return str(super()._print_Function(expr, exp))
         argument, *parameter = expr.args

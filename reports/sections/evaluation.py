@@ -8,7 +8,7 @@ from operator import attrgetter
 
 from reports.environment import escape
 from reports.figures.costs import CostPanel
-from reports.tables import block, scientific
+from reports.tables import block
 from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
 from verify.study.evaluation import Accuracy
 
@@ -67,14 +67,15 @@ def _value(text: str) -> str:
     r"""Return a value with three digits; one near 1 by its distance from it.
 
     >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
-    ('$1.60\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
+    ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
     """
     if text.startswith("1 - "):
         return f"$1-{_value(text[4:])[1:-1]}$"
-    value = float(text)
-    short = f"{float(f'{value:.3g}'):g}"
-    shown = f"${short}$" if "e" not in short else scientific(value, 3)
-    return re.sub(r"1(\.0+)?\\times ", "", shown) if re.match(r"\$-?1(\.0+)?\\t", shown) else shown
+    mantissa, _, exponent = f"{float(text):.3g}".partition("e")
+    if not exponent:
+        return f"${mantissa}$"
+    power = f"10^{{{int(exponent)}}}"
+    return f"${power}$" if mantissa == "1" else rf"${float(mantissa):g}\times {power}$"
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:

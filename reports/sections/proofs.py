@@ -14,6 +14,9 @@ DASH = "--"
 METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
 """The letters by which the table calls the methods; the text above it says them."""
 
+_OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
+"""A bracket with up to three levels of brackets in it, as deep as descriptions go."""
+
 SHOWN = 20
 """Most characters of a misprinted part that are shown."""
 
@@ -62,39 +65,52 @@ def mutation_table(counts: Iterable[MutationCount]) -> str:
 
 def survivor_table(counts: Iterable[MutationCount]) -> str:
     """The misprints that are not refuted, the same change with the same reason in one row."""
-    changes: dict[tuple[str, str, str], dict[str, list[str]]] = {}
+    found: dict[tuple[str, str, str, str], list[str]] = {}
     for count in counts:
         for survivor in count.survivors:
-            place, change = _place(survivor.description)
-            key = (place, _reason(survivor), survivor.outcome.value)
-            changes.setdefault(key, {}).setdefault(count.name, []).append(change)
-    merged: dict[tuple[str, ...], list[str]] = {}
-    for (place, why, verdict), forms in changes.items():
-        for name, what in forms.items():
-            merged.setdefault((place, ", ".join(dict.fromkeys(what)), why, verdict), []).append(name)
+            part, change = _part_and_change(survivor.description)
+            key = (count.name, part, _reason(survivor), survivor.outcome.value)
+            found.setdefault(key, []).append(change)
+    merged: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
+    for (name, part, why, verdict), changes in found.items():
+        merged.setdefault((", ".join(changes), why, verdict), []).append((name, part))
     rows = [
-        [place, change, why, verdict, ", ".join(rf"\texttt{{{escape(name)}}}" for name in names)]
-        for (place, change, why, verdict), names in merged.items()
+        [
+            ", ".join(dict.fromkeys(part for _, part in places)),
+            change,
+            why,
+            verdict,
+            ", ".join(dict.fromkeys(rf"\texttt{{{escape(name)}}}" for name, _ in places)),
+        ]
+        for (change, why, verdict), places in merged.items()
     ]
-    head = ["of", "change", "why", "verdict", "solutions"]
-    return table("L{24mm}L{32mm}L{26mm}L{16mm}L{50mm}", head, rows, gap="0.5ex")
+    head = ["part", "change", "why", "verdict", "solutions"]
+    return table("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows, gap="0.5ex")
 
 
-def _place(description: str) -> tuple[str, str]:
-    """Return which part a description says was changed, and how; wide parts by what they are."""
+def _part_and_change(description: str) -> tuple[str, str]:
+    """Return the part that a description names, what lies deep in it as dots, and its change."""
     words, _, change = description.rpartition(": ")
-    kind, _, text = words.partition(" ")
+    text = words.partition(" ")[2]
     change = escape(change.replace("coefficient times 101/100", "1 % more"))
     if "..." not in text and len(text) <= SHOWN:
-        return f"{kind} {_mathematics(text)}", change
-    outer = re.sub(r"\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)", "", text)
-    return ("the fraction" if "/" in outer else "the product"), change
+        return f"${_mathematics(text)}$", change
+    outer = _OUTERMOST.sub(r"(\\cdots)", text)
+    if "/" in outer:
+        return "the fraction", change
+    return f"${_mathematics(outer)}$", change
 
 
 def _mathematics(text: str) -> str:
-    """Return a short part's text as LaTeX."""
-    text = re.sub(r"\b(tau|xi|alpha|kappa)\b", r"\\\1 ", text)
-    return f"${text.replace('**', '^').replace('*', ' ')}$"
+    r"""Return a short part's text as LaTeX.
+
+    >>> _mathematics("-6*tau + xi"), _mathematics("k*jacobi_sn(\\cdots)")
+    ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
+    """
+    text = text.replace("sqrt(\\cdots)", "\\sqrt{\\cdots}").replace("jacobi_", "")
+    text = re.sub(r"\b(tau|xi|alpha|kappa)\b", r"\\\1", text)
+    text = re.sub(r"(?<!\\)\b([a-z]{2,})\(", r"\\mathrm{\1}(", text)
+    return text.replace("**", "^").replace("*", " ")
 
 
 def _reason(survivor: Survivor) -> str:

@@ -64,7 +64,7 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
 
 
 def caption_part(scene: Scene) -> str:
-    """Return the scene's wave, constants and parameters as LaTeX, and the time it starts from."""
+    """Return the scene's wave, parameters and constants as LaTeX, and the time it starts from."""
     given = [("K_2", scene.K2), ("K_4", scene.K4), (r"\epsilon", scene.eps), ("t_0", scene.t0)]
     named = {"alpha": r"\alpha"}
     parameters = [(named.get(name, name), value) for name, value in scene.parameters]
@@ -72,4 +72,5 @@ def caption_part(scene: Scene) -> str:
         f"${name}={value if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    return f"{escape(closed_form(scene.wave).title)} ({values})"
+    title = closed_form(scene.wave).title
+    return f"{escape(title[0].upper() + title[1:])} ({values})"

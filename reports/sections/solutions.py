@@ -14,18 +14,18 @@ from solutions.equation import Equation
 
 
 def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:
-    """The closed forms: name, sign, parameters with domains, background, paper, source."""
+    """The closed forms: name, sign, domains, period of the background, paper, source."""
     rows = [
         [
             rf"\hyperref[form:{form.name}]{{{escape(form.title)}}}",
             f"${form.equation.s:+d}$",
             ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
-            "constant" if form.period is None else f"period ${latex(form.period)}$",
+            "constant" if form.period is None else f"${latex(form.period)}$",
             rf"{cited(form.reference.label)} \cite{{{form.reference.citation}}}",
         ]
         for form in forms
     ]
-    head = ["solution", "$s$", "parameters", "background", "in the paper, source"]
+    head = ["solution", "$s$", "parameters", "period", "paper, source"]
     return block("lrlll", head, rows)
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.figures.costs import CostPanel, cost_figure
+from reports.figures.costs import CostAxes, CostPanel, cost_figure
 from reports.sections.costs import (
     hard_case_table,
     laws,
@@ -59,8 +59,19 @@ def test_panels_share_their_axes_and_one_look_a_label() -> None:
         CostPanel("one", {"double": [(1e-8, 15.0), (1e-8, float("inf"))], "balls": [(1e-3, 40.0)]}),
         CostPanel("two", {"balls": [(1e-3, 40.0), (2e-3, 0.0)]}),
     ]
-    first, second = cost_figure(panels, "seconds", "digits").axes[:2]
+    first, second = cost_figure(panels, CostAxes("seconds", "digits")).axes[:2]
     assert first.get_xlim() == second.get_xlim()
     assert [line.get_xdata().size for line in first.lines] == [1, 1]
     assert second.lines[0].get_color() == first.lines[1].get_color()
     assert first.get_xscale() == first.get_yscale() == "log"
+
+
+def test_digits_are_linear_and_given_ticks_are_the_only_ones() -> None:
+    """Catches the labels 2x10^1 and 6x10^1 that a logarithm gives within a decade."""
+    panels = [CostPanel(name, {"balls": [(20.0, 15.0), (50.0, 60.0)]}) for name in "ab"]
+    axes = CostAxes("x", "digits", x_ticks=(10, 20, 40, 80), digits=(0, 30, 60))
+    for ax in cost_figure(panels, axes).axes[:2]:
+        assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
+        assert ax.get_ylim() == (0, 60)
+        assert [label.get_text() for label in ax.get_xticklabels()] == ["10", "20", "40", "80"]
+        assert list(ax.get_xticks(minor=True)) == []
