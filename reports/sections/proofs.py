@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from reports.environment import escape
-from reports.tables import block, scientific, table
+from reports.tables import block, scientific
 from verify.study.mutations import MutationCount, Survivor
 from verify.study.proofs import ProofRecord
 from verify.verdict import Verdict
@@ -85,7 +85,7 @@ def survivor_table(counts: Iterable[MutationCount]) -> str:
         for (change, why, verdict), places in merged.items()
     ]
     head = ["part", "change", "why", "verdict", "solutions"]
-    return table("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows, gap="0.5ex")
+    return block("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows)
 
 
 def _part_and_change(description: str) -> tuple[str, str]:

@@ -58,7 +58,8 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
         for figure in SNAPSHOT_FIGURES
     ]
     errors: Sequence[dict[str, Any]] = [
-        {"name": figure.name, "paper": cited(figure.label), "scenes": []} for figure in ERROR_FIGURES
+        {"name": figure.name, "paper": cited(figure.label), "scenes": []}
+        for figure in ERROR_FIGURES
     ]
     return [*snapshots, *errors]
 

@@ -5,8 +5,7 @@ from collections.abc import Iterable
 import sympy as sp
 
 from reports.environment import escape
-from reports.formulas import Formula
-from reports.latex import equation_latex, latex
+from reports.formulas import Formula, equation_latex, latex
 from reports.paper import cited
 from reports.tables import block
 from solutions import CATALOGUE, ClosedForm
@@ -14,18 +13,18 @@ from solutions.equation import Equation
 
 
 def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:
-    """The closed forms: name, sign, domains, period of the background, paper, source."""
+    """The closed forms: name, sign, domains, background, equation of the paper and source."""
     rows = [
         [
             rf"\hyperref[form:{form.name}]{{{escape(form.title)}}}",
             f"${form.equation.s:+d}$",
             ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
-            "constant" if form.period is None else f"${latex(form.period)}$",
+            "constant" if form.period is None else f"period ${latex(form.period)}$",
             rf"{cited(form.reference.label)} \cite{{{form.reference.citation}}}",
         ]
         for form in forms
     ]
-    head = ["solution", "$s$", "parameters", "period", "paper, source"]
+    head = ["solution", "$s$", "parameters", "background", "paper, source"]
     return block("lrlll", head, rows)
 
 

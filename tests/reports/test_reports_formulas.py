@@ -9,8 +9,9 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from reports.formulas import LINE, Formula, broken, is_wide, tidied, width
-from reports.latex import latex, nesting
+from reports.formulas import Formula, broken, latex
+from reports.formulas.measure import nesting
+from reports.formulas.tidy import LINE, is_wide, tidied, width
 from solutions import CATALOGUE, ClosedForm
 from tests.reports.latex_reader import Reader
 
@@ -33,13 +34,13 @@ def is_zero(expression: sp.Expr) -> bool:
 @forms
 def test_named_parts_put_back_give_the_formula(form: ClosedForm) -> None:
     """Catches a part substituted in one row and lost in another."""
-    assert formula(form).whole() == form.expression
+    assert formula(form).stated.whole() == form.expression
 
 
 @forms
 def test_a_tidied_row_is_the_row(form: ClosedForm) -> None:
     """Catches a factor or sign lost when fractions are put together."""
-    for row in formula(form).rows:
+    for row in formula(form).stated.rows:
         assert is_zero(tidied(row) - row)
 
 
@@ -47,18 +48,18 @@ def test_a_tidied_row_is_the_row(form: ClosedForm) -> None:
 def test_the_printed_text_reads_back_as_the_rows(form: ClosedForm) -> None:
     """Catches a bracket, sign or factor that the printer drops, and one name for two things."""
     found = formula(form)
-    parts = list(found.printed_parts().values())
+    parts = list(found.printed_parts.values())
     symbols = [*form.expression.free_symbols, *(letter for letter, _ in parts)]
     names = {latex(symbol): symbol for symbol in symbols}
     assert len(names) == len(symbols)
-    for row in (tidied(found.first).xreplace(found.letters), *(shown for _, shown in parts)):
+    for row in (found.printed_first, *(shown for _, shown in parts)):
         assert is_zero(Reader(" ".join(broken(row)), names).read() - row)
 
 
 @forms
 def test_rows_fit_the_line_without_nested_fractions(form: ClosedForm) -> None:
     found = formula(form)
-    for row in (tidied(row) for row in found.rows):
+    for row in (tidied(row) for row in found.stated.rows):
         assert all(width(term) <= LINE for term in sp.Add.make_args(row))
         assert nesting(latex(row)) <= 1
 
@@ -68,15 +69,15 @@ def test_a_parameter_called_like_a_part_is_told_from_it() -> None:
     x, taken = sp.symbols("x P", real=True)
     terms = [(x + taken + 123456789 * n) ** 2 * sp.sin(x * taken + 11 * n) for n in range(9)]
     found = Formula(sp.Add(*terms) / (taken + sp.Add(*terms) ** 2))
-    printed = [latex(letter) for letter, _ in found.printed_parts().values()]
+    printed = [latex(letter) for letter, _ in found.printed_parts.values()]
     assert printed
     assert "P" not in printed
-    assert found.whole() == sp.Add(*terms) / (taken + sp.Add(*terms) ** 2)
+    assert found.stated.whole() == sp.Add(*terms) / (taken + sp.Add(*terms) ** 2)
 
 
 def test_arguments_and_the_modulus_have_names_of_their_own() -> None:
     [form] = [form for form in CATALOGUE if form.name == "rogue_cn"]
-    printed = {latex(letter) for letter, _ in formula(form).printed_parts().values()}
+    printed = {latex(letter) for letter, _ in formula(form).printed_parts.values()}
     assert {r"\phi", "k'", r"\mathrm{cn}", "D"} <= printed
 
 
@@ -84,8 +85,8 @@ def test_a_name_stands_for_one_part_only() -> None:
     x = sp.Symbol("x", real=True)
     wide = sum((x + 17) ** n * (x**2 + 11) ** (n + 1) * sp.sin(x**n + 5) for n in range(2, 12))
     found = Formula(wide)
-    assert len(set(found.parts.values())) == len(found.parts)
-    assert found.whole() == wide
+    assert len(set(found.stated.parts.values())) == len(found.stated.parts)
+    assert found.stated.whole() == wide
 
 
 def test_a_broken_sum_has_signs_between_its_lines() -> None:
@@ -103,5 +104,5 @@ def test_a_broken_sum_has_signs_between_its_lines() -> None:
 
 def test_a_short_formula_is_left_alone() -> None:
     x = sp.Symbol("x")
-    assert Formula(x**2 + 1).rows == [x**2 + 1]
+    assert Formula(x**2 + 1).stated.rows == [x**2 + 1]
     assert not is_wide(x**2 + 1)
