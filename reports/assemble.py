@@ -8,7 +8,7 @@ from reports.environment import render
 from reports.figures.costs import CostAxes, cost_figure
 from reports.figures.paper import draw_all
 from reports.figures.style import save, styled
-from reports.paper import SOURCES, cited
+from reports.paper import SOURCES
 from reports.sections import claims, costs, derivation, evaluation, proofs, runs, solutions
 from reports.studies import Studies
 from reports.tables import write
@@ -54,7 +54,6 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         formulas=solutions.formulas(),
         equations=solutions.equations(),
         figures=runs.figure_entries(scenes),
-        cited=cited,
         sources=sorted(SOURCES.items()),
         **derivation.derivation(),
         **content,

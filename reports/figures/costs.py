@@ -64,8 +64,10 @@ def cost_figure(
 def _set_ticks(ax: Axes, axes: CostAxes) -> None:
     """Set the ticks that are given, on an axis that the other panels share."""
     if axes.x_ticks:
+        shown = ax.get_xlim()
         ax.set_xticks(axes.x_ticks, [f"{tick:g}" for tick in axes.x_ticks])
         ax.set_xticks([], minor=True)
+        ax.set_xlim(shown)
     if axes.digits:
         ax.set_yscale("linear")
         ax.set_ylim(0, axes.digits[-1])

@@ -122,7 +122,7 @@ def _kind(base: sp.Expr) -> Kind:
     classes = (
         (sp.exp, Kind.EXPONENTIAL),
         (sp.Function, Kind.FUNCTION),
-        (sp.Derivative, Kind.SLOPE),
+        (sp.Derivative, Kind.DERIVATIVE),
     )
     return next((kind for cls, kind in classes if isinstance(base, cls)), Kind.OTHER)
 

@@ -33,7 +33,7 @@ def claim_table(claims: Iterable[Claim]) -> str:
         for claim in claims
     ]
     head = ["the paper says", "measured here", "verdict", "depends on"]
-    return table("L{37mm}L{63mm}L{16mm}L{37mm}", head, rows, gap="1ex")
+    return table("L{35mm}L{69mm}L{16mm}L{33mm}", head, rows, gap="1ex")
 
 
 def mathematics(text: str) -> str:

@@ -75,3 +75,4 @@ def test_digits_are_linear_and_given_ticks_are_the_only_ones() -> None:
         assert ax.get_ylim() == (0, 60)
         assert [label.get_text() for label in ax.get_xticklabels()] == ["10", "20", "40", "80"]
         assert list(ax.get_xticks(minor=True)) == []
+        assert ax.get_xlim()[1] < 80
