@@ -4,6 +4,7 @@ The chain is closed: the LaTeX is read back to the tidied rows, these equal the 
 rational functions, and the stated rows put together are the formula itself.
 """
 
+from collections.abc import Callable
 from functools import cache
 
 import pytest
@@ -13,7 +14,18 @@ from reports.formulas import Formula, broken, latex
 from reports.formulas.measure import nesting
 from reports.formulas.tidy import LINE, is_wide, tidied, width
 from solutions import CATALOGUE, ClosedForm
+from solutions.special import jacobi_dn, jacobi_sn
+from solutions.symbols import k, tau, xi
 from tests.reports.latex_reader import Reader
+
+
+def sn(z: sp.Expr) -> sp.Expr:
+    return jacobi_sn(z, k**2)
+
+
+def dn(z: sp.Expr) -> sp.Expr:
+    return jacobi_dn(z, k**2)
+
 
 forms = pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
 
@@ -73,6 +85,19 @@ def test_a_parameter_called_like_a_part_is_told_from_it() -> None:
     assert printed
     assert "P" not in printed
     assert found.stated.whole() == sp.Add(*terms) / (taken + sp.Add(*terms) ** 2)
+
+
+@pytest.mark.parametrize("pair", [(sp.sin, sp.cos), (sp.sinh, sp.cosh), (sn, dn)])
+@pytest.mark.parametrize("phase", [k * tau - xi, (1 - k) * tau - xi, (k - 2) * tau - xi])
+def test_a_phase_that_runs_left_keeps_the_sign(
+    pair: tuple[Callable[[sp.Expr], sp.Expr], ...], phase: sp.Expr
+) -> None:
+    """Catches an odd function of the phase taken for an even one."""
+    odd, even = pair
+    expression = odd(phase) + even(phase) ** 2
+    found = Formula(expression)
+    assert len(found.stated.parts) == 1
+    assert found.stated.whole() == expression
 
 
 def test_arguments_and_the_modulus_have_names_of_their_own() -> None:
