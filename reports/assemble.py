@@ -5,10 +5,11 @@ from importlib.metadata import version
 from pathlib import Path
 
 from reports.environment import render
-from reports.figures.costs import CostPanel, cost_figure
+from reports.figures.costs import CostAxes, cost_figure
 from reports.figures.paper import draw_all
 from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
+from reports.paper import SOURCES
 from reports.sections import claims, costs, derivation, evaluation, further, proofs, runs, solutions
 from reports.studies import Studies
 from reports.tables import write
@@ -57,6 +58,7 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         formulas=solutions.formulas(),
         equations=solutions.equations(),
         figures=runs.figure_entries(scenes),
+        sources=sorted(SOURCES.items()),
         **derivation.derivation(),
         **content,
     )
@@ -70,19 +72,22 @@ def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
     """Draw the figures of the studies, yielding each path when it is written."""
-    per_point, error, eps = "seconds a point", r"error of $y/\epsilon$", r"$1/\epsilon$"
-    precision = costs.precision_panels(found.precision)
-    figures: dict[str, tuple[list[CostPanel], str, str, int, float]] = {
-        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4, 1.8),
-        "work_precision": (precision, "seconds", error, 2, 2.7),
-        "cost_scaling": (costs.scaling_panels(found.scaling), eps, "seconds", 1, 2.8),
+    digits = CostAxes("seconds a point", "digits", digits=(0, 30, 60, 90))
+    error = CostAxes("seconds", r"error of $y/\epsilon$")
+    scaling = CostAxes(r"$1/\epsilon$", "seconds", x_ticks=(10, 20, 40, 80, 160))
+    figures = {
+        "evaluation_costs": (evaluation.cost_panels(found.evaluation), digits, 4, 1.35),
+        "work_precision": (costs.precision_panels(found.precision), error, 2, 2.7),
+        "cost_scaling": (costs.scaling_panels(found.scaling), scaling, 1, 2.8),
     }
     if found.peaks:
         peaks = further.peak_panels(found.peaks)
-        figures["reduction_error"] = (peaks, r"$\epsilon$", r"$L^\infty_\epsilon$", 1, 2.8)
+        reduction = CostAxes(r"$\epsilon$", r"$L^\infty_\epsilon$")
+        figures["reduction_error"] = (peaks, reduction, 1, 2.8)
     with styled():
-        for name, look in figures.items():
-            yield save(cost_figure(*look), folder / "figures" / f"{name}.pdf")
+        for name, (panels, axes, across, height) in figures.items():
+            figure = cost_figure(panels, axes, across, height)
+            yield save(figure, folder / "figures" / f"{name}.pdf")
         if found.split:
             rows = further.split_rows(found.split)
             yield save(snapshot_figure(rows), folder / "figures" / "split.pdf")

@@ -7,7 +7,6 @@ in ``solutions.special.doubledouble`` or ``elementary`` remove ``__pycache__``.
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -22,7 +21,6 @@ from solutions.special.doubledouble import (
     multiply,
     quick_two_sum,
     scale,
-    split,
     square_root,
     subtract,
 )
@@ -160,10 +158,10 @@ def _scale(row: Array, factor: Pair) -> None:
         row[0, i], row[1, i] = multiply((row[0, i], row[1, i]), factor)
 
 
-def scale_rows(rows: Array, factors: Sequence[Any]) -> Array:
-    """Multiply each row (2, ...) of pairs by its exact or long factor, in place."""
+def scale_rows(rows: Array, factors: Sequence[Pair]) -> Array:
+    """Multiply each row (2, ...) of pairs by its factor, in place."""
     for row, factor in zip(rows, factors, strict=True):
-        _scale(row.reshape(2, -1), split(factor))
+        _scale(row.reshape(2, -1), factor)
     return rows
 
 
