@@ -5,7 +5,6 @@ A register is a block. numba's disk cache sees changes of this file only: after 
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -19,7 +18,6 @@ from solutions.special.doubledouble import (
     add,
     multiply,
     reciprocal,
-    split,
     square_root,
     subtract,
 )
@@ -115,10 +113,10 @@ def _scale(row: Array, factor: Pair) -> None:
         row[0, i], row[1, i] = multiply((row[0, i], row[1, i]), factor)
 
 
-def scale_rows(rows: Array, factors: Sequence[Any]) -> Array:
-    """Multiply each row (2, ...) of pairs by its exact or long factor, in place."""
+def scale_rows(rows: Array, factors: Sequence[Pair]) -> Array:
+    """Multiply each row (2, ...) of pairs by its factor, in place."""
     for row, factor in zip(rows, factors, strict=True):
-        _scale(row.reshape(2, -1), split(factor))
+        _scale(row.reshape(2, -1), factor)
     return rows
 
 

@@ -25,9 +25,9 @@ MARGIN = 64
 
 
 class Domain(Protocol):
-    """What a run needs of a domain."""
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave."""
 
-    stay: float
+    moves: frozenset[float]
 
     @property
     def mismatch(self) -> float:
@@ -37,7 +37,10 @@ class Domain(Protocol):
         """The initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+
+        To be called at each of the ``moves``.
+        """
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with what the domain may have to do with it."""
@@ -69,6 +72,13 @@ def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]
     return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
 
 
+def window_moves(scene: Scene) -> tuple[float, ...]:
+    """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
+    stay = STRIDE / scene.constants.sound_speed()
+    count = math.ceil((scene.end - scene.t0) / stay)
+    return tuple(scene.t0 + stay * move for move in range(1, count + 1))
+
+
 @dataclass
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
@@ -79,7 +89,7 @@ class Ring:
 
     scene: Scene
     wave: Wave
-    stay: float = math.inf
+    moves: frozenset[float] = frozenset()
     mismatch: float = 0.0
 
     def start(self) -> State:
@@ -113,6 +123,9 @@ class Ring:
 class Window:
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
+    It moves at fixed times, whatever the time step: two runs that differ in their step alone have
+    the same error from the window, which cancels in their difference.
+
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
     the window outruns those at its rear. A monitor compares each feed with the sites behind it.
@@ -132,7 +145,7 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.stay = STRIDE / self.scene.constants.sound_speed()
+        self.moves = frozenset(window_moves(self.scene))
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(

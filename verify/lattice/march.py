@@ -16,9 +16,9 @@ CHUNK = 64
 class March:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
-    Between two wanted times the steps are equal and not longer than ``step``, so that the wanted
-    times are hit exactly. ``amplitude`` is the largest strain at the run's beginning. ``blow_up``
-    is set when the march had to stop; ``steps`` counts.
+    Between two times that are wanted, or at which the domain moves, the steps are equal and not
+    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
+    at the run's beginning. ``blow_up`` is set when the march had to stop; ``steps`` counts.
     """
 
     def __init__(
@@ -42,10 +42,11 @@ class March:
     def through(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
-        Each of the ``times`` is a stop, hit exactly; between them the march stops every few steps,
-        whoever looks. It ends early at a blow-up.
+        Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
+        the march stops every few steps, whoever looks. It ends early at a blow-up.
         """
-        for t in times:
+        moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
+        for t in sorted(moves.union(times)):
             yield from self._stops_until(t)
             if self.blow_up is not None:
                 return
@@ -57,7 +58,7 @@ class March:
             yield self.state
         while done < steps and self.blow_up is None:
             h = (t - begin) / steps
-            chunk = min(steps - done, CHUNK, max(1, int(min(self.domain.stay / h, CHUNK))))
+            chunk = min(steps - done, CHUNK)
             self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
             done += chunk
             if self.blow_up is None:
@@ -72,7 +73,8 @@ class March:
         found = self._find_blow_up()
         if found is None:
             self.steps += steps
-            self.blow_up = self.domain.follow(state)
+            if t in self.domain.moves:
+                self.blow_up = self.domain.follow(state)
             return
         self.blow_up = found if steps == 1 else None
         if steps > 1:
