@@ -32,7 +32,7 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
     needing = [name for name in scene.observables if name in SITE_BY_SITE]
     if scene.engine == "spectral" and needing:
         raise ValueError(
-            f"{needing[0]} needs engine 'stencil', got 'spectral' (it has no ring of sites)"
+            f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it has no ring of sites)"
         )
     if scene.engine:
         return scene.engine
