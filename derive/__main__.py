@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from typing import NoReturn
 
+from derive.command_line import OneLineParser, fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import FPUT_STRAIN
 from derive.mkdv import initial_velocity, initial_velocity_latex
@@ -19,15 +18,8 @@ MOST_ORDERS = 13
 CONSTANTS = tuple(str(constant) for constant in FPUT_STRAIN.constants)
 
 
-class _Parser(argparse.ArgumentParser):
-    """An argument parser whose complaint is one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message} (see --help)\n")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def _parser() -> OneLineParser:
+    parser = OneLineParser(
         prog="python -m derive", description=__doc__.split(": ", 1)[1], allow_abbrev=False
     )
     form = parser.add_mutually_exclusive_group()
@@ -113,8 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reduction = reduce(FPUT_STRAIN, orders=_orders(given.orders))
         numbers = list(_number_lines(reduction, values))
     except ValueError as error:
-        print(f"python -m derive: {error}", file=sys.stderr)
-        return 2
+        return fail(error)
     if given.json:
         print(reduction.json(**values))
     elif given.latex:

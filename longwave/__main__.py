@@ -37,7 +37,8 @@ def main(argv: list[str] | None = None) -> int:
         print(f"longwave {__version__}")
         return 0
     if word not in _COMMANDS:
-        print(f"COMMAND must be one of {', '.join(_COMMANDS)}, got {word}", file=sys.stderr)
+        known = ", ".join(_COMMANDS)
+        print(f"error: COMMAND must be a known one, got {word} (one of {known})", file=sys.stderr)
         return 2
     return command(word)(rest)
 

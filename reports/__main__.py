@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from derive.command_line import OneLineParser, fail
 from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures, write_source
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
@@ -24,12 +25,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = parse(argv)
     console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
     try:
+        options.output.mkdir(parents=True, exist_ok=True)
         tex, sound = build(options, console)
         ensure_engine(console.print)
         pdf = compile_pdf(tex)
-    except ValueError as error:
-        errors.print(f"error: {error}", markup=False, soft_wrap=True)
-        return 2
+    except (ValueError, OSError) as error:
+        return fail(error)
     except (EngineMissingError, CompileError) as error:
         errors.print(f"error: {error}", markup=False, soft_wrap=True)
         return 1
@@ -39,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="python -m reports",
         description="Derive, check, run the scenes, and write it all as a PDF.",
     )

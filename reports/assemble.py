@@ -5,10 +5,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 from reports.environment import render
-from reports.figures.costs import cost_figure
+from reports.figures.costs import CostAxes, cost_figure
 from reports.figures.paper import draw_all
+from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
-from reports.sections import claims, costs, derivation, evaluation, proofs, runs, solutions
+from reports.paper import SOURCES
+from reports.sections import claims, costs, derivation, evaluation, further, proofs, runs, solutions
 from reports.studies import Studies
 from reports.tables import write
 from reports.work import Findings
@@ -18,7 +20,7 @@ from verify.study.claims import all_claims
 SOURCE = "longwave.tex"
 
 STUDY_FIGURES = 3
-"""How many figures the studies have."""
+"""How many figures the studies have, at least."""
 
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     "solution_table": lambda _: solutions.solution_table(),
@@ -38,7 +40,10 @@ STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
     "rk4_table": lambda found: costs.rk4_table(found.rk4),
     "window_table": lambda found: costs.window_table(found.windows),
     "hard_case_table": lambda found: costs.hard_case_table(found.hard_cases),
-    "long_table": lambda found: costs.long_table(found.long_runs) if found.long_runs else "",
+    "message_table": lambda found: costs.message_table(found.hard_cases),
+    "peak_table": lambda found: further.peak_table(found.peaks) if found.peaks else "",
+    "split_table": lambda found: further.split_table(found.split),
+    "long_table": lambda found: further.long_table(found.long_runs),
 }
 """The tables of the studies."""
 
@@ -53,6 +58,7 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         formulas=solutions.formulas(),
         equations=solutions.equations(),
         figures=runs.figure_entries(scenes),
+        sources=sorted(SOURCES.items()),
         **derivation.derivation(),
         **content,
     )
@@ -66,15 +72,25 @@ def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
     """Draw the figures of the studies, yielding each path when it is written."""
-    per_point, error = "seconds a point", r"error of $y/\epsilon$"
+    digits = CostAxes("seconds a point", "digits", digits=(0, 30, 60, 90))
+    error = CostAxes("seconds", r"error of $y/\epsilon$")
+    scaling = CostAxes(r"$1/\epsilon$", "seconds", x_ticks=(10, 20, 40, 80, 160))
     figures = {
-        "evaluation_costs": (evaluation.cost_panels(found.evaluation), per_point, "digits", 4),
-        "work_precision": (costs.precision_panels(found.precision), "seconds", error, 3),
-        "cost_scaling": (costs.scaling_panels(found.scaling), r"$1/\epsilon$", "seconds", 1),
+        "evaluation_costs": (evaluation.cost_panels(found.evaluation), digits, 4, 1.35),
+        "work_precision": (costs.precision_panels(found.precision), error, 2, 2.7),
+        "cost_scaling": (costs.scaling_panels(found.scaling), scaling, 1, 2.8),
     }
+    if found.peaks:
+        peaks = further.peak_panels(found.peaks)
+        reduction = CostAxes(r"$\epsilon$", r"$L^\infty_\epsilon$")
+        figures["reduction_error"] = (peaks, reduction, 1, 2.8)
     with styled():
-        for name, (panels, x, y, across) in figures.items():
-            yield save(cost_figure(panels, x, y, across), folder / "figures" / f"{name}.pdf")
+        for name, (panels, axes, across, height) in figures.items():
+            figure = cost_figure(panels, axes, across, height)
+            yield save(figure, folder / "figures" / f"{name}.pdf")
+        if found.split:
+            rows = further.split_rows(found.split)
+            yield save(snapshot_figure(rows), folder / "figures" / "split.pdf")
 
 
 def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:

@@ -1,6 +1,5 @@
 """`python -m reports.bench`: the studies of cost, one after the other, as tables and figures."""
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from derive.command_line import OneLineParser, fail
 from reports.assemble import write_study_figures, write_study_tables
 from reports.jobs import run_jobs
 from reports.studies import studies, study_jobs
@@ -17,7 +17,7 @@ BUILD = Path(__file__).parent / "build" / "bench"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run every study in a process of its own, nothing beside it; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m reports.bench", description=__doc__)
+    parser = OneLineParser(prog="python -m reports.bench", description=__doc__)
     parser.add_argument(
         "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build/bench"
     )
@@ -26,16 +26,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     options = parser.parse_args(argv)
     console = Console(highlight=False)
+    try:
+        options.output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        return fail(f"--output must be a folder that can be written, got {options.output}: {error}")
     columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("measuring", total=1.0)
         jobs = study_jobs(full=not options.short)
         found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
-        for _ in write_study_tables(found, options.output):
-            pass
+        for name, text in write_study_tables(found, options.output):
+            if text:
+                console.print(options.output / "tables" / f"{name}.tex", soft_wrap=True)
         for path in write_study_figures(found, options.output):
             console.print(path, soft_wrap=True)
-    return 0 if all(case.passed for case in found.hard_cases) else 1
+    return 0 if found.sound else 1
 
 
 if __name__ == "__main__":

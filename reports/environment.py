@@ -4,6 +4,8 @@ from pathlib import Path
 
 import jinja2
 
+from reports.paper import cited
+
 TEMPLATES = Path(__file__).parent / "templates"
 
 _ESCAPES = {
@@ -32,8 +34,8 @@ def escape(text: object) -> str:
 def environment(directory: Path = TEMPLATES) -> jinja2.Environment:
     """Return the Jinja2 environment of the report's templates.
 
-    The filter `e` escapes text for LaTeX; formulas pass unescaped. An unknown name in a
-    template is an error.
+    The filter `e` escapes text for LaTeX; formulas pass unescaped. `cited(label)` gives the
+    paper's number. An unknown name in a template is an error.
     """
     made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(directory),
@@ -51,6 +53,7 @@ def environment(directory: Path = TEMPLATES) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     made.filters["e"] = escape
+    made.globals["cited"] = cited
     return made
 
 

@@ -10,23 +10,31 @@ import xarray as xr
 from reports.jobs import Job
 from solutions import CATALOGUE
 from verify.lattice import load_scene, run
+from verify.lattice.families import EPS, ORDERS
 from verify.study.cost_evaluation import EvaluationCost, evaluation_costs
 from verify.study.cost_precision import PROBLEMS, CostPoint, work_precision
 from verify.study.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error
 from verify.study.hard_case import HardCase
 from verify.study.hard_cases import HARD_CASES, hard_case
+from verify.study.long_runs import LONG_SCENES, SHARES, LongRun, by_ring, by_sites
+from verify.study.reduction import PeakError, peak_error
 
 Key = tuple[str, object]
 
 EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
 RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
 WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
-LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
+SPLIT_SCENE = "split_rational_3"
+PEAK_SECONDS = {2: 5.0, 3: 15.0, 4: 30.0, 5: 60.0}
+"""About what a member of the family takes, by its order."""
 
 
 @dataclass(frozen=True)
 class Studies:
-    """What the studies found; ``long_runs`` is empty in the short report."""
+    """What the studies found; ``peaks``, ``split`` and ``long_runs`` are empty in the short report.
+
+    ``split`` holds the run of the split wave under its scene's name.
+    """
 
     evaluation: list[EvaluationCost]
     precision: list[CostPoint]
@@ -34,7 +42,15 @@ class Studies:
     rk4: list[ScalingPoint]
     windows: list[ScalingPoint]
     hard_cases: list[HardCase]
-    long_runs: Mapping[str, xr.Dataset]
+    peaks: list[PeakError]
+    split: Mapping[str, xr.Dataset]
+    long_runs: Mapping[str, LongRun]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every hard case holds and every long run keeps its tolerance."""
+        cases = all(case.passed for case in self.hard_cases)
+        return cases and all(found.kept for found in self.long_runs.values())
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
@@ -45,15 +61,26 @@ def study_jobs(full: bool) -> dict[Key, Job]:
     for problem in PROBLEMS:
         jobs["precision", problem] = Job(work_precision, (problem,), 8.0)
     for eps in EPSILONS + MORE_EPSILONS * full:
-        jobs["scaling", eps] = Job(at_eps, (eps,), 2.0)
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 10.0)
     jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
     jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 10.0)
     for case in HARD_CASES:
         if full or not case.slow:
             jobs["hard", case.name] = Job(_hard_case, (case.name,), 30.0 if case.slow else 2.0)
-    if full:
-        for name in LONG_SCENES:
-            jobs["long", name] = Job(run, (load_scene(name),), 60.0, tells=True)
+    return jobs | _further_jobs() if full else jobs
+
+
+def _further_jobs() -> dict[Key, Job]:
+    """The jobs of the full report alone."""
+    jobs: dict[Key, Job] = {}
+    for order in ORDERS:
+        for eps in EPS:
+            jobs["peak", (order, eps)] = Job(peak_error, (order, eps), PEAK_SECONDS[order])
+    jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 30.0, tells=True)
+    for name in LONG_SCENES:
+        jobs["ring", name] = Job(by_ring, (name,), 5.0, tells=True)
+        for share in SHARES:
+            jobs["sites", (name, share)] = Job(by_sites, (name, share), 4.0 / share, tells=True)
     return jobs
 
 
@@ -73,7 +100,13 @@ def studies(found: Mapping[Key, Any]) -> Studies:
         rk4=joined("rk4"),
         windows=joined("windows"),
         hard_cases=of("hard"),
-        long_runs={str(name): value for (part, name), value in found.items() if part == "long"},
+        peaks=of("peak"),
+        split={str(name): value for (part, name), value in found.items() if part == "split"},
+        long_runs={
+            name: LongRun(found["ring", name], *(found["sites", (name, share)] for share in SHARES))
+            for name in LONG_SCENES
+            if ("ring", name) in found
+        },
     )
 
 

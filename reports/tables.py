@@ -1,4 +1,4 @@
-"""Tables of the report: rows of text and LaTeX set with booktabs across pages."""
+"""Tables of the report: rows of text and LaTeX set with booktabs, in one piece or across pages."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -12,27 +12,59 @@ DIGITS = 6
 def table(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]], gap: str = "") -> str:
     r"""Return a longtable; every cell is LaTeX, `gap` a length of extra space between rows.
 
-    >>> print(table("lr", ["wave", "error"], [["sech", "0.1"]]))
+    >>> print(table("lr", ["wave", "error"], [["sech", "0.1"], ["kink", "0.2"]], "1ex"))
     \begin{longtable}{lr}
     \toprule
     wave & error \\
     \midrule
     \endhead
-    sech & 0.1 \\
     \bottomrule
+    \endfoot
+    sech & 0.1 \\ \addlinespace[1ex]
+    kink & 0.2 \\
     \end{longtable}
     """
+    between = rf" \addlinespace[{gap}]" if gap else ""
     lines = [
         rf"\begin{{longtable}}{{{columns}}}",
-        r"\toprule",
-        row(head),
-        r"\midrule",
+        *_head(head),
         r"\endhead",
-        *(row(cells) + (rf" \addlinespace[{gap}]" if gap else "") for cells in rows),
         r"\bottomrule",
+        r"\endfoot",
+        f"{between}\n".join(map(row, rows)),
         r"\end{longtable}",
     ]
     return "\n".join(lines)
+
+
+def block(columns: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    r"""Return a centred table that is not broken; every cell is LaTeX.
+
+    >>> print(block("lr", ["wave", "error"], [["sech", "0.1"]]))
+    \begin{center}
+    \begin{tabular}{lr}
+    \toprule
+    wave & error \\
+    \midrule
+    sech & 0.1 \\
+    \bottomrule
+    \end{tabular}
+    \end{center}
+    """
+    lines = [
+        r"\begin{center}",
+        rf"\begin{{tabular}}{{{columns}}}",
+        *_head(head),
+        *map(row, rows),
+        r"\bottomrule",
+        r"\end{tabular}",
+        r"\end{center}",
+    ]
+    return "\n".join(lines)
+
+
+def _head(head: Sequence[str]) -> list[str]:
+    return [r"\toprule", row(head), r"\midrule"]
 
 
 def row(cells: Sequence[str]) -> str:

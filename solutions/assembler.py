@@ -83,7 +83,10 @@ class Assembler:
             return self._power(expression.base, expression.exp)
         if expression.func in _FUNCTIONS:
             return self._unary(_FUNCTIONS[expression.func], self._value(expression.args[0]))
-        raise ValueError(f"no instruction for {expression.func.__name__}")
+        raise ValueError(
+            f"functions must be among those with an instruction, got {expression.func.__name__} "
+            "(add one to solutions.bytecode)"
+        )
 
     def _sum(self, expression: sp.Expr) -> int:
         constant, terms = self._split(expression)
@@ -116,7 +119,9 @@ class Assembler:
 
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
         if not (2 * exponent).is_Integer:
-            raise ValueError(f"exponents must be multiples of 1/2, got {exponent}")
+            raise ValueError(
+                f"exponents must be multiples of 1/2, got {exponent} (write it with exp and log)"
+            )
         if exponent < 0:
             return self._unary(Operation.RECIPROCAL, self._value(base**-exponent))
         if not exponent.is_Integer:

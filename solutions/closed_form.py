@@ -73,5 +73,7 @@ class ClosedForm:
         for name in values:
             if name not in known:
                 accepted = ", ".join(known) or "no parameters"
-                raise ValueError(f"{self.name} has no parameter {name} (it takes {accepted})")
+                raise ValueError(
+                    f"parameters must be those of {self.name}, got {name} (it takes {accepted})"
+                )
         return {parameter.symbol: parameter.check(values) for parameter in self.parameters}

@@ -28,11 +28,6 @@ class Equation:
         transport = 6 * self.s * U**2 * sp.diff(U, self.xi)
         return sp.diff(U, self.tau) + transport + sp.diff(U, self.xi, 3)
 
-    def latex(self) -> str:
-        """The equation as LaTeX, made from ``residual``."""
-        left = self.residual(sp.Function("U")(self.xi, self.tau))
-        return f"{sp.latex(left)} = 0"
-
 
 FOCUSING_MKDV = Equation("focusing mKdV", +1)
 DEFOCUSING_MKDV = Equation("defocusing mKdV", -1)

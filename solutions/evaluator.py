@@ -13,7 +13,7 @@ from solutions.pair_machine import run_pairs
 from solutions.program import compile_program
 from solutions.special.double import evaluate, evaluate_thetas
 from solutions.special.doubledouble import split
-from solutions.special.extended import evaluate_pairs, evaluate_theta_pairs
+from solutions.special.extended import evaluate_pairs
 from solutions.special.parameter import EllipticParameter, elliptic_parameter
 from solutions.variables import Variables, long_number
 
@@ -73,8 +73,8 @@ class Evaluator:
         pairs = [phase(x, t) for phase in phases]
         rows = [np.array(pair) for pair in pairs]
         for u, modulus, thetas in self._calls(pairs):
-            values = evaluate_pairs(modulus, *u)
-            theta = evaluate_theta_pairs(modulus, *u) if thetas else values.dn
+            values = evaluate_pairs(modulus, *u, theta=thetas)
+            theta = values.dn if values.theta is None else values.theta
             rows += [values.sn, values.cn, values.dn, values.zeta, theta]
         out = np.empty((3, 2, x.size))
         inputs = np.array(rows).reshape(len(rows), 2, x.size)

@@ -28,15 +28,19 @@ def exact_number(name: str, value: object) -> sp.Expr:
     if isinstance(value, sp.Expr):
         return _exact_expression(name, value)
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
-        remedy = " (write it without quotes)" if isinstance(value, str) else ""
-        raise ValueError(f"{name} must be a real number, got {value!r}{remedy}")
+        remedy = (
+            "write it without quotes"
+            if isinstance(value, str)
+            else "such as 0.7 or Fraction(7, 10)"
+        )
+        raise ValueError(f"{name} must be a real number, got {value!r} ({remedy})")
     if isinstance(value, Integral):
         return sp.Integer(int(value))
     if isinstance(value, Rational):
         return sp.Rational(int(value.numerator), int(value.denominator))
     literal = str(value) if isinstance(value, Decimal) else repr(float(value))
     if not math.isfinite(float(literal)):
-        raise ValueError(f"{name} must be finite, got {literal}")
+        raise ValueError(f"{name} must be finite, got {literal} (take a number)")
     fraction = Fraction(literal)
     return sp.Rational(fraction.numerator, fraction.denominator)
 
@@ -45,6 +49,6 @@ def _exact_expression(name: str, value: sp.Expr) -> sp.Expr:
     if value.free_symbols:
         raise ValueError(f"{name} must be a number, got {value} (substitute its symbols first)")
     if not (value.is_real and value.is_finite) and not sp.N(value).is_Float:
-        raise ValueError(f"{name} must be real and finite, got {value}")
+        raise ValueError(f"{name} must be real and finite, got {value} (take a real number)")
     exact: sp.Expr = sp.nsimplify(value, rational=True) if value.has(sp.Float) else value
     return exact

@@ -130,7 +130,10 @@ class Lowering:
     def _call(self, z: sp.Expr, m: sp.Expr) -> JacobiCall:
         terms = self._sum(z)
         if terms.rest:
-            raise ValueError(f"Jacobi functions must be of linear phases, got {z}")
+            raise ValueError(
+                f"arguments of Jacobi functions must be linear in xi and tau, got {z} "
+                "(give the form an evaluator of its own)"
+            )
         phase = self.phase(terms.p, terms.q, terms.r)
         names = ("sn", "cn", "dn", "zeta", "theta")
         symbols = (sp.Symbol(f"{name}_{phase.name}", real=True) for name in names)

@@ -1,125 +1,77 @@
 """The register machine in double-double, on blocks of points.
 
-A register holds ``BLOCK`` high parts, then as many low parts: LLVM then sees that its loops do not
-overlap and runs them on vectors. numba's disk cache sees changes of this file only: after a change
-in ``solutions.special.doubledouble`` or ``elementary`` remove ``__pycache__``.
+A register is a block. numba's disk cache sees changes of this file only: after a change in
+``solutions.special.doubledouble``, ``blocks`` or ``pair_functions`` remove ``__pycache__``.
 """
 
-import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from solutions.bytecode import Bytecode
+from solutions.pair_functions import SCRATCH, exponential, logarithm, sech, tanh
+from solutions.special.blocks import BLOCK, load, store
 from solutions.special.doubledouble import (
     Pair,
     add,
-    divide,
-    fma,
     multiply,
-    quick_two_sum,
-    scale,
-    split,
+    reciprocal,
     square_root,
     subtract,
 )
-from solutions.special.elementary import decay
 
 __all__ = ["run_pairs", "scale_rows"]
 
 Array = NDArray[np.float64]
-BLOCK = 128
-
-
-@njit(error_model="numpy")
-def _exponential(x: Pair) -> Pair:
-    if x[0] <= 0.0:
-        return decay((-x[0], -x[1]))[0]
-    return divide((1.0, 0.0), decay(x)[0])
-
-
-@njit(error_model="numpy")
-def _logarithm(x: Pair) -> Pair:
-    """One Newton step from the double value."""
-    start = math.log(x[0])
-    ratio = multiply(x, _exponential((-start, 0.0)))
-    rest = subtract(ratio, (1.0, 0.0))
-    return add((start, 0.0), subtract(rest, scale(multiply(rest, rest), 0.5)))
-
-
-@njit(error_model="numpy")
-def _tanh(x: Pair) -> Pair:
-    sign = 1.0 if x[0] >= 0.0 else -1.0
-    fall, rise = decay(scale(x, 2.0 * sign))
-    return scale(divide(rise, add((1.0, 0.0), fall)), sign)
-
-
-@njit(error_model="numpy")
-def _sech(x: Pair) -> Pair:
-    fall, _ = decay(scale(x, 1.0 if x[0] >= 0.0 else -1.0))
-    return divide(scale(fall, 2.0), add((1.0, 0.0), multiply(fall, fall)))
-
-
-@njit(error_model="numpy")
-def _reciprocal(x: Pair) -> Pair:
-    """1/x with relative error below 2^-101."""
-    q = 1.0 / x[0]
-    rest = fma(-q, x[0], 1.0)
-    return quick_two_sum(q, q * (rest - q * x[1]))
 
 
 @njit(error_model="numpy")
 def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
     if operation == 0:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = add((x[i], x[i + BLOCK]), (y[i], y[i + BLOCK]))
+            store(z, i, add(load(x, i), load(y, i)))
     elif operation == 1:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = subtract((x[i], x[i + BLOCK]), (y[i], y[i + BLOCK]))
+            store(z, i, subtract(load(x, i), load(y, i)))
     else:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = multiply((x[i], x[i + BLOCK]), (y[i], y[i + BLOCK]))
+            store(z, i, multiply(load(x, i), load(y, i)))
 
 
 @njit(error_model="numpy")
 def _with_constant(operation: int, x: Array, c: Pair, z: Array) -> None:
     if operation == 3:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = add((x[i], x[i + BLOCK]), c)
+            store(z, i, add(load(x, i), c))
     elif operation == 4:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = subtract(c, (x[i], x[i + BLOCK]))
+            store(z, i, subtract(c, load(x, i)))
     elif operation == 5:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = multiply((x[i], x[i + BLOCK]), c)
+            store(z, i, multiply(load(x, i), c))
     else:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = c
+            store(z, i, c)
 
 
 @njit(error_model="numpy")
-def _unary(operation: int, x: Array, z: Array) -> None:
+def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
     if operation == 7:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = _reciprocal((x[i], x[i + BLOCK]))
+            store(z, i, reciprocal(load(x, i)))
     elif operation == 8:
         for i in range(BLOCK):
-            z[i], z[i + BLOCK] = square_root((x[i], x[i + BLOCK]))
+            store(z, i, square_root(load(x, i)))
     elif operation == 9:
-        for i in range(BLOCK):
-            z[i], z[i + BLOCK] = _logarithm((x[i], x[i + BLOCK]))
+        logarithm(x, z, scratch)
     elif operation == 10:
-        for i in range(BLOCK):
-            z[i], z[i + BLOCK] = _exponential((x[i], x[i + BLOCK]))
+        exponential(x, z, scratch)
     elif operation == 11:
-        for i in range(BLOCK):
-            z[i], z[i + BLOCK] = _tanh((x[i], x[i + BLOCK]))
+        tanh(x, z, scratch)
     else:
-        for i in range(BLOCK):
-            z[i], z[i + BLOCK] = _sech((x[i], x[i + BLOCK]))
+        sech(x, z, scratch)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -132,6 +84,7 @@ def _run(
     out: Array,
 ) -> None:
     """Block after block; the points beyond the last are copies of it."""
+    scratch = np.zeros((SCRATCH, 2 * BLOCK))
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         for row in range(inputs.shape[0]):
@@ -147,7 +100,7 @@ def _run(
                 c = constants[code[line, 3]]
                 _with_constant(operation, x, (c[0], c[1]), z)
             else:
-                _unary(operation, x, z)
+                _unary(operation, x, z, scratch)
         for row in range(outputs.size):
             for i in range(min(BLOCK, points - start)):
                 out[row, 0, start + i] = registers[outputs[row], i]
@@ -160,10 +113,10 @@ def _scale(row: Array, factor: Pair) -> None:
         row[0, i], row[1, i] = multiply((row[0, i], row[1, i]), factor)
 
 
-def scale_rows(rows: Array, factors: Sequence[Any]) -> Array:
-    """Multiply each row (2, ...) of pairs by its exact or long factor, in place."""
+def scale_rows(rows: Array, factors: Sequence[Pair]) -> Array:
+    """Multiply each row (2, ...) of pairs by its factor, in place."""
     for row, factor in zip(rows, factors, strict=True):
-        _scale(row.reshape(2, -1), split(factor))
+        _scale(row.reshape(2, -1), factor)
     return rows
 
 

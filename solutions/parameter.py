@@ -67,7 +67,9 @@ class Parameter:
         if self.name not in values:
             if self.default is not None:
                 return self.default
-            raise ValueError(f"{self.name} is missing: it must satisfy {self.domain}")
+            raise ValueError(
+                f"{self.name} must satisfy {self.domain}, got nothing (give {self.name})"
+            )
         exact = exact_number(self.name, values[self.name])
         if self.lower is not None:
             self._check_bound(self.lower, exact, values, side=+1)

@@ -38,4 +38,7 @@ def check_precision(precision: object) -> Precision:
     for known in PRECISIONS:
         if precision == known:
             return known
-    raise ValueError(f"precision must be 'double' or 'double-double', got {precision!r}")
+    raise ValueError(
+        f"precision must be 'double' or 'double-double', got {precision!r} "
+        "(leave it out to have what the wave needs)"
+    )

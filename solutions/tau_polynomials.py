@@ -69,7 +69,7 @@ def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
 
 def _check_order(order: int, free: tuple[int, ...]) -> None:
     if isinstance(order, bool) or not isinstance(order, int) or order < 1:
-        raise ValueError(f"order must be a positive integer, got {order!r}")
+        raise ValueError(f"order must be a positive integer, got {order!r} (1 is rational_1)")
     for index in free:
         if index % 2 == 0 or not 5 <= index <= 2 * order - 1:
             raise ValueError(

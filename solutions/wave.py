@@ -12,10 +12,12 @@ from derive.normal_form import NormalForm
 from solutions.closed_form import ClosedForm
 from solutions.evaluator import Evaluator, PointEvaluator
 from solutions.exact import exact_number
+from solutions.linear_phase import LinearPhase
 from solutions.pair_machine import scale_rows
 from solutions.points import evaluate_points
 from solutions.precision import Precision, check_precision
 from solutions.reference_evaluation import evaluate_mp
+from solutions.special.doubledouble import split
 from solutions.variables import Variables, long_number
 
 __all__ = ["Side", "Wave", "WaveValues"]
@@ -69,6 +71,7 @@ class Wave:
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
         self._asked = None if precision is None else check_precision(precision)
         self._rates = {name: long_number(getattr(normal_form, name)) for name in ("a", "b", "c")}
+        self._scales = tuple(split(rate) for rate in (1, self._rates["a"], self._rates["b"]))
         self._slow = Variables(self._rates["a"], self._rates["b"])
 
     @cached_property
@@ -101,8 +104,7 @@ class Wave:
 
         The crest of a localised wave is near one of them.
         """
-        phases = self._evaluator("wave").phases(self._lattice(eps))
-        zeros = {phase.zero(t) for phase in phases}
+        zeros = {phase.zero(t) for phase in self._phases("wave", self._lattice(eps))}
         return sorted(zero for zero in zeros if zero is not None)
 
     def background(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
@@ -141,11 +143,28 @@ class Wave:
         return float(sides.left.xreplace(self.parameters))
 
     def _lattice(self, eps: float) -> Variables:
-        exact = long_number(exact_number("eps", eps))
-        if not exact > 0:
-            raise ValueError(f"eps must satisfy eps > 0, got {eps}")
-        a, b, c = (self._rates[name] for name in ("a", "b", "c"))
-        return Variables(a * exact, b * exact**3, -a * c * exact)
+        exact = exact_number("eps", eps)
+        if exact not in self._lattices:
+            if not exact > 0:
+                raise ValueError(f"eps must satisfy eps > 0, got {eps} (0.05 is usual)")
+            a, b, c = (self._rates[name] for name in ("a", "b", "c"))
+            small = long_number(exact)
+            self._lattices[exact] = Variables(a * small, b * small**3, -a * c * small)
+        return self._lattices[exact]
+
+    def _phases(self, part: Part, variables: Variables) -> list[LinearPhase]:
+        key = (part, variables)
+        if key not in self._known_phases:
+            self._known_phases[key] = self._evaluator(part).phases(variables)
+        return self._known_phases[key]
+
+    @cached_property
+    def _lattices(self) -> dict[sp.Expr, Variables]:
+        return {}
+
+    @cached_property
+    def _known_phases(self) -> dict[tuple[Part, Variables], list[LinearPhase]]:
+        return {}
 
     @cached_property
     def _evaluators(self) -> dict[Part, PointEvaluator]:
@@ -170,28 +189,28 @@ class Wave:
         if (self.precision if part == "wave" else self._asked) == "double-double":
             return WaveValues(*self._pairs(part, variables, x, t)[:, 0])
         evaluator = self._evaluator(part)
-        U, U_xi, U_tau = evaluate_points(
-            partial(evaluator.double, evaluator.phases(variables)), x, t
-        )
+        phases = self._phases(part, variables)
+        U, U_xi, U_tau = evaluate_points(partial(evaluator.double, phases), x, t)
         with np.errstate(under="ignore"):
             return WaveValues(U, float(self._rates["a"]) * U_xi, float(self._rates["b"]) * U_tau)
 
     def _pairs(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> Array:
         """Value and derivatives, high and low parts: an array (3, 2, ...)."""
-        evaluator = self._evaluator(part)
-        rows = evaluate_points(partial(evaluator.pairs, evaluator.phases(variables)), x, t)
-        return scale_rows(rows, (1, self._rates["a"], self._rates["b"]))
+        evaluator, phases = self._evaluator(part), self._phases(part, variables)
+        return scale_rows(evaluate_points(partial(evaluator.pairs, phases), x, t), self._scales)
 
 
 def check_finite(position: ArrayLike, time: ArrayLike) -> None:
     """Raise ValueError for NaN or infinity."""
     for name, values in (("position", position), ("time", time)):
         if not np.all(np.isfinite(values)):
-            raise ValueError(f"every {name} must be finite, got NaN or infinity")
+            raise ValueError(
+                f"every {name} must be finite, got NaN or infinity (leave such points out)"
+            )
 
 
 def check_side(side: Side) -> Side:
     """``side``, or a ValueError if it is none."""
     if side not in ("left", "right"):
-        raise ValueError(f"side must be 'left' or 'right', got {side!r}")
+        raise ValueError(f"side must be 'left' or 'right', got {side!r} (a far field has two)")
     return side

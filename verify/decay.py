@@ -9,6 +9,7 @@ from dataclasses import dataclass
 SLACK_DIGITS = 4
 """Digits by which a fall may miss d2 - d1, for the luck of rounding at the worst point."""
 
+MOST_DIGITS = 10_000
 MINIMUM_GAP = 2 * SLACK_DIGITS + 1
 """Smallest distance of two precisions at which the fall still says something."""
 
@@ -70,9 +71,10 @@ def checked_digits(digits: Sequence[int]) -> tuple[int, ...]:
     (30, 50)
     """
     gaps = [high - low for low, high in itertools.pairwise(digits)]
-    if not gaps or digits[0] < 15 or min(gaps) < MINIMUM_GAP:
+    if not gaps or digits[0] < 15 or min(gaps) < MINIMUM_GAP or digits[-1] > MOST_DIGITS:
         raise ValueError(
-            f"digits must be two or more numbers from 15 up, each at least {MINIMUM_GAP} above "
-            f"the one before, got {','.join(map(str, digits)) or 'none'} (30,50,100 is usual)"
+            f"digits must be two or more numbers from 15 to {MOST_DIGITS}, each at least "
+            f"{MINIMUM_GAP} above the one before, got {','.join(map(str, digits)) or 'none'} "
+            "(30,50,100 is usual)"
         )
     return tuple(digits)

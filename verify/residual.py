@@ -25,6 +25,7 @@ from verify.terms import FieldEquation, field_derivatives, residual_terms
 from verify.verdict import Outcome, Verdict
 
 DIGITS = (30, 50, 100)
+MOST_POINTS = 100_000
 POINTS = 24
 
 SETTLED = 0.005
@@ -45,8 +46,10 @@ class Sampling:
 
     def __post_init__(self) -> None:
         checked_digits(self.digits)
-        if self.points < 1:
-            raise ValueError(f"points must be at least 1, got {self.points} (24 is usual)")
+        if not 1 <= self.points <= MOST_POINTS:
+            raise ValueError(
+                f"points must satisfy 1 <= points <= {MOST_POINTS}, got {self.points} (24 is usual)"
+            )
 
 
 class ResidualProgram:

@@ -57,7 +57,9 @@ def in_order_of_dependence(parameters: Sequence[Parameter]) -> list[Parameter]:
         ready = [p for p in waiting if _bound_symbols(p) <= known]
         if not ready:
             names = ", ".join(p.name for p in waiting)
-            raise ValueError(f"bounds of {names} must not depend on each other (fix the record)")
+            raise ValueError(
+                f"bounds must not depend on each other, got those of {names} (fix the record)"
+            )
         ordered += ready
         waiting = [p for p in waiting if p not in ready]
     return ordered

@@ -1,6 +1,5 @@
 """`python -m reports.figures FILE`: draw the README's figure, the third-order rational wave."""
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from derive.command_line import OneLineParser, fail
 from reports.figures.paper import snapshots
 from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
@@ -19,15 +19,14 @@ HALF_WIDTH = 120
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the scene and write its figure; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m reports.figures", description=__doc__)
+    parser = OneLineParser(prog="python -m reports.figures", description=__doc__)
     parser.add_argument("file", type=Path, help="the picture to write: .png, .pdf or .svg")
     path = parser.parse_args(argv).file
     try:
         with styled():
             save(readme_figure(), path)
     except (OSError, ValueError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return fail(error)
     return 0
 
 

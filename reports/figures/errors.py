@@ -22,7 +22,7 @@ class ErrorCurve:
 
 def error_figure(panels: Sequence[tuple[str, Sequence[ErrorCurve]]]) -> Figure:
     """Draw one panel of curves for each (title, curves)."""
-    size = (TEXT_WIDTH if len(panels) > 1 else 0.6 * TEXT_WIDTH, 2.4)
+    size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, 2.0)
     figure = Figure(size, layout="constrained")
     for ax, (title, curves) in zip(
         figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True
@@ -33,10 +33,9 @@ def error_figure(panels: Sequence[tuple[str, Sequence[ErrorCurve]]]) -> Figure:
 
 
 def _draw(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
-    """Draw the curves of one panel, at most ten markers on each."""
+    """Draw the curves of one panel through all their points, without markers."""
     for curve, look in zip(curves, CURVES, strict=False):
-        every = max(1, len(curve.times) // 10)
-        ax.plot(curve.times, curve.errors, label=curve.label, markevery=every, **look)
+        ax.plot(curve.times, curve.errors, label=curve.label, **look | {"marker": ""})
     ax.set_xlabel("$t$")
     ax.set_ylabel(r"$L^\infty_\epsilon$")
     ax.set_ylim(bottom=0)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from reports.figures.style import ANALYTICAL, NUMERICAL, TEXT_WIDTH
 
-PANEL_HEIGHT = 1.9
+PANEL_HEIGHT = 1.55
 """Height of one row of panels, in inches."""
 
 Sites = NDArray[np.float64]

@@ -38,6 +38,7 @@ _SETTINGS: Any = {
     "legend.fontsize": 9.0,
     "mathtext.fontset": "stix",
     "lines.markersize": 3.0,
+    "lines.linewidth": 1.2,
     "axes.linewidth": 0.6,
     "legend.frameon": False,
     "pdf.fonttype": 42,

@@ -17,19 +17,23 @@ COMMANDS = {
 """Names in the records' mathematics that LaTeX calls otherwise."""
 
 
+SHORT = 16
+"""Measurements whose texts are shorter than this stand in one line."""
+
+
 def claim_table(claims: Iterable[Claim]) -> str:
     """One row a statement."""
     rows = [
         [
             mathematics(claim.statement),
-            r"\newline ".join(map(_line, claim.measurements)),
+            _measured(claim.measurements),
             claim.ruling.value,
             mathematics(claim.depends_on),
         ]
         for claim in claims
     ]
     head = ["the paper says", "measured here", "verdict", "depends on"]
-    return table("L{40mm}L{60mm}L{17mm}L{32mm}", head, rows, gap="1ex")
+    return table("L{35mm}L{69mm}L{16mm}L{33mm}", head, rows, gap="1ex")
 
 
 def mathematics(text: str) -> str:
@@ -48,9 +52,21 @@ def _commands(text: str) -> str:
     return re.sub(r"[a-z]+|<=", lambda found: COMMANDS.get(found[0], found[0]), text)
 
 
-def _line(measurement: Measurement) -> str:
-    """Return one measurement; a whole number without error is exact."""
+def _measured(measurements: Iterable[Measurement]) -> str:
+    """Return the measurements in lines: equal ones of several cases in one, short ones joined."""
+    cases: dict[tuple[str, str], list[str]] = {}
+    for measurement in measurements:
+        case, colon, what = measurement.of.partition(": ")
+        key = (what, _number(measurement)) if colon else (measurement.of, _number(measurement))
+        cases.setdefault(key, []).append(case if colon else "")
+    lines = [
+        f"{mathematics(': '.join(filter(None, (', '.join(found), what))))}: {number}"
+        for (what, number), found in cases.items()
+    ]
+    return (", " if all(len(line) < SHORT for line in lines) else r"\newline ").join(lines)
+
+
+def _number(measurement: Measurement) -> str:
+    """Return the number; one without error is exact."""
     value, error = measurement.value, measurement.error
-    exact = error == 0
-    number = f"${value:.6g}$" if exact else measured(value, error)
-    return f"{mathematics(measurement.of)}: {number}"
+    return f"${value:.4g}$" if error == 0 else measured(value, error)

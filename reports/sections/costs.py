@@ -1,41 +1,64 @@
 """What accuracy costs on the lattice, and the hard cases."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
-from textwrap import shorten
-
-import numpy as np
-import xarray as xr
 
 from reports.environment import escape
 from reports.figures.costs import CostPanel
+from reports.sections.claims import mathematics
 from reports.sections.evaluation import duration
 from reports.tables import scientific, table
-from verify.lattice import relative_sup_error
-from verify.study.cost_precision import CostPoint
-from verify.study.cost_scaling import Law, ScalingPoint, fit_law
+from verify.study.cost_precision import SPECTRAL, CostPoint
+from verify.study.cost_scaling import REDUCTION, TRUE_ERROR, Law, ScalingPoint, fit_law
 from verify.study.hard_case import HardCase
 
 WANTED = (1e-2, 1e-4, 1e-6)
 """Errors for which the cheapest run of each series is tabulated."""
 
-DETAIL = 150
-"""Most characters shown of a hard case's detail."""
+PRINTED = {
+    "rk4": "RK4",
+    "stoermer_verlet": "Störmer-Verlet (2)",
+    "mclachlan_4": "McLachlan (4)",
+    "blanes_moan_6": "Blanes-Moan (6)",
+    "suzuki_umeno_8": "Suzuki-Umeno (8)",
+    "kahan_li_8": "Kahan-Li (8)",
+    SPECTRAL: "spectral ring",
+}
+"""Names of the methods as they are printed, with the orders of the splittings."""
+
+LONG = 1e4
+"""Seconds from which on they are shown as a power of ten."""
 
 FITTED = 3
 """Points at the small-eps end through which a law is fitted."""
 
 
 def precision_table(points: Sequence[CostPoint]) -> str:
-    """The seconds of each series' cheapest run within each of the wanted errors."""
+    """The seconds of each series' cheapest run within each of the wanted errors.
+
+    The ring has a second row, in which making its data counts.
+    """
     rows = []
     for (problem, series), group in groupby(points, attrgetter("problem", "series")):
         found = list(group)
-        cells = [_cheapest(found, error) for error in WANTED]
-        rows.append([escape(problem), rf"\texttt{{{escape(series)}}}", *cells])
-    head = ["problem", "method", *(rf"error $\le$ {scientific(e, 1)}" for e in WANTED)]
+        rows.append(_precision_row(problem, PRINTED[series], found))
+        if series == SPECTRAL:
+            whole = [replace(p, seconds=p.seconds + p.data_seconds) for p in found]
+            rows.append(_precision_row(problem, f"{PRINTED[series]}, with its data", whole))
+    head = ["problem", "method", *(rf"error $\le$ {_power(e)}" for e in WANTED)]
     return table("llrrr", head, rows)
+
+
+def _precision_row(problem: str, name: str, points: Iterable[CostPoint]) -> list[str]:
+    found = list(points)
+    return [escape(problem), escape(name), *(_cheapest(found, error) for error in WANTED)]
+
+
+def _power(value: float) -> str:
+    return f"$10^{{{round(math.log10(value))}}}$"
 
 
 def _cheapest(points: Iterable[CostPoint], error: float) -> str:
@@ -48,15 +71,16 @@ def precision_panels(points: Iterable[CostPoint]) -> list[CostPanel]:
     panels: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for point in points:
         curves = panels.setdefault(point.problem, {})
-        curves.setdefault(point.series.replace("_", " "), []).append((point.seconds, point.error))
+        curves.setdefault(PRINTED[point.series], []).append((point.seconds, point.error))
     return [CostPanel(problem, curves) for problem, curves in panels.items()]
 
 
 def laws(points: Iterable[ScalingPoint]) -> list[Law]:
-    """The law of each series, fitted where eps is smallest."""
+    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
     series: dict[str, list[ScalingPoint]] = {}
     for point in points:
-        series.setdefault(point.series, []).append(point)
+        if point.series != TRUE_ERROR:
+            series.setdefault(point.series, []).append(point)
     return [
         fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
         for found in series.values()
@@ -68,11 +92,12 @@ def scaling_table(points: Sequence[ScalingPoint]) -> str:
     found = {law.series: law for law in laws(points)}
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
-    for series, law in found.items():
+    for series in dict.fromkeys(point.series for point in points):
         mine = {_eps(point): point for point in points if point.series == series}
-        cells = [_scaled(mine[eps]) for eps in epsilons]
-        variable = r"\epsilon" if "error" in series else r"1/\epsilon"
-        rows.append([escape(series), *cells, f"$({variable})^{{{law.exponent:.2f}}}$"])
+        rows.append([escape(series), *(_scaled(mine[eps]) for eps in epsilons)])
+        variable = r"\epsilon" if series == REDUCTION else r"1/\epsilon"
+        law = found.get(series)
+        rows[-1].append("--" if law is None else f"$({variable})^{{{law.exponent:.2f}}}$")
     head = ["", *(rf"$\epsilon={eps:g}$" for eps in epsilons), "law"]
     return table("l" + "r" * len(epsilons) + "l", head, rows)
 
@@ -82,17 +107,19 @@ def _eps(point: ScalingPoint) -> float:
 
 
 def _scaled(point: ScalingPoint) -> str:
-    if "error" in point.series:
-        return f"{point.value:.4f}"
-    return f"{'(' if point.scaled else ''}{duration(point.value)}{')' if point.scaled else ''}"
+    if point.series in (REDUCTION, TRUE_ERROR):
+        return scientific(point.value)
+    seconds = duration(point.value) if point.value < LONG else f"{scientific(point.value)} s"
+    return f"({seconds})" if point.scaled else seconds
 
 
 def scaling_panels(points: Iterable[ScalingPoint]) -> list[CostPanel]:
-    """Seconds against 1/eps for each way."""
+    """Seconds against 1/eps for each way; a way of which a part was timed says so."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for point in points:
-        if "error" not in point.series:
-            curves.setdefault(point.series, []).append((point.x, point.value))
+        if point.series not in (REDUCTION, TRUE_ERROR):
+            label = f"{point.series}{' (scaled)' if point.scaled else ''}"
+            curves.setdefault(label, []).append((point.x, point.value))
     return [CostPanel("", curves)]
 
 
@@ -123,28 +150,19 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
     """What each hard case measured against its bound."""
     rows = [
         [
-            escape(case.what),
+            mathematics(case.what),
+            mathematics(case.criterion),
             scientific(case.measured),
             scientific(case.bound),
-            "holds" if case.passed else "FAILS",
-            escape(shorten(case.detail, DETAIL, placeholder=" ...")),
+            "holds" if case.passed else r"\textbf{FAILS}",
         ]
         for case in cases
     ]
-    head = ["case and measure", "measured", "bound", "", "detail"]
-    return table("L{50mm}llL{10mm}L{45mm}", head, rows, gap="0.5ex")
+    head = ["case", "the number", "measured", "bound", "verdict"]
+    return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
-def long_table(runs: Mapping[str, xr.Dataset]) -> str:
-    """The long runs: relative sup error at each snapshot, estimate and seconds."""
-    rows = []
-    for name, run in runs.items():
-        seconds = duration(float(run.attrs["seconds"] + run.attrs["planning_seconds"]))
-        estimate = scientific(float(run.attrs["error_estimate"]))
-        rows.append([rf"\texttt{{{escape(name)}}}", "", "", estimate, seconds])
-        for time in run["time"].values:
-            parts = run.sel(time=time)
-            arrays = (np.asarray(parts[key]) for key in ("strain", "analytic", "background"))
-            rows.append(["", f"${time:g}$", f"{relative_sup_error(*arrays):.4f}", "", ""])
-    head = ["scene", "$t$", r"$L^\infty_\epsilon$", "estimate", "time"]
-    return table("lrrrr", head, rows)
+def message_table(cases: Iterable[HardCase]) -> str:
+    """What the program says where a case must be refused or stopped."""
+    rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
+    return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")

@@ -1,13 +1,14 @@
 """Evaluation: worst errors over the stated domains, and digits against seconds."""
 
 import math
+import re
 from collections.abc import Iterable
 from itertools import groupby
 from operator import attrgetter
 
 from reports.environment import escape
 from reports.figures.costs import CostPanel
-from reports.tables import scientific, table
+from reports.tables import block
 from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
 from verify.study.evaluation import Accuracy
 
@@ -20,6 +21,15 @@ TABULATED = (
 )
 """The arithmetics of the table; the figure has them all."""
 
+LETTERS = {"double": "D", "double-double": "DD"}
+"""The arithmetics as the table of accuracy calls them."""
+
+ERROR_UNIT = 1e-16
+"""The table of accuracy gives errors in this unit."""
+
+GREEK = ("alpha", "kappa", "tau")
+DASH = "--"
+
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, r"\textmu s"), (1e-9, "ns"))
 
 
@@ -28,15 +38,44 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
     rows = [
         [
             rf"\texttt{{{escape(result.name)}}}",
-            ", ".join(result.precisions),
+            ", ".join(LETTERS.get(name, escape(name)) for name in result.precisions),
             str(result.points),
-            *(scientific(error) for error in result.errors),
-            escape(result.worst),
+            *(f"{float(f'{error / ERROR_UNIT:.2g}'):g}" for error in result.errors),
+            *_where(result.worst),
         ]
         for result in results
     ]
-    head = ["wave", "arithmetic", "points", "$Y$", "$Y_X$", "$Y_T$", "worst at"]
-    return table("lL{18mm}rlllL{31mm}", head, rows)
+    head = ["wave", "", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
+    return block("llrrrrlrr", head, rows)
+
+
+def _where(text: str) -> tuple[str, str, str]:
+    """Return the parameters, the site and the time of a point as LaTeX."""
+    found = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
+    site, time = (_value(found.pop(name)) if name in found else "" for name in ("n", "t"))
+    parameters = ", ".join(f"${_symbol(name)}={_value(v)[1:-1]}$" for name, v in found.items())
+    return parameters or DASH, site, time
+
+
+def _symbol(name: str) -> str:
+    letter, _, index = name.partition("_")
+    greek = rf"\{letter}" if letter in GREEK else letter
+    return f"{greek}_{{{index}}}" if index else greek
+
+
+def _value(text: str) -> str:
+    r"""Return a value with three digits; one near 1 by its distance from it.
+
+    >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
+    ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
+    """
+    if text.startswith("1 - "):
+        return f"$1-{_value(text[4:])[1:-1]}$"
+    mantissa, _, exponent = f"{float(text):.3g}".partition("e")
+    if not exponent:
+        return f"${mantissa}$"
+    power = f"10^{{{int(exponent)}}}"
+    return f"${power}$" if mantissa == "1" else rf"${float(mantissa):g}\times {power}$"
 
 
 def cost_table(costs: Iterable[EvaluationCost]) -> str:
@@ -49,7 +88,7 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
         ratio = found["mpmath, 15 digits"].seconds / found["double"].seconds
         rows.append([rf"\texttt{{{escape(wave)}}}", *cells, f"{float(f'{ratio:.2g}'):.0f}"])
     head = ["wave", *map(_two_columns, TABULATED), "ratio"]
-    return table("l" + "rr" * len(TABULATED) + "r", head, rows)
+    return block("l" + "rr" * len(TABULATED) + "r", head, rows)
 
 
 def _two_columns(name: str) -> str:

@@ -1,14 +1,24 @@
 """The proofs: verdicts, certificates, times; and what became of the misprints."""
 
+import re
 from collections.abc import Iterable, Mapping
 
 from reports.environment import escape
-from reports.tables import scientific, table
-from verify.study.mutations import MutationCount
+from reports.tables import block, scientific
+from verify.study.mutations import MutationCount, Survivor
 from verify.study.proofs import ProofRecord
 from verify.verdict import Verdict
 
 DASH = "--"
+
+METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
+"""The letters by which the table calls the methods; the text above it says them."""
+
+_OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
+"""A bracket with up to three levels of brackets in it, as deep as descriptions go."""
+
+SHOWN = 20
+"""Most characters of a misprinted part that are shown."""
 
 
 def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]) -> str:
@@ -20,7 +30,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         [
             rf"\texttt{{{escape(record.name)}}}",
             escape(record.outcome.value),
-            escape(record.method),
+            METHODS.get(record.method, escape(record.method)),
             _kilobytes(record.certificate_bytes),
             f"{record.prove_seconds:.2f}",
             DASH if record.check_seconds is None else f"{record.check_seconds:.2f}",
@@ -30,7 +40,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         for record in records
     ]
     head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
-    return table("llL{30mm}rrrll", head, rows)
+    return block("lllrrrll", head, rows)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
@@ -50,30 +60,63 @@ def mutation_table(counts: Iterable[MutationCount]) -> str:
     ]
     rows.append(["together", *together, f"{sum(count.seconds for count in found):.1f}"])
     head = ["solution", "misprints", "refuted", "proved", "undecided", "seconds"]
-    return table("lrrrrr", head, rows)
+    return block("lrrrrr", head, rows)
 
 
 def survivor_table(counts: Iterable[MutationCount]) -> str:
-    """The misprints that are not refuted: which change, of which form, and why."""
+    """The misprints that are not refuted, the same change with the same reason in one row."""
+    found: dict[tuple[str, str, str, str], list[str]] = {}
+    for count in counts:
+        for survivor in count.survivors:
+            part, change = _part_and_change(survivor.description)
+            key = (count.name, part, _reason(survivor), survivor.outcome.value)
+            found.setdefault(key, []).append(change)
+    merged: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
+    for (name, part, why, verdict), changes in found.items():
+        merged.setdefault((", ".join(changes), why, verdict), []).append((name, part))
     rows = [
         [
-            rf"\texttt{{{escape(count.name)}}}",
-            escape(survivor.outcome.value),
-            rf"\texttt{{{_breakable(survivor.description)}}}",
-            escape(survivor.reason),
+            ", ".join(dict.fromkeys(part for _, part in places)),
+            change,
+            why,
+            verdict,
+            ", ".join(dict.fromkeys(rf"\texttt{{{escape(name)}}}" for name, _ in places)),
         ]
-        for count in counts
-        for survivor in count.survivors
+        for (change, why, verdict), places in merged.items()
     ]
-    return table("llL{71mm}L{33mm}", ["solution", "verdict", "change", "why"], rows)
+    head = ["part", "change", "why", "verdict", "solutions"]
+    return block("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows)
 
 
-def _breakable(text: str) -> str:
-    """Return escaped code that may be broken after its operators."""
-    shown = escape(text)
-    for sign in ("*", "+", ",", ")", "/"):
-        shown = shown.replace(sign, sign + r"\allowbreak{}")
-    return shown
+def _part_and_change(description: str) -> tuple[str, str]:
+    """Return the part that a description names, what lies deep in it as dots, and its change."""
+    words, _, change = description.rpartition(": ")
+    text = words.partition(" ")[2]
+    change = escape(change.replace("coefficient times 101/100", "1 % more"))
+    if "..." not in text and len(text) <= SHOWN:
+        return f"${_mathematics(text)}$", change
+    outer = _OUTERMOST.sub(r"(\\cdots)", text)
+    if "/" in outer:
+        return "the fraction", change
+    return f"${_mathematics(outer)}$", change
+
+
+def _mathematics(text: str) -> str:
+    r"""Return a short part's text as LaTeX.
+
+    >>> _mathematics("-6*tau + xi"), _mathematics("k*jacobi_sn(\\cdots)")
+    ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
+    """
+    text = text.replace("sqrt(\\cdots)", "\\sqrt{\\cdots}").replace("jacobi_", "")
+    text = re.sub(r"\b(tau|xi|alpha|kappa)\b", r"\\\1", text)
+    text = re.sub(r"(?<!\\)\b([a-z]{2,})\(", r"\\mathrm{\1}(", text)
+    return text.replace("**", "^").replace("*", " ")
+
+
+def _reason(survivor: Survivor) -> str:
+    """Return why it is a solution, its symbols in mathematics."""
+    signs = survivor.reason.replace("U to -U", "$U\\to-U$")
+    return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
 
 
 def _kilobytes(size: int | None) -> str:

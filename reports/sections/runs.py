@@ -5,6 +5,7 @@ from typing import Any
 
 from reports.environment import escape
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.paper import cited
 from reports.tables import measured, scientific, table
 from solutions import closed_form
 from verify.lattice import Scene
@@ -51,19 +52,20 @@ def figure_entries(scenes: Mapping[str, Scene]) -> list[dict[str, Any]]:
     snapshots = [
         {
             "name": figure.name,
-            "label": figure.label,
+            "paper": cited(figure.label),
             "scenes": [caption_part(scenes[name]) for name in figure.scenes],
         }
         for figure in SNAPSHOT_FIGURES
     ]
     errors: Sequence[dict[str, Any]] = [
-        {"name": figure.name, "label": figure.label, "scenes": []} for figure in ERROR_FIGURES
+        {"name": figure.name, "paper": cited(figure.label), "scenes": []}
+        for figure in ERROR_FIGURES
     ]
     return [*snapshots, *errors]
 
 
 def caption_part(scene: Scene) -> str:
-    """Return the scene's wave, constants and parameters as LaTeX, and the time it starts from."""
+    """Return the scene's wave, parameters and constants as LaTeX, and the time it starts from."""
     given = [("K_2", scene.K2), ("K_4", scene.K4), (r"\epsilon", scene.eps), ("t_0", scene.t0)]
     named = {"alpha": r"\alpha"}
     parameters = [(named.get(name, name), value) for name, value in scene.parameters]
@@ -71,4 +73,5 @@ def caption_part(scene: Scene) -> str:
         f"${name}={value if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    return f"{escape(closed_form(scene.wave).title)} ({values})"
+    title = closed_form(scene.wave).title
+    return f"{escape(title[0].upper() + title[1:])} ({values})"

@@ -5,25 +5,27 @@ from collections.abc import Iterable
 import sympy as sp
 
 from reports.environment import escape
-from reports.formulas import Formula
-from reports.tables import table
+from reports.formulas import Formula, equation_latex, latex
+from reports.paper import cited
+from reports.tables import block
 from solutions import CATALOGUE, ClosedForm
+from solutions.equation import Equation
 
 
 def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:
-    """The closed forms: name, equation, parameters with domains, background, where printed."""
+    """The closed forms: name, sign, domains, background, equation of the paper and source."""
     rows = [
         [
             rf"\hyperref[form:{form.name}]{{{escape(form.title)}}}",
-            escape(form.equation.name),
-            "; ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "none",
-            "constant" if form.period is None else f"period ${sp.latex(form.period)}$",
-            rf"\texttt{{{escape(form.reference.label)}}}",
+            f"${form.equation.s:+d}$",
+            ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
+            "constant" if form.period is None else f"period ${latex(form.period)}$",
+            rf"{cited(form.reference.label)} \cite{{{form.reference.citation}}}",
         ]
         for form in forms
     ]
-    head = ["solution", "equation", "parameters", "background", "in the paper"]
-    return table("L{36mm}L{20mm}L{30mm}L{24mm}L{34mm}", head, rows)
+    head = ["solution", "$s$", "parameters", "background", "paper, source"]
+    return block("lrlll", head, rows)
 
 
 def domain_latex(domain: str) -> str:
@@ -53,11 +55,11 @@ def formulas(forms: Iterable[ClosedForm] = CATALOGUE) -> list[dict[str, str]]:
         {
             "name": form.name,
             "title": form.title[0].upper() + form.title[1:],
-            "label": form.reference.label,
+            "paper": cited(form.reference.label),
             "citation": form.reference.citation,
             "display": Formula(form.expression).latex("U"),
-            "left": sp.latex(form.far_fields.left),
-            "right": sp.latex(form.far_fields.right),
+            "left": latex(form.far_fields.left),
+            "right": latex(form.far_fields.right),
             "equation": form.equation.name,
         }
         for form in forms
@@ -66,4 +68,9 @@ def formulas(forms: Iterable[ClosedForm] = CATALOGUE) -> list[dict[str, str]]:
 
 def equations(forms: Iterable[ClosedForm] = CATALOGUE) -> list[tuple[str, str]]:
     """The equations that the forms solve: name and LaTeX, each once."""
-    return sorted({(form.equation.name, form.equation.latex()) for form in forms})
+    return sorted({(form.equation.name, _equation(form.equation)) for form in forms})
+
+
+def _equation(equation: Equation) -> str:
+    unknown = sp.Function("U")(equation.xi, equation.tau)
+    return equation_latex(equation.residual(unknown), unknown, equation.tau)

@@ -5,8 +5,8 @@ Knuth's algorithms, with a fused multiply-add for the exact product.  They are m
 from compiled loops; from Python each call works too, on single numbers.  numba's disk cache does
 not see a change in this file: after one, remove `__pycache__`.
 
->>> multiply(split("1/3"), (3.0, 0.0))
-(1.0, 0.0)
+>>> multiply((1.0 + 2.0**-30, 0.0), (1.0 - 2.0**-30, 0.0)) == (1.0, -(2.0**-60))
+True
 """
 
 from __future__ import annotations
@@ -55,13 +55,31 @@ def _fma_signature(typing_context: Any, x: Any, y: Any, z: Any) -> Any:
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
+def _power_signature(typing_context: Any, n: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        exponent = builder.fsub(context.get_constant(types.float64, _EXPONENT), args[0])
+        bits = builder.bitcast(exponent, context.get_value_type(types.int64))
+        shifted = builder.shl(bits, context.get_constant(types.int64, 52))
+        return builder.bitcast(shifted, context.get_value_type(types.float64))
+
+    return types.float64(types.float64), generate
+
+
+_EXPONENT = 1.5 * 2.0**52 + 1023.0  # minus n, its lowest bits are the exponent field of 2^-n
 _fma: Any = intrinsic(_fma_signature)
+_halves: Any = intrinsic(_power_signature)
 
 
 @njit(error_model="numpy")
 def fma(x: float, y: float, z: float) -> float:
     """Return x y + z, rounded once."""
     return _fma(x, y, z)
+
+
+@njit(error_model="numpy")
+def power_of_half(n: float) -> float:
+    """Return 2^-n for a whole number n, -1023 < n < 1023."""
+    return _halves(n)
 
 
 @njit(error_model="numpy")
@@ -96,6 +114,13 @@ def add(a: Pair, b: Pair) -> Pair:
 
 
 @njit(error_model="numpy")
+def add_loosely(a: Pair, b: Pair) -> Pair:
+    """Return a + b with error below 2^-103 (|a| + |b|): half the work of `add`."""
+    s, e = two_sum(a[0], b[0])
+    return quick_two_sum(s, e + (a[1] + b[1]))
+
+
+@njit(error_model="numpy")
 def negate(a: Pair) -> Pair:
     """Return -a."""
     return -a[0], -a[1]
@@ -111,14 +136,14 @@ def subtract(a: Pair, b: Pair) -> Pair:
 def multiply(a: Pair, b: Pair) -> Pair:
     """Return a b with relative error below 2^-101."""
     p, e = two_prod(a[0], b[0])
-    return quick_two_sum(p, e + (a[0] * b[1] + a[1] * b[0]))
+    return quick_two_sum(p, _fma(a[0], b[1], _fma(a[1], b[0], e)))
 
 
 @njit(error_model="numpy")
 def scale(a: Pair, b: float) -> Pair:
     """Return a b for a float b."""
     p, e = two_prod(a[0], b)
-    return quick_two_sum(p, e + a[1] * b)
+    return quick_two_sum(p, _fma(a[1], b, e))
 
 
 @njit(error_model="numpy")
@@ -129,6 +154,14 @@ def divide(a: Pair, b: Pair) -> Pair:
     q2 = rest[0] / b[0]
     rest = subtract(rest, scale(b, q2))
     return add(quick_two_sum(q, q2), (rest[0] / b[0], 0.0))
+
+
+@njit(error_model="numpy")
+def reciprocal(x: Pair) -> Pair:
+    """Return 1 / x with relative error below 2^-101."""
+    q = 1.0 / x[0]
+    rest = _fma(-q, x[0], 1.0)
+    return quick_two_sum(q, q * _fma(-q, x[1], rest))
 
 
 @njit(error_model="numpy")

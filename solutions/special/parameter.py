@@ -124,7 +124,9 @@ def elliptic_parameter(
         ValueError: unless 0 <= m <= 1, 0 <= m1 <= 1 and m + m1 = 1 to rounding.
     """
     if not (0 <= m <= 1 and 0 <= m1 <= 1):
-        raise ValueError(f"m and m1 must lie in [0, 1], got m = {m}, m1 = {m1}")
+        raise ValueError(
+            f"m and m1 must lie in [0, 1], got m = {m}, m1 = {m1} (m = k*k for a modulus k < 1)"
+        )
     if abs(m + m1 - 1) > _PAIR_TOLERANCE:
         raise ValueError(
             f"m + m1 must equal 1, got m = {m}, m1 = {m1} (pass m = k*k, m1 = (1 - k)*(1 + k))"

@@ -121,7 +121,7 @@ def test_wrong_input_is_one_line_and_status_two(
     assert status == 2
     assert not out
     assert err.count("\n") == 1
-    assert err.startswith("python -m derive: ")
+    assert err.startswith("error: ")
 
 
 def test_import_is_light() -> None:

@@ -22,8 +22,8 @@ def findings(
     """What a report found: one proof, one run, one count of misprints."""
     proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
-    hard = HardCase("h", "what", 1.0, 0.5, not fails, 0.1, "")
-    empty = Studies([], [], [], [], [], [hard], {})
+    hard = HardCase("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
+    empty = Studies([], [], [], [], [], [hard], [], {}, {})
     evidence = Evidence({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
     return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)
 

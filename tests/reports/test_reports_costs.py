@@ -2,16 +2,20 @@
 
 import pytest
 
-from reports.figures.costs import CostPanel, cost_figure
+from reports.environment import escape
+from reports.figures.costs import CostAxes, CostPanel, cost_figure
 from reports.sections.costs import (
+    PRINTED,
     hard_case_table,
     laws,
+    message_table,
     precision_table,
     rk4_table,
     scaling_table,
 )
-from verify.study.cost_precision import CostPoint
-from verify.study.cost_scaling import ScalingPoint
+from verify.lattice import SCHEMES
+from verify.study.cost_precision import SPECTRAL, CostPoint
+from verify.study.cost_scaling import TRUE_ERROR, ScalingPoint
 from verify.study.hard_case import HardCase
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
@@ -21,7 +25,17 @@ def test_the_cheapest_run_within_the_error_is_shown() -> None:
     """Catches the most accurate run taken for the cheapest, and a run that is not good enough."""
     runs = [(1e-1, 0.001), (1e-3, 0.002), (1e-5, 0.003), (1e-5, 0.9)]
     text = precision_table([CostPoint("crest", "rk4", error, s) for error, s in runs])
-    assert r"crest & \texttt{rk4} & 2.0 ms & 3.0 ms & -- \\" in text
+    assert r"crest & RK4 & 2.0 ms & 3.0 ms & -- \\" in text
+
+
+def test_the_rings_data_count_in_a_row_of_their_own() -> None:
+    text = precision_table([CostPoint("periodic", "spectral", 1e-3, 0.002, 0.5)])
+    assert r"periodic & spectral ring & 2.0 ms & -- & -- \\" in text
+    assert r"periodic & spectral ring, with its data & 500 ms & -- & -- \\" in text
+
+
+def test_every_method_has_a_printed_name() -> None:
+    assert set(PRINTED) == {scheme.name for scheme in SCHEMES} | {SPECTRAL}
 
 
 def test_laws_are_fitted_at_small_eps() -> None:
@@ -31,7 +45,11 @@ def test_laws_are_fitted_at_small_eps() -> None:
     found = {law.series: law.exponent for law in laws([*cost, *error])}
     assert found["window"] == pytest.approx(4)
     assert found["error of the reduction"] == pytest.approx(2)
-    text = scaling_table([*cost, *error])
+    judged = [ScalingPoint(TRUE_ERROR, e, 3e-4) for e in EPSILONS]
+    text = scaling_table([*cost, *error, *judged])
+    assert (
+        r"error of the spectral run & " + " & ".join([r"$3.0\times 10^{-4}$"] * 4) + " & --" in text
+    )
     assert r"$(1/\epsilon)^{4.00}$" in text
     assert r"$(\epsilon)^{2.00}$" in text
     assert text.count("(1.0 s)") == 1
@@ -44,13 +62,18 @@ def test_the_share_of_the_step() -> None:
 
 
 def test_a_hard_case_that_fails_is_seen() -> None:
+    """Catches a message cut short, and one of a case that says nothing."""
+    words = "step must satisfy step <= 0.5, got 0.6 " + 20 * "(take a smaller step) "
     cases = [
-        HardCase("a", "what a", 0.1, 1.0, True, 0.1, ""),
-        HardCase("b", "b", 2, 1, False, 0, ""),
+        HardCase("a", "a step $10^{-6}$ too long", "ratio", 0.1, 1.0, True, 0.1, "", words),
+        HardCase("b", "what b", "of $y/eps$", 2, 1, False, 0, "unseen"),
     ]
-    text = hard_case_table(cases)
-    assert "holds" in text
-    assert "FAILS" in text
+    _, first, second = (line for line in hard_case_table(cases).splitlines() if " & " in line)
+    assert r"a step $10^{-6}$ too long & ratio & $0.10$ & $1.0$ & holds" in first
+    assert r"of $y/\epsilon $ & $2.0$ & $1.0$ & \textbf{FAILS}" in second
+    messages = message_table(cases)
+    assert escape(words) in messages
+    assert "what b" not in messages
 
 
 def test_panels_share_their_axes_and_one_look_a_label() -> None:
@@ -59,8 +82,28 @@ def test_panels_share_their_axes_and_one_look_a_label() -> None:
         CostPanel("one", {"double": [(1e-8, 15.0), (1e-8, float("inf"))], "balls": [(1e-3, 40.0)]}),
         CostPanel("two", {"balls": [(1e-3, 40.0), (2e-3, 0.0)]}),
     ]
-    first, second = cost_figure(panels, "seconds", "digits").axes[:2]
+    first, second = cost_figure(panels, CostAxes("seconds", "digits")).axes[:2]
     assert first.get_xlim() == second.get_xlim()
     assert [line.get_xdata().size for line in first.lines] == [1, 1]
     assert second.lines[0].get_color() == first.lines[1].get_color()
     assert first.get_xscale() == first.get_yscale() == "log"
+
+
+def test_the_lowest_panel_of_each_column_is_labelled() -> None:
+    """Catches a column that ends above an empty place, whose labels matplotlib hides."""
+    panels = [CostPanel(name, {"one": [(1.0, 2.0)]}) for name in "abc"]
+    figure = cost_figure(panels, CostAxes("seconds", "digits"), across=2)
+    assert [ax.get_xlabel() for ax in figure.axes] == ["", "seconds", "seconds", ""]
+    assert figure.axes[1].xaxis.get_tick_params()["labelbottom"]
+
+
+def test_digits_are_linear_and_given_ticks_are_the_only_ones() -> None:
+    """Catches the labels 2x10^1 and 6x10^1 that a logarithm gives within a decade."""
+    panels = [CostPanel(name, {"balls": [(20.0, 15.0), (50.0, 60.0)]}) for name in "ab"]
+    axes = CostAxes("x", "digits", x_ticks=(10, 20, 40, 80), digits=(0, 30, 60))
+    for ax in cost_figure(panels, axes).axes[:2]:
+        assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
+        assert ax.get_ylim() == (0, 60)
+        assert [label.get_text() for label in ax.get_xticklabels()] == ["10", "20", "40", "80"]
+        assert list(ax.get_xticks(minor=True)) == []
+        assert ax.get_xlim()[1] < 80

@@ -38,7 +38,7 @@ def test_sine_and_cosine_share_a_call_at_parameter_zero() -> None:
 
 
 def test_jacobi_function_of_a_nonlinear_phase_is_refused() -> None:
-    with pytest.raises(ValueError, match="must be of linear phases, got xi\\*\\*2"):
+    with pytest.raises(ValueError, match="must be linear in xi and tau, got xi\\*\\*2"):
         Lowering().lower(jacobi_sn(xi**2, k**2))
 
 

@@ -37,15 +37,23 @@ DN = closed_form("soliton_dn")
         ("soliton_dn", {"k": 1j}, "k must be a real number, got 1j"),
         ("soliton_dn", {"k": True}, "k must be a real number, got True"),
         ("soliton_dn", {"k": k}, "k must be a number, got k (substitute its symbols first)"),
-        ("soliton_dn", {}, "k is missing: it must satisfy 0 < k < 1"),
-        ("soliton_dn", {"k": 0.5, "m": 1}, "soliton_dn has no parameter m (it takes k)"),
-        ("rational_2", {"k": 0.5}, "rational_2 has no parameter k (it takes no parameters)"),
+        ("soliton_dn", {}, "k must satisfy 0 < k < 1, got nothing"),
+        (
+            "soliton_dn",
+            {"k": 0.5, "m": 1},
+            "those of soliton_dn, got m (it takes k)",
+        ),
+        (
+            "rational_2",
+            {"k": 0.5},
+            "those of rational_2, got k (it takes no parameters)",
+        ),
         ("kink", {"A": -1}, "A must satisfy 0 < A, got -1 (A = 0 is the zero solution)"),
-        ("breather_sn", {"alpha": 1.0}, "k is missing"),
+        ("breather_sn", {"alpha": 1.0}, "k must satisfy 0 < k < 1, got nothing"),
     ],
 )
 def test_messages(name: str, values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
+    with pytest.raises(ValueError, match=re.escape(message)):
         closed_form(name).check(values)
 
 

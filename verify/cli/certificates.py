@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from verify.cli.parser import OneLineParser
+from verify.cli.parser import OneLineParser, fail
 from verify.proof.checker import check_certificate
 from verify.proof.meanings import CertificateError
 
@@ -28,7 +28,9 @@ def certificate_command(argv: list[str]) -> int:
         for certificate in read_certificates(path):
             print(check_line(certificate))
     except OSError as error:
-        parser.error(f"{path}: {error.strerror}")
+        return fail(
+            f"FILE must be readable, got {path}: {error.strerror} (one that --certificate wrote)"
+        )
     except CertificateError as error:
         print(f"{path}: rejected: {error}", file=sys.stderr)
         return 1

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from solutions.catalogue import CATALOGUE
 from verify.check import named_form
-from verify.cli.parser import OneLineParser, add_only, print_lines, table_console, tracked
+from verify.cli.parser import OneLineParser, add_only, fail, print_lines, table_console, tracked
 from verify.study.mutations import MutationCount, count_mutants
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")
@@ -29,7 +29,7 @@ def mutations_command(argv: list[str]) -> int:
     try:
         forms = [named_form(name) for name in names]
     except ValueError as error:
-        parser.error(str(error))
+        return fail(error)
     counts = list(tracked(map(count_mutants, forms), len(forms), "refuting"))
     if options.json:
         print(json.dumps([count.json() for count in counts], indent=2))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import track
+
+from derive.command_line import OneLineParser, fail
+
+__all__ = ["OneLineParser", "add_only", "fail", "print_lines", "table_console", "tracked"]
 
 PIPE_WIDTH = 120
 """Columns of a table where stdout is no terminal."""
@@ -15,15 +18,7 @@ PIPE_WIDTH = 120
 T = TypeVar("T")
 
 
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line on stderr and exit status 2."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print ``message`` and stop."""
-        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
-
-
-def add_only(parser: argparse.ArgumentParser) -> None:
+def add_only(parser: OneLineParser) -> None:
     """Add ``--only NAME``, which may be repeated."""
     parser.add_argument(
         "--only", action="append", metavar="NAME", help="take this form; may be repeated"

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from verify.check import NAMES, check_all, named_form
-from verify.cli.parser import OneLineParser, add_only, print_lines, table_console, tracked
+from verify.cli.parser import OneLineParser, add_only, fail, print_lines, table_console, tracked
 from verify.proof import ProofVerdict, prove_stable
 from verify.residual import DIGITS, POINTS, Sampling, check_residual
 from verify.table import failure_lines, summary, verdict_table
@@ -33,7 +33,7 @@ def verdicts_command(argv: list[str]) -> int:
         if options.certificate is not None:
             _write_certificates(options.certificate, found)
     except (ValueError, OSError) as error:
-        parser.error(str(error))
+        return fail(error)
     _print(found, options)
     return 0 if all(verdict.passed for verdict in found) else 1
 
@@ -85,9 +85,13 @@ def _settle_method(options: argparse.Namespace) -> None:
     options.method = options.method or ("residual" if sampled else "proof")
     wrong = exact if options.method == "residual" else sampled
     if wrong:
-        raise ValueError(f"--{wrong[0]} does not go with the method {options.method} (leave it)")
+        raise ValueError(
+            f"--{wrong[0]} must not be given with the method {options.method}, got it (leave it)"
+        )
     if options.stable and options.certificate is not None:
-        raise ValueError("--certificate does not go with --stable (an equality has none)")
+        raise ValueError(
+            "--certificate must not be given with --stable, got both (an equality has none)"
+        )
 
 
 def _verdicts(names: Sequence[str], options: argparse.Namespace) -> Iterator[Verdict]:

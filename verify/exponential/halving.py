@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from verify.exponential.adams import ORDER
+
 Array = NDArray[np.float64]
 
 PATIENCE = 4
@@ -15,39 +17,45 @@ BLOWN = 10
 """Halvings after which a solution that still blows up does so by itself."""
 
 
+LEAST_RATIO = 8.0
+"""Differences that fell by at least this much in each of the last two halvings follow the law."""
+
+SAFETY = 2.0
+"""Factor on an error that rests on that law."""
+
+
 @dataclass(frozen=True)
 class Halving:
-    """The finer of the last two runs: its step, its values, and by how much the two differ.
-
-    ``difference`` is about the error of the coarser run; that of ``values`` is smaller by 2^order.
-    """
+    """The finer of the last two runs: its step, its values, and their estimated error."""
 
     step: float
     values: Array
-    difference: float
+    error: float
     runs: int
 
 
 def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving:
-    """Halve ``step`` until the values of two successive runs differ by at most ``bound`` (sup).
+    """Halve ``step`` until the estimated error (sup) is at most ``bound``.
 
     ``solve`` gives the values for a step. Values that are not finite count as infinitely far off.
-    Raises ValueError if the difference stops falling above the bound, and FloatingPointError if
-    the finest runs were not finite either.
+    Raises ValueError if the difference of two runs stops falling above the bound, and
+    FloatingPointError if the finest runs were not finite either.
 
     >>> result = halve(lambda h: np.array([1.0 + h**4]), 1.0, 1e-3)
     >>> result.step, result.runs
-    (0.0625, 5)
+    (0.125, 4)
     """
     coarse, runs = solve(step), 1
-    best, since = np.inf, 0
+    best, since, differences = np.inf, 0, [np.inf, np.inf]
     while since < PATIENCE:
         step /= 2.0
         fine = solve(step)
         runs += 1
         difference = sup_difference(fine, coarse)
-        if difference <= bound:
-            return Halving(step, fine, difference, runs)
+        differences = [*differences[-2:], difference]
+        error = _error(*differences)
+        if error <= bound:
+            return Halving(step, fine, error, runs)
         improved = difference < best or (best == np.inf and runs <= BLOWN)
         since = 0 if improved else since + 1
         best, coarse = min(best, difference), fine
@@ -57,6 +65,17 @@ def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving
         f"tolerance must leave more than {best:.2g} for the time step, got {bound:.2g} "
         "(halving it further no longer helps; rounding or an instability is what is left)"
     )
+
+
+def _error(first: float, second: float, last: float) -> float:
+    """Error of the finest of four runs, from the differences of each to the next.
+
+    Where these do not follow the law it is the last one, which is about the coarser run's error.
+    """
+    if not (np.isfinite(first) and first * last > 0 and second > 0):
+        return last
+    ratio = min(first / second, second / last, 2.0**ORDER)
+    return SAFETY * last / (ratio - 1.0) if ratio >= LEAST_RATIO else last
 
 
 def sup_difference(fine: Array, coarse: Array) -> float:

@@ -14,14 +14,25 @@ GROWTH = 100.0
 
 @dataclass(frozen=True)
 class BlowUp:
-    """What was first seen, when and where."""
+    """What was first seen, when and where.
+
+    ``from_seam`` is the distance in sites from a ring's seam whose signals can have been there.
+    """
 
     criterion: str
     t: float
     site: int
+    from_seam: int | None = None
 
     def __str__(self) -> str:
-        return f"blow-up: {self.criterion} at t = {self.t:g}, site {self.site}"
+        text = f"blow-up: {self.criterion} at t = {self.t:g}, site {self.site}"
+        if self.from_seam is None:
+            return text
+        return (
+            f"{text}, {self.from_seam} sites from the ring's seam, where the wave does not close "
+            "(what comes from there may be its cause: take sites with which it closes better, or "
+            "a tolerance in the place of step and domain)"
+        )
 
 
 def find_blow_up(constants: Constants, state: State, initial_amplitude: float) -> BlowUp | None:

@@ -1,16 +1,14 @@
 """``python -m verify run SCENE``: run a scene file or a shipped scene."""
 
-import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
+from derive.command_line import OneLineParser, fail
 from verify.lattice.families import rational_family_scenes
 from verify.lattice.restart import save_run
 from verify.lattice.run import run
@@ -22,13 +20,8 @@ from verify.lattice.scene import (
     shipped_scenes,
     with_tolerance,
 )
-
-COLUMNS = {
-    "error": "relative error",
-    "error_far_field": "against far field",
-    "time_step_error": "time step / eps",
-    "domain_error": "domain / eps",
-}
+from verify.lattice.summary import print_summary
+from verify.lattice.trust import trust_attributes
 
 
 def run_command(arguments: Sequence[str]) -> int:
@@ -42,18 +35,19 @@ def run_command(arguments: Sequence[str]) -> int:
     try:
         _check_output(options.output)
         scene = _changed(_find_scene(options.scene), options.tolerance, options.engine)
-        dataset = _run_with_bar(scene, errors)
+        dataset = _run_with_bar(scene, errors).assign_attrs(trust_attributes(scene))
         if options.output is not None:
             save_run(dataset, options.output)
     except (ValueError, OSError) as error:
-        errors.print(f"error: {error}", markup=False)
-        return 2
-    _print_summary(dataset, Console(highlight=False))
+        return fail(error)
+    except MemoryError as error:
+        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+    print_summary(dataset, scene, Console(highlight=False))
     return 1 if dataset.attrs["blow_up"] else 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> OneLineParser:
+    parser = OneLineParser(
         prog="python -m verify run",
         description="Run the lattice from a closed-form wave and compare the two.",
         epilog=f"Shipped scenes: {', '.join((*shipped_scenes(), *further_scenes()))}; "
@@ -73,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _check_output(path: Path | None) -> None:
     if path is not None and not path.parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {path}")
+        raise ValueError(f"--output must lie in an existing folder, got {path} (make it first)")
 
 
 def _find_scene(text: str) -> Scene:
@@ -95,42 +89,3 @@ def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(scene.name, total=1.0)
         return run(scene, lambda share: bar.update(task, completed=share))
-
-
-def _print_summary(dataset: xr.Dataset, console: Console) -> None:
-    shown = {name: title for name, title in COLUMNS.items() if name in dataset}
-    if shown:
-        table = Table("t", *shown.values(), title=dataset.attrs["title"])
-        for index, t in enumerate(dataset["time"].values):
-            table.add_row(f"{t:g}", *(f"{float(dataset[name][index]):.3g}" for name in shown))
-        console.print(table)
-    console.print(_cost(dataset), markup=False, soft_wrap=True)
-    if dataset.attrs["blow_up"]:
-        console.print(
-            f"{dataset.attrs['blow_up']}; {dataset.sizes['time']} snapshots before it are kept",
-            markup=False,
-            soft_wrap=True,
-        )
-
-
-def _cost(dataset: xr.Dataset) -> str:
-    """The cost line: what was done, how exact it is, what it took, and what more would take."""
-    cost = dataset.attrs
-    line = (
-        f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
-        f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"
-    )
-    if "step_limit" in cost:
-        line += f" (step limit {cost['step_limit']:.3g})"
-    return line + (_accuracy(cost) if "tolerance" in cost else "")
-
-
-def _accuracy(cost: Mapping[str, Any]) -> str:
-    """Estimate against tolerance, planning, and the next decade."""
-    dear = cost["next_decade"]
-    return (
-        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
-        f"planned in {cost['planning_seconds']:.2f} s; an estimate of "
-        f"{cost['error_estimate'] / 10:.2g} would take {dear:.2g} times as long, "
-        f"{dear * cost['seconds']:.2g} s"
-    )

@@ -23,7 +23,7 @@ class Constants:
     def __post_init__(self) -> None:
         for name, value in (("K2", self.K2), ("K3", self.K3), ("K4", self.K4)):
             if not math.isfinite(value):
-                raise ValueError(f"{name} must be finite, got {value}")
+                raise ValueError(f"{name} must be finite, got {value} (1 is usual)")
         if self.K2 <= 0:
             raise ValueError(
                 f"K2 must satisfy K2 > 0, got {self.K2:g} (the sound speed is sqrt(K2))"

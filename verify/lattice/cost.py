@@ -45,10 +45,14 @@ def fit_cost(costs: Sequence[float], errors: Sequence[float]) -> CostModel:
     6.0
     """
     if len(costs) != len(errors) or len(costs) < 2:
-        raise ValueError(f"costs must hold at least two runs, got {len(costs)}")
+        raise ValueError(f"costs must hold at least two runs, got {len(costs)} (run once more)")
     if min(*costs, *errors) <= 0:
-        raise ValueError("costs and errors must be positive (leave out exact runs)")
+        least = min(*costs, *errors)
+        raise ValueError(f"costs and errors must be positive, got {least:g} (leave out exact runs)")
     slope, level = np.polyfit(np.log(costs), np.log(errors), 1)
     if not slope < 0:
-        raise ValueError(f"errors must fall with the cost, got the exponent {slope:.2g}")
+        raise ValueError(
+            f"errors must fall with the cost, got the exponent {slope:.2g} "
+            "(leave out runs that rounding governs)"
+        )
     return CostModel(math.exp(level), -float(slope))

@@ -5,7 +5,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -25,9 +25,9 @@ MARGIN = 64
 
 
 class Domain(Protocol):
-    """What a run needs of a domain."""
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave."""
 
-    stay: float
+    moves: frozenset[float]
 
     @property
     def mismatch(self) -> float:
@@ -37,7 +37,13 @@ class Domain(Protocol):
         """The initial state."""
 
     def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything."""
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+
+        To be called at each of the ``moves``.
+        """
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with what the domain may have to do with it."""
 
 
 def frame(scene: Scene, t: float) -> int:
@@ -66,6 +72,13 @@ def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]
     return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
 
 
+def window_moves(scene: Scene) -> tuple[float, ...]:
+    """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
+    stay = STRIDE / scene.constants.sound_speed()
+    count = math.ceil((scene.end - scene.t0) / stay)
+    return tuple(scene.t0 + stay * move for move in range(1, count + 1))
+
+
 @dataclass
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
@@ -76,7 +89,7 @@ class Ring:
 
     scene: Scene
     wave: Wave
-    stay: float = math.inf
+    moves: frozenset[float] = frozenset()
     mismatch: float = 0.0
 
     def start(self) -> State:
@@ -91,6 +104,12 @@ class Ring:
     def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""
 
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with its distance from the seam if the seam's signals can have been there."""
+        distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
+        reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
+        return replace(found, from_seam=distance) if distance <= reach else found
+
     def _check(self, state: State) -> None:
         least = least_ring(self.scene, state.y)
         if self.scene.sites < least:
@@ -103,6 +122,9 @@ class Ring:
 @dataclass
 class Window:
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
+
+    It moves at fixed times, whatever the time step: two runs that differ in their step alone have
+    the same error from the window, which cancels in their difference.
 
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
@@ -123,7 +145,7 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.stay = STRIDE / self.scene.constants.sound_speed()
+        self.moves = frozenset(window_moves(self.scene))
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
@@ -142,6 +164,10 @@ class Window:
         state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``: a window has no seam."""
+        return found
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""

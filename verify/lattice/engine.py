@@ -2,10 +2,10 @@
 
 The model counts work before any pilot has run: for the stencil, sites times force evaluations, with
 steps as long as stability allows; for the spectral ring, points times log2(points) times
-evaluations, with steps set by the slow time and the tolerance. `Rates` holds what was measured.
+evaluations, with steps set by the slow time and the tolerance, on every ring that the search for
+the domain goes through. `Rates` holds what was measured.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -13,13 +13,12 @@ import numpy as np
 
 from solutions import Wave
 from verify.exponential.adams import ORDER
-from verify.lattice.domain import least_window
 from verify.lattice.extent import extent_of
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
+from verify.lattice.spectral_data import RingData
 from verify.lattice.spectral_scale import first_density
-from verify.lattice.stability import stability_limit
-from verify.lattice.stencil_plan import LIMIT_SHARE, PREFERRED
+from verify.lattice.stencil_plan import PREFERRED, domain_kind, least_sites, longest_step
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -33,14 +32,12 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
     needing = [name for name in scene.observables if name in SITE_BY_SITE]
     if scene.engine == "spectral" and needing:
         raise ValueError(
-            f"{needing[0]} needs engine 'stencil', got 'spectral' (it has no ring of sites)"
+            f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it has no ring of sites)"
         )
     if scene.engine:
         return scene.engine
     if needing or scene.scheme:
         return "stencil"
-    if wave.constant_background is None:
-        return "spectral"
     return min(ENGINES, key=lambda engine: SECONDS[engine](scene, wave))
 
 
@@ -48,39 +45,72 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
 class Rates:
     """Measured constants of the model; the seconds hold the planning, too."""
 
-    stencil: float = 2e-9
+    stencil_start: float = 0.03
+    spectral_start: float = 0.08
+    """Seconds before the first step."""
+    stencil: float = 1.4e-9
     """Seconds per site and force evaluation."""
-    spectral: float = 8e-9
+    spectral: float = 2.2e-9
     """Seconds per point, log2(points) and evaluation."""
-    evaluations: float = 13.0
+    evaluations: float = 11.0
     """Evaluations per unit of b eps^3 t times peak^3, at tolerance 1."""
-    ring: float = 4.0
-    """Circumference in units of the compared region."""
-    density: float = 2.7
+    density: float = 1.7
     """Points per site in units of the first density times the peak."""
+    tail: float = 20.0
+    """What doubling a ring to the circumference L changes, on a constant background, times
+    (eps L/2)^3 and per unit of the peak: the absorbed ring's law."""
+    phase: float = 0.1
+    """On a periodic one, times (eps L/2)^2 and per unit of b eps^3 t times peak^3."""
 
 
 RATES = Rates()
 
+STEPPING = 2.0
+"""Runs on the first ring with all longer steps, in units of the last of them."""
+
+SHARE = 0.6
+"""Share of the tolerance that doubling the last ring may change."""
+
 
 def stencil_seconds(scene: Scene, wave: Wave) -> float:
-    """What a window would take."""
-    scheme = scheme_named(PREFERRED)
-    limit = stability_limit(scheme) / (2.0 * scene.constants.sound_speed())
-    steps = (scene.end - scene.t0) / (LIMIT_SHARE * limit)
-    return RATES.stencil * steps * scheme.stages * least_window(scene.compared)
+    """What a window would take, or on a periodic background a ring."""
+    scheme, extent = scheme_named(PREFERRED), extent_of(scene, wave)
+    steps = (scene.end - scene.t0) / longest_step(scene, scheme, extent)
+    sites = least_sites(scene, domain_kind(scene, wave), extent)
+    return RATES.stencil_start + RATES.stencil * steps * scheme.stages * sites
 
 
 def spectral_seconds(scene: Scene, wave: Wave) -> float:
-    """What a ring would take; the wave's peak sets its width and its time, as in the mKdV limit."""
+    """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
     assert scene.tolerance is not None
     peak = float(np.max(np.abs(extent_of(scene, wave).strain))) / scene.eps
-    slow = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0)
-    accuracy = scene.tolerance ** (-1.0 / ORDER)
-    evaluations = RATES.evaluations * (1.0 + slow * peak**3) * accuracy
-    width = RATES.ring * (2 * scene.compared + 1)
-    points = 2.0 + width * RATES.density * peak * first_density(wave, scene.eps)
-    return RATES.spectral * evaluations * points * math.log2(points)
+    turns = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0) * peak**3
+    evaluations = RATES.evaluations * (1.0 + turns) * scene.tolerance ** (-1.0 / ORDER)
+    first, *wider = _circumferences(scene, wave, peak, turns)
+    density = RATES.density * peak * first_density(wave, scene.eps)
+    points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
+    work = evaluations * float(np.sum(points * np.log2(points)))
+    return RATES.spectral_start + RATES.spectral * work
+
+
+def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list[float]:
+    """Those that are tried: doubled until the law says that it is enough, or until the causal one.
+
+    On a constant background a doubling changes by the tails, which are cut off at the seam; on a
+    periodic one by what the wave radiates.
+    """
+    assert scene.tolerance is not None
+    width, duration = 2 * scene.compared + 1, scene.end - scene.t0
+    data = RingData(scene.constants, wave, scene.eps, scene.t0, width, duration)
+    level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
+    tried = [data.smallest * data.unit]
+    assert data.causal is not None
+    while tried[-1] < data.causal.circumference:
+        change = level / (scene.eps * tried[-1]) ** power
+        tried.append(2.0 * tried[-1])
+        if change <= SHARE * scene.tolerance:
+            break
+    return [min(length, data.causal.circumference) for length in tried]
 
 
 SECONDS: Mapping[str, Callable[[Scene, Wave], float]] = {

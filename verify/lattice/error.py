@@ -22,9 +22,9 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     """
     if not numeric.shape == analytic.shape == background.shape:
         shapes = f"{numeric.shape}, {analytic.shape}, {background.shape}"
-        raise ValueError(f"the compared arrays must have one shape, got {shapes}")
+        raise ValueError(f"compared arrays must have one shape, got {shapes} (take the same sites)")
     if numeric.size == 0:
-        raise ValueError("at least one site must be compared, got none")
+        raise ValueError("compared arrays must hold a site, got none (compare at least one)")
     deviation = float(np.max(np.abs(analytic - numeric)))
     amplitude = float(np.max(np.abs(analytic - background)))
     if not (np.isfinite(deviation) and np.isfinite(amplitude)):

@@ -16,9 +16,9 @@ CHUNK = 64
 class March:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
-    Between two wanted times the steps are equal and not longer than ``step``, so that the wanted
-    times are hit exactly. ``amplitude`` is the largest strain at the run's beginning. ``blow_up``
-    is set when the march had to stop; ``steps`` counts.
+    Between two times that are wanted, or at which the domain moves, the steps are equal and not
+    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
+    at the run's beginning. ``blow_up`` is set when the march had to stop; ``steps`` counts.
     """
 
     def __init__(
@@ -37,15 +37,16 @@ class March:
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
-        self.blow_up: BlowUp | None = find_blow_up(constants, state, amplitude)
+        self.blow_up: BlowUp | None = self._find_blow_up()
 
     def through(self, times: Sequence[float]) -> Iterator[State]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
-        Each of the ``times`` is a stop, hit exactly; between them the march stops every few steps,
-        whoever looks. It ends early at a blow-up.
+        Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
+        the march stops every few steps, whoever looks. It ends early at a blow-up.
         """
-        for t in times:
+        moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
+        for t in sorted(moves.union(times)):
             yield from self._stops_until(t)
             if self.blow_up is not None:
                 return
@@ -57,7 +58,7 @@ class March:
             yield self.state
         while done < steps and self.blow_up is None:
             h = (t - begin) / steps
-            chunk = min(steps - done, CHUNK, max(1, int(min(self.domain.stay / h, CHUNK))))
+            chunk = min(steps - done, CHUNK)
             self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
             done += chunk
             if self.blow_up is None:
@@ -69,10 +70,11 @@ class March:
         before = state.y.copy(), state.s.copy()
         self.scheme.advance(state.y, state.s, h, steps, self.constants)
         state.t = t
-        found = find_blow_up(self.constants, state, self._amplitude)
+        found = self._find_blow_up()
         if found is None:
             self.steps += steps
-            self.blow_up = self.domain.follow(state)
+            if t in self.domain.moves:
+                self.blow_up = self.domain.follow(state)
             return
         self.blow_up = found if steps == 1 else None
         if steps > 1:
@@ -81,3 +83,11 @@ class March:
             for step in range(1, steps + 1):
                 if self.blow_up is None:
                     self._advance(h, 1, t if step == steps else begin + step * h)
+
+    def _find_blow_up(self) -> BlowUp | None:
+        """What is wrong anywhere, far from the compared sites, too.
+
+        Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
+        """
+        found = find_blow_up(self.constants, self.state, self._amplitude)
+        return None if found is None else self.domain.locate(found, self.state)

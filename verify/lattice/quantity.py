@@ -22,7 +22,7 @@ def quarter_period_multiple(name: str, text: str) -> Fraction:
     match = GRAMMAR.fullmatch(text.strip())
     if match is None or int(match["over"] or 1) == 0:
         raise ValueError(
-            f"{name} must be a number or a multiple of K such as 'K/2' or '3*K/4', got {text!r}"
+            f"{name} must be a number or a multiple of K, got {text!r} (such as 0.7 or '3*K/4')"
         )
     return Fraction(int(match["times"] or 1), int(match["over"] or 1))
 

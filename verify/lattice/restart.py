@@ -33,7 +33,7 @@ def state_at(run: xr.Dataset, t: float) -> State:
     found = np.flatnonzero(run["time"].values == t)
     if found.size == 0:
         kept = ", ".join(f"{kept:g}" for kept in run["time"].values)
-        raise ValueError(f"at must be a snapshot of the run ({kept or 'it kept none'}), got {t:g}")
+        raise ValueError(f"at must be a snapshot of the run, got {t:g} (it kept {kept or 'none'})")
     row = run.isel(time=int(found[0]))
     y, s = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
     return State(t, int(row["state_left"]), y, s)

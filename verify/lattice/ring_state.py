@@ -74,14 +74,6 @@ class RingState:
         real: Array = np.ascontiguousarray(values.real, dtype=np.float64)
         return real
 
-    def at_rest(self) -> "RingState":
-        """The same without mean velocity.
-
-        Data cut off at a seam have one, of the order of the miss there; their mean would drift.
-        """
-        rest = self.s - float(np.mean(self.s))
-        return RingState(self.t, self.left, self.circumference, self.y, rest)
-
     def resampled(self, count: int) -> "RingState":
         """The same function at ``count`` points."""
         y, s = (_resample(values, count) for values in (self.y, self.s))

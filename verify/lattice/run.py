@@ -6,6 +6,7 @@ from verify.lattice.recording import Progress
 from verify.lattice.scene import Scene
 from verify.lattice.stencil_run import run_from
 from verify.lattice.tolerance import run_to_tolerance
+from verify.lattice.trust import check_trust
 
 
 def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
@@ -24,4 +25,5 @@ def run(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
     """
     if scene.tolerance is None:
         return run_from(scene, None, progress)
+    check_trust(scene)
     return run_to_tolerance(scene, progress)

@@ -75,6 +75,8 @@ class Scene:
             raise ValueError(text if file in text else f"{file}: {text}") from None
 
     def __post_init__(self) -> None:
+        for key in ("wave", "title", "domain", "scheme", "engine"):
+            check.text(key, getattr(self, key))
         for key in ("eps", "t0", "K2", "K3", "K4", "step"):
             object.__setattr__(self, key, check.finite(key, getattr(self, key)))
         for key in ("compared", "curve_points"):
@@ -99,12 +101,17 @@ class Scene:
         scheme_named(self.scheme)
         check.whole("sites", self.sites)
         check.positive("step", self.step)
+        check.enough_steps(self.step, self.end - self.t0)
         check.one_of("domain", self.domain, DOMAINS)
         if self.engine == "spectral":
-            raise ValueError("tolerance must be given for engine 'spectral' (it takes no step)")
+            raise ValueError(
+                "tolerance must be given for engine 'spectral', got none (it takes no step)"
+            )
         for name in self.observables:
             if entry_named(name).needs_ring and self.domain != "ring":
-                raise ValueError(f"{name} needs domain 'ring', got 'window' (a window drops sites)")
+                raise ValueError(
+                    f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+                )
 
     def _check_chosen(self, tolerance: float) -> None:
         """The scene leaves step and domain to the program."""
@@ -125,8 +132,8 @@ class Scene:
         for name in self.observables:
             if entry_named(name).seen == "refinement":
                 raise ValueError(
-                    f"observables must not hold {name} with a tolerance "
-                    "(the run reports an estimate of its own)"
+                    f"observables must have no refinement with a tolerance, got {name} "
+                    "(leave it out: the run reports an estimate of its own)"
                 )
 
     @cached_property
@@ -182,7 +189,7 @@ def load_scene(name: str) -> Scene:
             with as_file(folder / f"{name}.toml") as path:
                 return Scene.from_toml(path)
     known = ", ".join((*shipped_scenes(), *further_scenes()))
-    raise ValueError(f"scene must be one of {known}, got {name!r}")
+    raise ValueError(f"scene must be a TOML file or a shipped scene, got {name!r} (one of {known})")
 
 
 def _names(folder: Traversable) -> tuple[str, ...]:

@@ -44,9 +44,12 @@ def read_scene_file(path: Path) -> dict[str, Any]:
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ValueError(f"scene file {path} cannot be read: {error.strerror}") from None
+        raise ValueError(
+            f"scene must be a file that can be read, got {path}: {error.strerror} "
+            "(or the name of a shipped scene)"
+        ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"scene file {path} is not TOML: {error}") from None
+        raise ValueError(f"scene must be a TOML file, got {path}: {error} (mend it)") from None
     try:
         return {"name": path.stem, **scene_fields(document)}
     except ValueError as error:
@@ -59,7 +62,7 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     >>> scene_fields({"colour": 3})
     Traceback (most recent call last):
     ...
-    ValueError: unknown key colour (known: title, wave, ..., lattice, scheme, domain, parameters)
+    ValueError: keys must be known ones, got colour (one of title, wave, ..., domain, parameters)
     """
     _refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
     fields = {key: document[key] for key in TOP if key in document}
@@ -71,7 +74,7 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     missing = [key for key in required if key not in fields]
     if missing:
         remedy = " or a tolerance" if missing[0] in STATED else ""
-        raise ValueError(f"missing key {_where(missing[0])} (a scene must state it{remedy})")
+        raise ValueError(f"{_where(missing[0])} must be stated, got nothing (state it{remedy})")
     fields["parameters"] = tuple(_table(document, "parameters").items())
     return fields
 
@@ -94,4 +97,6 @@ def _where(field: str) -> str:
 def _refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
     for key in entries:
         if key not in known:
-            raise ValueError(f"unknown key {key}{where} (known: {', '.join(known)})")
+            raise ValueError(
+                f"keys{where} must be known ones, got {key} (one of {', '.join(known)})"
+            )

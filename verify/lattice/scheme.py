@@ -118,7 +118,10 @@ class RungeKutta:
 
     def __post_init__(self) -> None:
         if any(value for i, row in enumerate(self.A) for value in row[i:]):
-            raise ValueError(f"A must be strictly lower triangular in {self.name} (explicit)")
+            raise ValueError(
+                f"A must be strictly lower triangular, got another in {self.name} "
+                "(only explicit schemes can be run)"
+            )
         defect = runge_kutta_defect(self.A, self.b, self.order)
         if defect:
             raise ValueError(

@@ -143,4 +143,4 @@ def scheme_named(name: str) -> Scheme:
         if scheme.name == name:
             return scheme
     known = ", ".join(scheme.name for scheme in SCHEMES)
-    raise ValueError(f"scheme must be one of {known}, got {name!r}")
+    raise ValueError(f"scheme must be a known one, got {name!r} (one of {known})")

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from verify.exponential.adams import ExponentialAdams
 from verify.lattice.constants import Constants
 from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail
+from verify.lattice.spectral_absorber import LeftAbsorber
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,6 +34,14 @@ WATCH = 16
 
 class SamplingError(ArithmeticError):
     """The spectrum's tail rose above its bound: the ring needs more points."""
+
+
+class NotHyperbolicError(FloatingPointError):
+    """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
+
+    def __init__(self, t: float, site: float) -> None:
+        super().__init__(f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}")
+        self.t = t
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -57,25 +66,15 @@ def _bend(force: Complex, symbol: Array) -> None:
         force[k] *= symbol[k]
 
 
-def _mean_stiffness(constants: Constants, state: RingState) -> float:
-    stiffness = constants.stiffness(state.y)
-    worst = int(np.argmin(stiffness))
-    if not stiffness[worst] > 0:
-        raise FloatingPointError(
-            f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {state.t:g}, "
-            f"site {round(float(state.points[worst]))} (take a smaller eps)"
-        )
-    return float(np.mean(stiffness))
-
-
 class SpectralRing:
     """A ring on its way, in steps of ``step``: ``at`` moves it and shows it.
 
-    Every ``WATCH`` steps the spectrum is looked at; SamplingError is raised when its tail exceeds
-    ``tail``, and FloatingPointError when it exceeds the largest strain there was at first, or when
-    waves do not exist about some strain of the data (K2 + 2 K3 y + 3 K4 y^2 <= 0). ``dealias``
-    drops the modes of the force above half of the highest one (exact for a cubic force); without
-    it the tail bounds the aliasing.
+    At first and every ``WATCH`` steps the strain is looked at: NotHyperbolicError is raised when
+    waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
+    and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
+    the modes of the force above half of the highest one (exact for a cubic force); without it the
+    tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
+    seam (`spectral_absorber.py`).
     """
 
     def __init__(
@@ -85,12 +84,13 @@ class SpectralRing:
         step: float,
         tail: float = math.inf,
         dealias: bool = False,
+        absorbed: float = 0.0,
     ) -> None:
         self._constants, self._start, self._bound = constants, state, tail
         count = state.y.size
         k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
-        stiffness = _mean_stiffness(constants, state)
         self._amplitude = float(np.max(np.abs(state.y)))
+        stiffness = float(np.mean(self._sound(state.y, state.t)))
         self._b = stiffness - constants.K2
         self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
@@ -108,6 +108,9 @@ class SpectralRing:
         linear = 1j * np.stack([speed * k - self._w, speed * k + self._w])
         self._watch(p, state.t)
         self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
+        self._absorber = None
+        if absorbed > 0.0:
+            self._absorber = LeftAbsorber(state, p, self._w, speed, step, absorbed)
 
     def at(self, t: float) -> RingState:
         """The ring at time ``t``, which must not lie before the last one; its points move at c."""
@@ -115,6 +118,7 @@ class SpectralRing:
         integrator = self.integrator
         for _ in range(integrator.whole_steps(duration)):
             integrator.step()
+            self._absorb()
             if integrator.steps % WATCH == 0:
                 self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
         p = integrator.ahead(duration)
@@ -130,12 +134,30 @@ class SpectralRing:
         left = start.left + self._constants.sound_speed() * (t - start.t)
         return RingState(t, left, start.circumference, y, s)
 
+    def _absorb(self) -> None:
+        absorber = self._absorber
+        if absorber and absorber.every and self.integrator.steps % absorber.every == 0:
+            absorber.absorb(self.integrator.p)
+
     def _watch(self, p: Complex, t: float) -> None:
-        tail = spectrum_tail(self._strain(p))
+        modes = self._strain(p)
+        tail = spectrum_tail(modes)
+        self._sound(backward(modes, self._values.size, self._values), t)
         if not tail <= self._amplitude:
             raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
         if tail > self._bound:
             raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
+
+    def _sound(self, y: Array, t: float) -> Array:
+        """The stiffness about the strains ``y``, if waves exist about all of them."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            stiffness = self._constants.stiffness(y)
+        worst = int(np.argmin(stiffness))
+        if stiffness[worst] <= 0:
+            start = self._start
+            left = start.left + self._constants.sound_speed() * (t - start.t)
+            raise NotHyperbolicError(t, left + worst * start.circumference / y.size)
+        return stiffness
 
     def _strain(self, p: Complex) -> Complex:
         _strain_modes(p, self._inverse, self._modes)

@@ -3,8 +3,9 @@
 Each of the three is measured by doubling. The time step and the sampling do not depend on the
 circumference, so both are settled on the smallest ring: the step is halved, and the density of
 points doubled, until the compared strains differ by less than their share of the tolerance. Then
-the circumference is doubled until the difference says that its share is met. At all times the tail
-of the spectrum is watched; where it rises above the share of the sampling, the run is begun again
+the circumference is doubled until the difference says that its share is met, or until no signal
+from the seam can reach the compared sites: then there is no error. At all times the tail of the
+spectrum is watched; where it rises above the share of the sampling, the run is begun again
 with twice the points.
 """
 
@@ -19,8 +20,8 @@ from numpy.typing import NDArray
 
 from verify.exponential.halving import Halving, halve, sup_difference
 from verify.lattice.ring_state import RingState
-from verify.lattice.spectral import SamplingError, SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral import NotHyperbolicError, SamplingError, SpectralRing
+from verify.lattice.spectral_data import Ring, RingData
 from verify.lattice.spectral_scale import first_density, first_step
 from verify.lattice.spectral_task import Estimates, SpectralCost, SpectralRun, SpectralTask
 
@@ -40,6 +41,9 @@ UNMEASURED_RATIO = 4.0
 
 TINY = 1e-300
 """Keeps the ratio of two differences finite."""
+
+SOFTENED = 3
+"""Attempts in which waves cease to exist, after which it is not the step that does it."""
 
 MOST_POINTS = 2**22
 """Points on the largest ring."""
@@ -73,22 +77,24 @@ class _Planner:
 
     def __init__(self, task: SpectralTask, progress: Progress | None) -> None:
         self._task, self._progress = task, progress
-        width = 2 * task.compared + 1
-        self._data = RingData(task.constants, task.wave, task.eps, task.t0, width)
+        width, duration = 2 * task.compared + 1, task.times[-1] - task.t0
+        self._data = RingData(task.constants, task.wave, task.eps, task.t0, width, duration)
         self._density = first_density(task.wave, task.eps)
-        self._rings: dict[tuple[int, int], RingState] = {}
+        self._rings: dict[int, Ring] = {}
+        self._states: dict[tuple[Ring, int], RingState] = {}
         self._attempts: list[_Attempt] = []
+        self._softened = 0
 
     def run(self) -> SpectralRun:
         tolerance, count = self._task.tolerance, self._data.smallest
         duration = self._task.times[-1] - self._task.t0
-        start = first_step(self._task.constants, self._ring(count), duration)
+        start = first_step(self._task.constants, self._state(self._ring(count)), duration)
         halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
         values, sampling = self._settle_sampling(count, halving)
         domain, ratio = self._settle_domain(count, halving.step, values)
         if self._progress is not None:
             self._progress(1.0)
-        estimates = Estimates(halving.difference, sampling, domain, ratio)
+        estimates = Estimates(halving.error, sampling, domain, ratio)
         states = self._attempts[-1].states
         return SpectralRun(self._task, states, halving.step, estimates, self._cost())
 
@@ -108,7 +114,7 @@ class _Planner:
     def _settle_domain(self, count: int, step: float, values: Array) -> tuple[float, float]:
         """Double the ring until its share is met; the error, and the ratio that it comes from."""
         ratio, before = UNMEASURED_RATIO, None
-        while True:
+        while not self._ring(count).causal:
             count *= 2
             fine = self._values(count, step)
             difference = sup_difference(fine, values)
@@ -117,11 +123,14 @@ class _Planner:
             if difference <= DOMAIN_SHARE * self._task.tolerance * (ratio - 1.0):
                 return difference / (ratio - 1.0), ratio
             values, before = fine, difference
+        return 0.0, math.inf
 
     def _values(self, count: int, step: float) -> Array:
         """The compared y/eps; the density grows until the tail keeps down, infinity if it cannot.
 
-        A step that is too long lets short waves grow, however densely they are sampled.
+        A step that is too long lets short waves grow, however densely they are sampled. A lattice
+        on which waves cease to exist is told from it by losing them again with shorter steps, or by
+        its initial data.
         """
         kept = self._density
         while True:
@@ -129,7 +138,11 @@ class _Planner:
                 attempt = self._attempt(count, step)
             except SamplingError:
                 self._density *= 2.0
-            except FloatingPointError:
+            except FloatingPointError as error:
+                if isinstance(error, NotHyperbolicError):
+                    self._softened += 1
+                    if error.t == self._task.t0 or self._softened >= SOFTENED:
+                        raise
                 self._density = kept
                 return np.array([np.inf])
             else:
@@ -140,7 +153,9 @@ class _Planner:
         task = self._task
         begun = time.perf_counter()
         tail = SAMPLING_SHARE * task.tolerance * task.eps
-        ring = SpectralRing(task.constants, self._ring(count), step, tail)
+        where = self._ring(count)
+        cutoff = self._data.absorbed(where)
+        ring = SpectralRing(task.constants, self._state(where), step, tail, absorbed=cutoff)
         states = tuple(self._through(ring))
         values = [state.strain(task.sites(state.t)) / task.eps for state in states]
         seconds = time.perf_counter() - begun
@@ -155,18 +170,22 @@ class _Planner:
                 share = (t - t0) / (end - t0)
                 self._progress(1.0 - 0.5 ** (len(self._attempts) + share))
 
-    def _ring(self, count: int) -> RingState:
-        wanted = count * self._data.unit * self._density
+    def _ring(self, count: int) -> Ring:
+        if count not in self._rings:
+            self._rings[count] = self._data.ring(count)
+        return self._rings[count]
+
+    def _state(self, ring: Ring) -> RingState:
+        wanted = ring.circumference * self._density
         if wanted > MOST_POINTS:
             raise ValueError(
                 f"tolerance must be larger than {self._task.tolerance:g}: it needs a ring of more "
                 f"than {MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
             )
         points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
-        if (count, points) not in self._rings:
-            circumference = self._data.circumference(count)
-            self._rings[count, points] = self._data.state(circumference, points)
-        return self._rings[count, points]
+        if (ring, points) not in self._states:
+            self._states[ring, points] = self._data.state(ring, points)
+        return self._states[ring, points]
 
     def _cost(self) -> SpectralCost:
         *before, last = self._attempts

@@ -50,7 +50,7 @@ def run_spectral(
     except FloatingPointError as error:
         raise ValueError(
             f"the scene must stay bounded for engine 'spectral': {error} "
-            "(engine 'stencil' shows when and where)"
+            "(take a smaller eps; engine 'stencil' keeps what came before)"
         ) from None
     reached, fault = _show(scene, wave, solved, recorders)
     variables = {name: value for item in recorders for name, value in item.variables().items()}

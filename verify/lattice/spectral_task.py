@@ -32,9 +32,13 @@ class SpectralTask:
 
     def __post_init__(self) -> None:
         if not self.tolerance > 0:
-            raise ValueError(f"tolerance must satisfy tolerance > 0, got {self.tolerance:g}")
+            raise ValueError(
+                f"tolerance must satisfy tolerance > 0, got {self.tolerance:g} (1e-4 is usual)"
+            )
         if not self.times or self.times[0] < self.t0 or sorted(self.times) != list(self.times):
-            raise ValueError(f"times must increase from t0 = {self.t0:g}, got {self.times}")
+            raise ValueError(
+                f"times must increase from t0 = {self.t0:g}, got {self.times} (sort them)"
+            )
 
     def sites(self, t: float) -> NDArray[np.int64]:
         """The compared sites at time ``t``."""

@@ -2,19 +2,24 @@
 
 Time step: the errors of a scheme of order p at two steps differ by the factor ratio^p, so the
 difference of two pilots tells both. Domain: the part of a window's error that comes from its finite
-size falls at least like N^-5 on a constant background, and a ring is wide enough that its seam is
-not felt; two sizes are compared. The pilots with different steps run in a window whose own error is
-allowed already: it depends a little on when the window moves, and thereby on the step. Each
+size falls at least like N^-5 on a constant background, so the run itself, being wider than its
+pilots, tells by its difference from them; it is repeated in a wider window if that is too much. A
+ring is wide enough that its seam is not felt. A window moves at times that do not depend on the
+step, so its error cancels where steps are compared, and pilots may run in the smallest one. Each
 estimate carries the factor ``SAFETY``.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from solutions import Wave
 from verify.lattice.cost import CostModel
 from verify.lattice.domain import MARGIN, least_ring, least_window
-from verify.lattice.estimate import Estimate, fitted_cost, richardson
+from verify.lattice.estimate import fitted_cost, richardson
 from verify.lattice.extent import Extent, extent_of
 from verify.lattice.observables import entry_named
 from verify.lattice.pilot import Pilots
@@ -23,6 +28,8 @@ from verify.lattice.scene import Scene
 from verify.lattice.scheme import Scheme
 from verify.lattice.schemes import scheme_named
 from verify.lattice.stability import stability_limit
+
+Array = NDArray[np.float64]
 
 PREFERRED = "blanes_moan_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -43,27 +50,52 @@ DECAY = 5
 """A window's error falls at least like N^-DECAY (measured: between 5.8 and 7.4)."""
 
 GROWTH = 1.5
-"""Size of the second window, in units of the first one's."""
+"""Size of a window, in units of one before it, at least."""
+
+FASTEST_GROWTH = 8.0
+"""The same, at most."""
 
 LANES = 64
 """Sizes are multiples of this, which suits the kernels."""
 
 ATTEMPTS = 6
-"""Most refinements of step or domain."""
+"""Most refinements of the step, and most sizes tried."""
 
 
 @dataclass(frozen=True)
 class StencilPlan:
-    """The scene with scheme, step and domain filled in, and the error to be expected."""
+    """The scene with scheme, step and domain filled in, and what the pilots say about it.
+
+    ``pilot`` is the (step, sites) of the pilot that has the scene's step; ``time`` the error of
+    that step, ``allowed`` the error that the domain may have, ``next_decade`` as in `Estimate`.
+    """
 
     scene: Scene
-    estimate: Estimate
+    pilots: Pilots
+    pilot: tuple[float, int]
+    time: float
+    allowed: float
+    next_decade: float
+
+    def space(self, strains: Sequence[Array]) -> float:
+        """The domain's error of a finished run with these strains at the pilots' times."""
+        change = SAFETY * self.pilots.distance(strains, self.pilot)
+        if self.scene.domain == "ring":
+            return change
+        ratio = self.pilot[1] / self.scene.sites
+        return richardson(change, ratio, DECAY) * ratio**DECAY
+
+    def wider(self, space: float) -> "StencilPlan":
+        """The plan in a window in which that error would be allowed."""
+        factor = max(GROWTH, (space / self.allowed) ** (1.0 / DECAY))
+        sites = round_up(min(factor, FASTEST_GROWTH) * self.scene.sites)
+        return replace(self, scene=replace(self.scene, sites=sites))
 
 
 def plan_stencil(scene: Scene, wave: Wave, progress: Progress) -> StencilPlan:
     """Choose scheme, step and domain for the scene's tolerance.
 
-    If pilots keep blowing up, the plan is the last one tried and its estimate is infinite: the run
+    If pilots keep blowing up, the plan is the last one tried and its error is infinite: the run
     itself then tells what happens. Raises ValueError for what wave or lattice do not admit.
     """
     assert scene.tolerance is not None
@@ -72,13 +104,9 @@ def plan_stencil(scene: Scene, wave: Wave, progress: Progress) -> StencilPlan:
     domain = domain_kind(scene, wave)
     pilots = Pilots(scene, wave, scheme.name, domain, extent.crest, progress)
     longest = longest_step(scene, scheme, extent)
-    begin = least_sites(replace(scene, compared=pilots.compared), domain, extent)
-    least = least_sites(scene, domain, extent)
-    allowed = (1.0 - TIME_SHARE) * scene.tolerance
-    pilot_sites, sites, space = plan_domain(pilots, longest, begin, least, domain, allowed)
-    step, time, cost = plan_step(
-        pilots, longest, pilot_sites, scheme.order, TIME_SHARE * scene.tolerance
-    )
+    least = least_sites(replace(scene, compared=pilots.compared), domain, extent)
+    begin = smallest_domain(pilots, longest, least)
+    step, time, cost = plan_step(pilots, longest, begin, scheme.order, TIME_SHARE * scene.tolerance)
     stated = replace(
         scene,
         tolerance=None,
@@ -86,9 +114,10 @@ def plan_stencil(scene: Scene, wave: Wave, progress: Progress) -> StencilPlan:
         scheme=scheme.name,
         step=step,
         domain=domain,
-        sites=sites,
+        sites=first_sites(begin, least_sites(scene, domain, extent), domain),
     )
-    return StencilPlan(stated, Estimate(time, space, cost.next_decade))
+    allowed = (1.0 - TIME_SHARE) * scene.tolerance
+    return StencilPlan(stated, pilots, (step, begin), time, allowed, cost.next_decade)
 
 
 def domain_kind(scene: Scene, wave: Wave) -> str:
@@ -115,28 +144,22 @@ def round_up(sites: float) -> int:
     return LANES * math.ceil(sites / LANES)
 
 
-def plan_domain(
-    pilots: Pilots, step: float, begin: int, least: int, domain: str, allowed: float
-) -> tuple[int, int, float]:
-    """Sites for the pilots, sites for the run (at least ``least``), and the run's error.
+def smallest_domain(pilots: Pilots, step: float, least: int) -> int:
+    """The fewest sites tried, ``least`` or more, with which pilots come to their end.
 
-    The domain of the pilots has an error that is ``allowed``, too.
+    Where the feed of a window begins too near the crest they do not. ``least`` if none does.
     """
-    if domain == "ring":
-        wider = least + round_up(4 * MARGIN)
-        return least, least, SAFETY * pilots.difference((step, least), (step, wider))
-    small = begin
+    sites = least
     for _ in range(ATTEMPTS):
-        large = round_up(GROWTH * small)
-        change = pilots.difference((step, small), (step, large))
-        error = SAFETY * richardson(change, small / large, DECAY)
-        for size in (small, large):
-            expected = error * (small / size) ** DECAY
-            if expected <= allowed:
-                sites = max(least, size)
-                return size, sites, expected * (size / sites) ** DECAY
-        small = large
-    return small, max(least, small), math.inf
+        if math.isfinite(pilots.difference((step, sites), (RATIO * step, sites))):
+            return sites
+        sites = round_up(GROWTH * sites)
+    return least
+
+
+def first_sites(begin: int, least: int, domain: str) -> int:
+    """Sites of the run's first domain: at least ``least``, and more than the pilots' ``begin``."""
+    return max(least, begin + 4 * MARGIN if domain == "ring" else round_up(GROWTH * begin))
 
 
 def plan_step(

@@ -1,5 +1,7 @@
 """Running a scene whose step and domain are stated, site by site."""
 
+from collections.abc import Sequence
+
 import xarray as xr
 
 from verify.lattice.dataset import build_dataset
@@ -12,14 +14,24 @@ from verify.lattice.scene import Scene
 from verify.lattice.state import State
 
 
-def run_from(scene: Scene, restart: State | None, progress: Progress | None) -> xr.Dataset:
-    """Run from the scene's initial data or from a state of an earlier run of the same scene."""
+def run_from(
+    scene: Scene,
+    restart: State | None,
+    progress: Progress | None,
+    witnesses: Sequence[Observable] = (),
+) -> xr.Dataset:
+    """Run from the scene's initial data or from a state of an earlier run of the same scene.
+
+    ``witnesses`` see the run as well; what they see is no part of it.
+    """
     meter = _Meter(scene, progress)
     wave = build_wave(scene)
     recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
     measures = [measure for measure in scene.observables if measure in COST]
-    seen: list[Observable] = [*recorders, samples] if measures else [*recorders]
+    seen: list[Observable] = [*recorders, *witnesses]
+    if measures:
+        seen.append(samples)
     recording = record(scene, wave, seen, meter.part(1.0), restart)
     variables: Variables = {}
     for recorder in recorders:

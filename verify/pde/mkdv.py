@@ -39,9 +39,9 @@ class PeriodicMkdv:
         if s not in (1, -1):
             raise ValueError(f"s must be 1 or -1, got {s} (the sign of K4)")
         if not (math.isfinite(period) and period > 0):
-            raise ValueError(f"period must satisfy period > 0, got {period:g}")
+            raise ValueError(f"period must satisfy period > 0, got {period:g} (a wavelength in xi)")
         if not np.all(np.isfinite(values)):
-            raise ValueError("U must be finite at all samples (nan or inf found)")
+            raise ValueError("U must be finite, got NaN or infinity (take other samples)")
         self.period = period
         self._count = values.size
         self._mean_square = float(np.mean(values**2))

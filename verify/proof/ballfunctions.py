@@ -67,7 +67,7 @@ class Elliptic:
 
     def __init__(self, m: acb) -> None:
         if not (m.imag == 0 and m.real < 1 and m.real != 0):
-            raise ValueError(f"m must satisfy m < 1 and m != 0, got {m.str(10)}")
+            raise ValueError(f"m must satisfy m < 1 and m != 0, got {m.str(10)} (take 0 < k < 1)")
         self.m = m
         self.K, self.E = m.elliptic_k(), m.elliptic_e()
         self.tau = acb(0, 1) * (1 - m).elliptic_k() / self.K

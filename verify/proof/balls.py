@@ -76,7 +76,9 @@ class BallEvaluator:
             return self.jet(node.rewrite(sp.exp))
         if node.func in ELEMENTARY:
             return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
-        raise ValueError(f"no ball arithmetic is known for {node.func.__name__}")
+        raise ValueError(
+            f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
+        )
 
     def _power(self, base: Jet, exponent: Fraction) -> Jet:
         if exponent.denominator == 1 and exponent > 0:

@@ -32,6 +32,8 @@ def check_certificate(data: Mapping[str, Any]) -> None:
         _check(data)
     except CertificateError:
         raise
+    except KeyError as error:
+        raise CertificateError(f"the certificate lacks {error}") from error
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         raise CertificateError(f"the certificate cannot be read: {error}") from error
 

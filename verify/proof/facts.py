@@ -87,10 +87,16 @@ def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
     Raises ValueError if N grows faster or the limit depends on another generator.
     """
     if N.degrees()[0] > top:
-        raise ValueError("the solution must be bounded, got a numerator of higher degree")
+        raise ValueError(
+            "the solution must be bounded, got a numerator of higher degree "
+            "(take a rational solution)"
+        )
     ratio = coefficient_in_x(N, top) / leading
     if not ratio.is_constant():
-        raise ValueError("the background must be constant, got one that depends on t or a shift")
+        raise ValueError(
+            "the background must be constant, got one that depends on t or a shift "
+            "(take a rational solution)"
+        )
     return ratio.leading_coefficient()
 
 

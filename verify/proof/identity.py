@@ -28,7 +28,7 @@ class Identity:
         generators = data["generators"]
         self.names = [generator["name"] for generator in generators]
         if len(set(self.names)) != len(self.names):
-            raise ValueError("two generators share a name")
+            raise ValueError(f"generators must differ in name, got {self.names} (prove it anew)")
         self.context = fmpq_mpoly_ctx.get(tuple(self.names[::-1]), Ordering.lex)
         self.gens = self.context.gens()[::-1]
         self.factors = [self.polynomial(factor) for factor in data["factors"]]
@@ -51,7 +51,7 @@ class Identity:
         for coefficient, exponents in terms:
             monomial = tuple(exponents[::-1])
             if len(monomial) != len(self.names) or monomial in found:
-                raise ValueError("the exponents of a term do not fit")
+                raise ValueError(f"exponents must fit the generators, got {monomial} (prove anew)")
             found[monomial] = fraction(coefficient)
         return self.context.from_dict(found)
 
@@ -77,7 +77,10 @@ class Identity:
     def _relation(self, place: int, degree: int, terms: Sequence[Any]) -> fmpq_mpoly:
         value = self.polynomial(terms)
         if any(value.degrees()[: len(self.names) - place]):
-            raise ValueError(f"the relation of {self.names[place]} is not triangular")
+            raise ValueError(
+                f"relations must be in earlier generators, got that of {self.names[place]} "
+                "(prove it anew)"
+            )
         return self.gens[place] ** degree - value
 
     def _term(self, number: str, known: Sequence[int], jets: Sequence[Sequence[int]]) -> Element:

@@ -72,13 +72,17 @@ class ArgumentLattice:
             rest = [value - multiple * step for value, step in zip(rest, row, strict=True)]
             found.append(multiple)
         if any(rest):
-            raise ValueError(f"argument must be a combination of {self.basis}, got {argument}")
+            raise ValueError(
+                f"argument must be a combination of {self.basis}, got {argument} (extend the basis)"
+            )
         return tuple(found)
 
     def _integers(self, vector: Vector) -> list[int]:
         unknown = [monomial for monomial in vector if monomial not in self._monomials]
         if unknown:
-            raise ValueError(f"argument must be made of {self._monomials}, got {unknown[0]}")
+            raise ValueError(
+                f"argument must be made of {self._monomials}, got {unknown[0]} (extend the basis)"
+            )
         return [int(vector.get(m, sp.S.Zero) * self._scale) for m in self._monomials]
 
     @staticmethod

@@ -64,7 +64,9 @@ class NodeTable:
                 return ["constant", name]
         name = expression.func.__name__
         if FUNCTIONS.get(name) is not expression.func:
-            raise ValueError(f"a certificate has no node for {name}")
+            raise ValueError(
+                f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
+            )
         return [name, *map(self.place, expression.args)]
 
 
@@ -89,7 +91,7 @@ def _expression(node: Node, found: Sequence[sp.Expr]) -> sp.Expr:
         case [str(name), *places] if name in FUNCTIONS:
             if all(isinstance(place, int) and 0 <= place < len(found) for place in places):
                 return FUNCTIONS[name](*(found[place] for place in places))
-    raise ValueError(f"no node of a certificate looks like {node!r}")
+    raise ValueError(f"nodes must be such as the prover writes, got {node!r} (prove it anew)")
 
 
 def rational(text: str) -> sp.Rational:
@@ -101,5 +103,5 @@ def rational(text: str) -> sp.Rational:
     parts = text.split("/")
     digits = [part.removeprefix("-") for part in parts]
     if len(parts) > 2 or not all(part.isascii() and part.isdigit() for part in digits):
-        raise ValueError(f"a number must be written p or p/q, got {text!r}")
+        raise ValueError(f"numbers must be written p or p/q, got {text!r} (such as 3 or 3/4)")
     return sp.Rational(*map(int, parts))

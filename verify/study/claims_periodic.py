@@ -3,13 +3,12 @@
 import math
 from itertools import pairwise
 
+from verify.lattice.trust import TOLERANCE, trust_in
 from verify.study.claims_evidence import Evidence
 from verify.study.claims_record import Claim, Measurement, ruling
-from verify.study.trust import trust_in
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
 TWENTY_PERCENT = 0.2
-TOLERANCE = 1e-4
 ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
 
 

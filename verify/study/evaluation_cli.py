@@ -3,7 +3,6 @@
 Exit status: 0 if every error is within the promised bound, 1 if one is not, 2 for bad input.
 """
 
-import argparse
 import json
 import os
 import sys
@@ -14,6 +13,7 @@ from multiprocessing import get_context
 from rich.console import Console
 from rich.table import Table
 
+from derive.command_line import OneLineParser, fail
 from verify.study.evaluation import TOLERANCE, Accuracy, measure, worst_of
 from verify.study.evaluation_cases import all_cases, wave_names
 
@@ -24,7 +24,7 @@ PIPE_WIDTH = 120
 
 def accuracy_command(argv: list[str]) -> int:
     """Measure, print, and say by the exit status whether every error is within the bound."""
-    parser = argparse.ArgumentParser(
+    parser = OneLineParser(
         prog="python -m verify accuracy",
         description="Measure the evaluation of every wave against mpmath at 60 digits.",
     )
@@ -34,9 +34,10 @@ def accuracy_command(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     unknown = sorted(set(options.only or ()) - set(wave_names()))
     if unknown or options.jobs < 1:
-        problem = f"unknown wave {unknown[0]}" if unknown else "--jobs must be at least 1"
-        print(f"{parser.prog}: {problem} (waves: {', '.join(wave_names())})", file=sys.stderr)
-        return 2
+        names = ", ".join(wave_names())
+        if unknown:
+            return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+        return fail(f"--jobs must satisfy --jobs >= 1, got {options.jobs} (2 is usual)")
     results = list(_measured(options.only or wave_names(), options.jobs))
     if options.json:
         print(json.dumps([result.json() for result in results], indent=2))

@@ -1,14 +1,10 @@
-"""Linear (Floquet) stability of travelling waves as a matrix eigenproblem: Hill's method.
+"""Linear (Floquet) stability of the lattice's travelling waves: Hill's method.
 
 A perturbation e^{lambda t} W(x), x = n - v t, of the lattice's wave f obeys
 
-    (lambda - v d/dx)^2 W = D[ V''(f) W ],    W(x) = e^{i kappa x} sum_j W_j e^{2 pi i j x / P},
+    (lambda - v d/dx)^2 W = D[ V''(f) W ],    W(x) = e^{i kappa x} sum_j W_j e^{2 pi i j x / P}.
 
-and one of the mKdV wave U0(xi - V tau), in the normal form,
-
-    lambda W = V W' - W''' - 6 s (U0^2 W)'.
-
-Truncated in j, both are matrices; no time step and no lattice run enters (Deconinck, Kutz,
+Truncated in j it is a matrix; no time step and no lattice run enters (Deconinck, Kutz,
 J. Comput. Phys. 219 (2006) 296).
 """
 
@@ -18,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from verify.pde.hill import multiplication
 from verify.study.travelling import MODES, TravellingWave, profile
 
 Array = NDArray[np.float64]
@@ -71,38 +68,11 @@ def fastest_mode(wave: TravellingWave, wavelengths: int) -> Mode:
     return lattice_mode(wave, kappas[int(np.argmax(rates))])
 
 
-def mkdv_rate(U: Array, wavelength: float, speed: float, s: int, kappa: float) -> float:
-    """Largest growth rate (per tau) of the mKdV wave with samples ``U`` over one wavelength."""
-    j = np.arange(-MODES, MODES + 1)
-    q = kappa + 2.0 * np.pi * j / wavelength
-    potential = 6.0 * s * _toeplitz(U * U, j)
-    matrix = np.diag(1j * (speed * q + q**3)) - 1j * q[:, None] * potential
-    return float(np.max(np.linalg.eigvals(matrix).real))
-
-
-def horizon(rate: float, tolerance: float, rounding: float) -> float:
-    """Time until a perturbation as small as ``rounding`` has grown to ``tolerance`` at ``rate``.
-
-    A run about an unstable wave is trustworthy up to then, however small its step.
-
-    >>> round(horizon(0.001, 1e-4, 1e-16))
-    27631
-    """
-    return math.log(tolerance / rounding) / rate if rate > 0 else math.inf
-
-
 def _lattice_problem(wave: TravellingWave, kappa: float) -> tuple[Array, Complex]:
     """Wavenumbers q, and the matrix of (W, (lambda - v d/dx) W) in their Fourier modes."""
     j = np.arange(-MODES, MODES + 1)
     q = kappa + 2.0 * np.pi * j / wave.period
-    coupling = _toeplitz(wave.constants.stiffness(profile(wave.modes)), j)
+    coupling = multiplication(wave.constants.stiffness(profile(wave.modes)), j)
     drift = np.diag(1j * wave.speed * q)
     bend = -4.0 * np.sin(0.5 * q)[:, None] ** 2 * coupling
     return q, np.block([[drift, np.eye(j.size)], [bend, drift]])
-
-
-def _toeplitz(samples: Array, j: NDArray[np.int64]) -> Complex:
-    """The matrix of multiplication by a periodic function, by its samples over one period."""
-    modes = np.fft.fft(samples) / samples.size
-    found: Complex = modes[np.subtract.outer(j, j) % samples.size]
-    return found

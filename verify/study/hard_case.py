@@ -7,36 +7,46 @@ from typing import NamedTuple
 
 
 class Measurement(NamedTuple):
-    """The number that a hard case is judged by, and what else was seen, in words."""
+    """The number that a hard case is judged by, what else was seen, and what the program said."""
 
     value: float
     detail: str
+    message: str = ""
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """The outcome of one hard case; it passes if ``measured <= bound``."""
+    """The outcome of one hard case; it passes if ``measured <= bound``.
+
+    ``message`` is what the program tells its user, where the case is about that.
+    """
 
     name: str
     what: str
+    criterion: str
     measured: float
     bound: float
     passed: bool
     seconds: float
     detail: str
+    message: str = ""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A hard case to run. ``slow`` ones take more than about two seconds.
+    """A hard case to run: ``what`` is done, and the ``criterion``, a number to be bounded.
 
-    >>> case = Case("sum", "0.1 + 0.2 is 0.3", 1e-15, lambda: Measurement(0.1 + 0.2 - 0.3, ""))
+    Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
+    seconds.
+
+    >>> case = Case("sum", "0.1 + 0.2", "less 0.3", 1e-15, lambda: Measurement(0.1 + 0.2 - 0.3, ""))
     >>> case.run().passed
     True
     """
 
     name: str
     what: str
+    criterion: str
     bound: float
     measure: Callable[[], Measurement]
     slow: bool = False
@@ -44,7 +54,16 @@ class Case:
     def run(self) -> HardCase:
         """Measure and judge; NaN does not pass."""
         begun = time.perf_counter()
-        value, detail = self.measure()
+        value, detail, message = self.measure()
         seconds = time.perf_counter() - begun
-        passed = bool(value <= self.bound)
-        return HardCase(self.name, self.what, value, self.bound, passed, seconds, detail)
+        return HardCase(
+            self.name,
+            self.what,
+            self.criterion,
+            value,
+            self.bound,
+            bool(value <= self.bound),
+            seconds,
+            detail,
+            message,
+        )

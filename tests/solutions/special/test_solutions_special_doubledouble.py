@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import MPContext, mpf
@@ -69,3 +70,19 @@ def test_split_takes_every_kind_of_exact_number() -> None:
     assert dd.split(mpf("0.5")) == (0.5, 0.0)
     assert dd.split(float("inf")) == (float("inf"), 0.0)
     assert dd.split(pi) == (3.141592653589793, 1.2246467991473532e-16)
+
+
+@pytest.mark.parametrize("n", [0, 1, 52, 1022, -1, -1022])
+def test_powers_of_a_half_are_exact(n: int) -> None:
+    assert dd.power_of_half(float(n)) == 0.5**n
+
+
+@given(a=PAIRS, b=PAIRS)
+def test_the_loose_sum_errs_relative_to_the_summands(a: Pair, b: Pair) -> None:
+    missed = abs(exact(dd.add_loosely(a, b)) - (exact(a) + exact(b)))
+    assert missed <= (abs(exact(a)) + abs(exact(b))) / 2**103
+
+
+@given(a=PAIRS.filter(lambda a: a[0] != 0))
+def test_reciprocal(a: Pair) -> None:
+    assert relative(dd.reciprocal(a), 1 / exact(a)) < 2.0**-101

@@ -62,7 +62,7 @@ def test_one_digit_changed_is_rejected(written: str, tmp_path: Path, capsys: Out
         (lambda text: "[]", "no certificate"),
         (lambda text: "[3]", "a certificate is an object, got int"),
         (lambda text: '"yes"', "a certificate is an object, got str"),
-        (lambda text: "{}", "cannot be read"),
+        (lambda text: "{}", "lacks 'format'"),
         (lambda text: text.replace("longwave proof 1", "longwave proof 0"), "format must be"),
         (lambda text: text.replace('"variables"', '"variable"'), "kink: the digest does not"),
     ],

@@ -52,7 +52,7 @@ def test_order_of_etdrk4() -> None:
 def test_halving_meets_the_tolerance(tolerance: float) -> None:
     result = halve(_real, 2.0, tolerance)
     error = float(np.abs(result.values - EXACT.view(np.float64)).max())
-    assert error < result.difference <= tolerance
+    assert error < result.error <= tolerance
 
 
 def test_a_part_of_a_step_is_as_exact_as_whole_ones() -> None:

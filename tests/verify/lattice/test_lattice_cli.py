@@ -41,12 +41,20 @@ def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFix
     output = tmp_path / "run.nc"
     assert run_command([str(short), "--output", str(output)]) == 0
     out = capsys.readouterr().out
-    for expected in ("A short run", "relative error", "kahan_li_8: 40 steps, 512 sites", "-10"):
+    for expected in (
+        "A short run",
+        "relative error",
+        "kahan_li_8: 40 steps, 512 sites",
+        "-10",
+        "stable",
+    ):
         assert expected in out
     with xr.open_dataset(output, engine="scipy") as read:
         assert read.strain.shape == (2, 201)
         assert np.array_equal(read.time, [-10.0, 10.0])
         assert "soliton_dn" in read.attrs["scene"]
+        assert read.attrs["trust_rate"] == 0.0
+        assert read.attrs["trust_horizon"] == np.inf
 
 
 @pytest.mark.parametrize(
@@ -55,6 +63,15 @@ def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFix
         ("k = 0.7", "k = 1.2", "k must satisfy 0 < k < 1, got 1.2"),
         ("step = 0.5", "step = 5", "step must satisfy step <= "),
         ("K4 = 1", "K4 = -1", "K4 must satisfy K4 > 0"),
+        ("K4 = 1", "K4 = 1" + "0" * 400, "|K4| <= 1e+50, got an integer of 1329 bits (such as 1)"),
+        ("K4 = 1", "K4 = 1e-300", "1e-50 <= |K4|"),
+        ("eps = 0.05", "eps = -0.05", "eps must satisfy eps > 0, got -0.05 (such as 0.05)"),
+        ("eps = 0.05", "eps = true", "eps must be a number, got True (such as 0.05)"),
+        ("k = 0.7", 'k = "1/2;import os"', "k must be a real number, got '1/2;import os'"),
+        ("step = 0.5", "step = 1e-40", "more than 1e+10 steps"),
+        ("sites = 512", "sites = 9999999999999", "1 <= sites <= 1e+09"),
+        ('kind = "ring"', "kind = 3", "domain must be a text, got 3 (write it in quotes)"),
+        ("-10, 10]", "1e300]", "|snapshots| <= 1e+50"),
         ("soliton_dn", "[red]", "[red]"),
     ],
 )
@@ -96,7 +113,7 @@ def test_a_tolerance_and_an_engine_on_the_command_line(
     [
         (["--tolerance", "0"], "tolerance must satisfy tolerance > 0, got 0"),
         (["--engine", "spectral"], "tolerance must be given for engine 'spectral'"),
-        (["--tolerance", "1e-3", "--engine", "steam"], "engine must be one of stencil, spectral"),
+        (["--tolerance", "1e-3", "--engine", "steam"], "got 'steam' (one of stencil, spectral)"),
     ],
 )
 def test_bad_options_are_one_line_and_status_2(

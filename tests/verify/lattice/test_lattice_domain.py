@@ -25,6 +25,24 @@ def test_window_equals_a_wide_ring(window_scene: Callable[..., Scene]) -> None:
     assert np.max(np.abs(strain(scene) - strain(wide))) < 1e-6 * scene.eps
 
 
+def test_the_windows_error_cancels_between_two_steps() -> None:
+    """Catches: a window that moves at times which depend on the step."""
+    scene = replace(
+        load_scene("rational_2_eps_0.05"),
+        t0=-2000.0,
+        snapshots=(0.0,),
+        compared=200,
+        scheme="blanes_moan_6",
+    )
+    small, wide = (
+        [strain(replace(scene, sites=sites, step=step)) for step in (0.69, 0.25)]
+        for sites in (960, 2304)
+    )
+    steps, window = wide[0] - wide[1], small[0] - wide[0]
+    assert np.abs(window).max() > 5.0 * np.abs(steps).max()
+    assert np.abs((small[0] - small[1]) - steps).max() < 1e-3 * np.abs(steps).max()
+
+
 @pytest.mark.parametrize(("factor", "shift"), [(1.01, 0.0), (1.0, 1e-3), (-1.0, 0.0)])
 def test_a_wrong_far_field_stops_the_run(
     window_scene: Callable[..., Scene],

@@ -31,6 +31,24 @@ def test_a_shift_in_the_parameters_splits_the_wave() -> None:
     assert [parameter.name for parameter in wave.form.parameters] == ["tau_5"]
 
 
+def test_the_split_waves_snapshots_are_its_trough_and_its_crest() -> None:
+    """Catches snapshots, or a beginning, that miss what the scene is there to show."""
+    scene = load_scene("split_rational_3")
+    wave, X = build_wave(scene), np.linspace(-10.0, 10.0, 4001)
+
+    def ends(t: float) -> tuple[float, float]:
+        Y = wave(X, np.full_like(X, scene.eps**3 * t)).Y
+        return float(Y.min()), float(Y.max())
+
+    trough, crest = -11200.0, 9200.0
+    assert {trough, crest} < set(scene.snapshots)
+    assert ends(trough)[0] == pytest.approx(-4.52, abs=0.01)
+    assert ends(crest)[1] == pytest.approx(4.35, abs=0.01)
+    for beside in (-800.0, 800.0):
+        assert ends(trough + beside)[0] > ends(trough)[0]
+        assert ends(crest + beside)[1] < ends(crest)[1]
+
+
 def test_a_catalogued_form_is_not_replaced() -> None:
     assert closed_form("rational_3", ["k"]).reference.label == "third-order soln of mKdV"
 

@@ -10,9 +10,10 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from verify.lattice import Scene, load_scene, run
+from verify.lattice.blow_up import BlowUp
 from verify.lattice.comparison import Comparison
 from verify.lattice.discretisation import refined
-from verify.lattice.domain import Ring
+from verify.lattice.domain import Ring, build_domain
 from verify.lattice.initial import build_wave, initial_data
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
@@ -175,3 +176,34 @@ def test_a_blow_up_at_the_start_keeps_nothing(ring_scene: Callable[..., Scene]) 
     measured = run(scene)
     assert "at t = -20," in measured.attrs["blow_up"]
     assert measured.sizes["time"] == 0
+
+
+@pytest.mark.parametrize(("sites", "closes"), [(400, False), (407, True)])
+def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: bool) -> None:
+    """A dark breather's ring that does not close breaks at once; one that does runs on."""
+    scene = Scene(
+        name="seam",
+        wave="breather_sn",
+        eps=0.7,
+        t0=-10.0,
+        snapshots=(-10.0, -9.0, -5.0, 0.0, 10.0),
+        K2=1,
+        K4=-1,
+        compared=10,
+        step=0.2,
+        domain="ring",
+        sites=sites,
+        parameters=(("k", 0.5), ("alpha", "K/2")),
+        curve_points=50,
+    )
+    measured = run(scene)
+    assert ("0 sites from the ring's seam" in measured.attrs["blow_up"]) is not closes
+    assert measured.sizes["time"] == (5 if closes else 2)
+
+
+def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[..., Scene]) -> None:
+    domain = build_domain(scene := ring_scene(), build_wave(scene))
+    state = domain.start()
+    middle = BlowUp("broken", scene.t0, state.left + state.size // 2)
+    assert domain.locate(middle, state).from_seam is None
+    assert domain.locate(replace(middle, site=state.left + 3), state).from_seam == 3

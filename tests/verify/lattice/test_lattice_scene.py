@@ -41,21 +41,24 @@ BAD_NUMBERS: list[tuple[dict[str, Any], str]] = [
     ({"snapshots": (-20.0, -30.0)}, r"snapshots must satisfy t >= t0 = -20, got -30 \(start earl"),
     ({"snapshots": (0.0, -10.0)}, r"snapshots must increase, got \[0.0, -10.0\]"),
     ({"snapshots": ()}, r"snapshots must be a list of at least one time"),
-    ({"observables": ("colour",)}, r"observables must be one of strain, .*, got 'colour'"),
+    (
+        {"observables": ("colour",)},
+        r"must be a known one, got 'colour' \(one of strain, ",
+    ),
     ({"observables": "strain"}, r"observables must be a list of names, got 'strain'"),
-    ({"scheme": "euler"}, r"scheme must be one of rk4, .*, got 'euler'"),
-    ({"domain": "torus"}, r"domain must be one of window, ring, got 'torus'"),
-    ({"sites": 12.5}, r"sites must be a whole number >= 1, got 12.5"),
-    ({"compared": 0}, r"compared must be a whole number >= 1, got 0"),
-    ({"look_points": 0}, r"look_points must be a whole number >= 1, got 0"),
+    ({"scheme": "euler"}, r"scheme must be a known one, got 'euler' \(one of rk4, "),
+    ({"domain": "torus"}, r"domain must be a known one, got 'torus' \(one of window, ring\)"),
+    ({"sites": 12.5}, r"sites must be a whole number, 1 <= sites <= 1e.09, got 12.5"),
+    ({"compared": 0}, r"compared must be a whole number, 1 <= compared <= 1e.09, got 0"),
+    ({"look_points": 0}, r"look_points must be a whole number, 1 <= look_points <= 1e.09, got 0"),
 ]
 
 BAD_WAVES: list[tuple[dict[str, Any], str]] = [
     ({"wave": "tsunami"}, r"tsunami.*rational_2|rational_2.*tsunami"),
     ({"parameters": (("k", 1.2),)}, r"k must satisfy 0 < k < 1, got 1.2 \(k = 1 is "),
     ({"parameters": (("k", 0),)}, r"k must satisfy 0 < k < 1, got 0"),
-    ({"parameters": ()}, r"k is missing"),
-    ({"parameters": (("k", 0.5), ("q", 1.0))}, r"no parameter q"),
+    ({"parameters": ()}, r"k must satisfy 0 < k < 1, got nothing"),
+    ({"parameters": (("k", 0.5), ("q", 1.0))}, r"parameters must be those of rogue_cn, got q"),
     ({"K3": 0.1}, r"K3 must be 0 for an mKdV wave, got 0.1 \(order eps\^4"),
     ({"K4": -1.0}, r"K4 must satisfy K4 > 0 for rogue_cn, got -1"),
     ({"K4": 0.0}, r"K4 must satisfy K4 > 0 for rogue_cn, got 0"),
@@ -106,7 +109,7 @@ def test_a_window_must_clear_the_compared_sites(window_scene: Callable[..., Scen
 def test_what_needs_a_ring_is_refused_in_a_window(
     window_scene: Callable[..., Scene], name: str
 ) -> None:
-    with pytest.raises(ValueError, match=f"{name} needs domain 'ring'"):
+    with pytest.raises(ValueError, match=f"domain must be 'ring' for {name}"):
         window_scene(observables=(name,))
 
 
@@ -126,14 +129,14 @@ def test_a_file_becomes_the_record(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("eps =", "epsilon =", r"unknown key epsilon \(known: title, wave, eps,"),
-        ("K4 =", "K5 =", r"unknown key K5 in \[lattice\] \(known: K2, K3, K4\)"),
-        ("step =", "dt =", r"unknown key dt in \[scheme\] \(known: name, step\)"),
-        ("K2 = 1\n", "", r"missing key K2 in \[lattice\]"),
-        ('kind = "ring"\n', "", r"missing key kind in \[domain\]"),
-        ("eps = 0.05", "eps = 0.05 0.06", r"is not TOML"),
+        ("eps =", "epsilon =", r"keys must be known ones, got epsilon \(one of title, wave, eps,"),
+        ("K4 =", "K5 =", r"keys in \[lattice\] must be known ones, got K5 \(one of K2, K3, K4\)"),
+        ("step =", "dt =", r"keys in \[scheme\] must be known ones, got dt \(one of name, step\)"),
+        ("K2 = 1\n", "", r"K2 in \[lattice\] must be stated"),
+        ('kind = "ring"\n', "", r"kind in \[domain\] must be stated"),
+        ("eps = 0.05", "eps = 0.05 0.06", r"must be a TOML file, got .*bad.toml"),
         ("eps = 0.05", "eps = nan", r"eps must be finite, got nan"),
-        ("[scheme]\nstep = 0.5", "", r"missing key step in \[scheme\]"),
+        ("[scheme]\nstep = 0.5", "", r"step in \[scheme\] must be stated"),
         ("[0]", "[-101]", r"snapshots must satisfy t >= t0 = -100, got -101"),
     ],
 )
@@ -149,9 +152,9 @@ def test_bad_files_are_told_with_their_name(
 
 
 def test_a_missing_file_and_an_unknown_scene_are_told(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"none\.toml cannot be read"):
+    with pytest.raises(ValueError, match=r"none\.toml: No such file"):
         Scene.from_toml(tmp_path / "none.toml")
-    with pytest.raises(ValueError, match=r"scene must be one of .*rational_2_eps_0\.05.*'none'"):
+    with pytest.raises(ValueError, match=r"got 'none' .*rational_2_eps_0\.05"):
         load_scene("none")
 
 

@@ -2,15 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
+from numpy.typing import NDArray
 
 from verify.lattice import Scene, load_scene, run, shipped_scenes, with_tolerance
+from verify.lattice.domain import compared_sites
 from verify.lattice.engine import choose_engine
 from verify.lattice.families import rational_family_scenes
 from verify.lattice.initial import build_wave
+from verify.lattice.spectral import SpectralRing
+from verify.lattice.spectral_data import RingData
+
+Array = NDArray[np.float64]
 
 PESSIMISM = 300.0
 """Most by which an estimate may exceed the error, unless it is a small part of the tolerance."""
@@ -20,20 +26,37 @@ SMALL = 0.1
 ROUNDING = 1e-9
 
 
-def reference(scene: Scene) -> xr.Dataset:
-    """The paper's scene with another scheme, a finer step and more sites."""
+RING_UNITS = 8
+"""Circumference of the spectral reference, in compared regions: its domain error is below 1e-8."""
+
+RING_STEPS = {"rational_2": 10_000, "rational_3": 24_000}
+
+RING_DENSITY = {0.05: 2.0, 0.075: 3.0}
+"""Points per site of the spectral reference, by eps."""
+
+
+def stencil_reference(scene: Scene) -> Array:
+    """Strains of the paper's scene by another scheme, with a finer step and more sites."""
     fine = {"window": (0.15, 6144), "ring": (0.25, 2 * scene.sites)}
     step, sites = fine[scene.domain]
-    return run(replace(scene, scheme="kahan_li_8", step=step, sites=sites, observables=("strain",)))
+    changes = {"scheme": "kahan_li_8", "step": step, "sites": sites, "observables": ("strain",)}
+    return np.asarray(run(replace(scene, **changes)).strain)  # type: ignore[arg-type]
 
 
-def true_error(measured: xr.Dataset, exact: xr.Dataset, eps: float) -> float:
-    return float(np.max(np.abs(measured.strain.values - exact.strain.values))) / eps
+def spectral_reference(scene: Scene) -> Array:
+    """The same by the spectral ring, with stated step, sampling and circumference."""
+    wave, duration = build_wave(scene), scene.end - scene.t0
+    data = RingData(scene.constants, wave, scene.eps, scene.t0, 2 * scene.compared + 1, duration)
+    where = data.ring(RING_UNITS)
+    state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
+    step, cutoff = duration / RING_STEPS[scene.wave], data.absorbed(where)
+    ring = SpectralRing(scene.constants, state, step, absorbed=cutoff)
+    return np.array([ring.at(t).strain(compared_sites(scene, t)) for t in scene.snapshots])
 
 
-def check(scene: Scene, exact: xr.Dataset) -> None:
+def check(scene: Scene, exact: Array) -> None:
     measured = run(replace(scene, observables=("strain",)))
-    error = true_error(measured, exact, scene.eps)
+    error = float(np.max(np.abs(measured.strain.values - exact))) / scene.eps
     estimate = measured.attrs["error_estimate"]
     assert scene.tolerance is not None
     assert error <= scene.tolerance
@@ -47,7 +70,7 @@ def test_a_short_window_keeps_its_tolerance(
     window_scene: Callable[..., Scene], tolerance: float
 ) -> None:
     scene = window_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.2, sites=4096))
+    exact = run(replace(scene, step=0.2, sites=4096)).strain.values
     check(with_tolerance(scene, tolerance), exact)
 
 
@@ -56,18 +79,45 @@ def test_both_engines_keep_a_tolerance_on_a_periodic_background(
     ring_scene: Callable[..., Scene], engine: str
 ) -> None:
     scene = ring_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.2, sites=800))
+    exact = run(replace(scene, step=0.2, sites=800)).strain.values
     check(replace(with_tolerance(scene, 1e-4), engine=engine), exact)
 
 
+RATIONAL = tuple(name for name in shipped_scenes() if name.startswith("rational"))
+PERIODIC = tuple(name for name in shipped_scenes() if name not in RATIONAL)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_shipped_scenes_keep_every_tolerance(name: str) -> None:
+@pytest.mark.parametrize("name", RATIONAL)
+def test_the_window_keeps_every_tolerance(name: str) -> None:
+    """Measured by the ring, which has no window's ends and no site's step."""
     scene = load_scene(name)
-    exact = reference(scene)
-    finest = (1e-8,) if scene.end - scene.t0 <= 200 else ()
-    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, *finest):
-        check(with_tolerance(scene, tolerance), exact)
+    exact = spectral_reference(scene)
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
+        check(replace(with_tolerance(scene, tolerance), engine="stencil"), exact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "tolerances"),
+    [(name, (1e-2, 1e-4)) for name in RATIONAL] + [("rational_2_eps_0.05", (1e-6,))],
+)
+def test_the_ring_keeps_its_tolerance(name: str, tolerances: tuple[float, ...]) -> None:
+    """Measured by the window."""
+    scene = load_scene(name)
+    exact = stencil_reference(scene)
+    for tolerance in tolerances:
+        check(replace(with_tolerance(scene, tolerance), engine="spectral"), exact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PERIODIC)
+@pytest.mark.parametrize("engine", ["stencil", "spectral"])
+def test_both_engines_keep_every_tolerance_on_periodic_backgrounds(name: str, engine: str) -> None:
+    scene = load_scene(name)
+    exact = stencil_reference(scene)
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
+        check(replace(with_tolerance(scene, tolerance), engine=engine), exact)
 
 
 def test_the_model_takes_the_cheaper_engine() -> None:
@@ -78,15 +128,17 @@ def test_the_model_takes_the_cheaper_engine() -> None:
     assert chosen["Y2_eps_0.0125"] == chosen["Y2_eps_0.00625"] == "spectral"
 
 
-def test_the_engine_follows_from_the_background_and_from_what_is_asked(
+def test_the_engine_follows_from_the_duration_and_from_what_is_asked(
     ring_scene: Callable[..., Scene],
 ) -> None:
     scene = with_tolerance(ring_scene(), 1e-3)
     wave = build_wave(scene)
+    assert choose_engine(scene, wave) == "stencil"
+    scene = replace(scene, snapshots=(2e4,))
     assert choose_engine(scene, wave) == "spectral"
     assert choose_engine(replace(scene, observables=("energy",)), wave) == "stencil"
     assert choose_engine(replace(scene, engine="stencil"), wave) == "stencil"
-    with pytest.raises(ValueError, match="energy needs engine 'stencil', got 'spectral'"):
+    with pytest.raises(ValueError, match="engine must be 'stencil' for energy, got 'spectral'"):
         choose_engine(replace(scene, engine="spectral", observables=("energy",)), wave)
 
 
@@ -114,7 +166,8 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
 def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
     ring_scene: Callable[..., Scene], observables: tuple[str, ...], variables: set[str]
 ) -> None:
-    measured = run(with_tolerance(ring_scene(observables=observables), 1e-2))
+    scene = with_tolerance(ring_scene(observables=observables), 1e-2)
+    measured = run(replace(scene, engine="spectral"))
     assert set(measured.data_vars) == variables
     assert all(np.all(np.isfinite(measured[name])) for name in variables)
 
@@ -125,13 +178,16 @@ def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
         ({"tolerance": 0.0}, "tolerance must satisfy tolerance > 0, got 0"),
         ({"tolerance": -1e-3}, "tolerance must satisfy tolerance > 0, got -0.001"),
         ({"tolerance": "fine"}, "tolerance must be a number, got 'fine'"),
-        ({"engine": "steam"}, "engine must be one of stencil, spectral, got 'steam'"),
+        ({"engine": "steam"}, "engine must be a known one, got 'steam'"),
         ({"step": 0.5}, "step must not be given with a tolerance, got 0.5"),
         ({"sites": 4096}, "sites must not be given with a tolerance, got 4096"),
         ({"domain": "ring"}, "domain must not be given with a tolerance, got ring"),
         ({"engine": "spectral", "scheme": "rk4"}, "scheme must not be given for engine 'spectral'"),
-        ({"observables": ("domain_error",)}, "observables must not hold domain_error with a tol"),
-        ({"tolerance": None, "step": 0.5, "sites": 99}, "domain must be one of window, ring"),
+        (
+            {"observables": ("domain_error",)},
+            "observables must have no refinement",
+        ),
+        ({"tolerance": None, "step": 0.5, "sites": 99}, "domain must be a known one, got ''"),
         (
             {"tolerance": None, "step": 0.5, "sites": 99, "domain": "ring", "engine": "spectral"},
             "tolerance must be given for engine 'spectral'",
@@ -165,17 +221,20 @@ def test_the_stencil_tells_a_blow_up_and_keeps_what_came_before(
     assert measured.attrs["error_estimate"] == float("inf")
 
 
-@pytest.mark.slow
-def test_the_spectral_ring_ends_where_the_strains_are_not_sound(
-    ring_scene: Callable[..., Scene],
+@pytest.mark.parametrize(("eps", "t"), [(0.8, "-1"), (1.2, "-20")])
+def test_the_spectral_ring_refuses_what_blows_up(
+    ring_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch, eps: float, t: str
 ) -> None:
-    measured = run(replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=0.8))
-    assert measured.attrs["blow_up"].startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = ")
-    assert measured.sizes["time"] == 1
+    """Waves cease to exist on the way, or do not exist about the initial data; it is soon told."""
+    tried: list[float] = []
+    begin = SpectralRing.__init__
 
+    def begin_and_count(ring: SpectralRing, *args: Any, **options: Any) -> None:
+        tried.append(args[2])
+        begin(ring, *args, **options)
 
-@pytest.mark.slow
-def test_the_spectral_ring_refuses_what_blows_up(ring_scene: Callable[..., Scene]) -> None:
-    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=1.2)
-    with pytest.raises(ValueError, match="must stay bounded for engine 'spectral'"):
+    monkeypatch.setattr(SpectralRing, "__init__", begin_and_count)
+    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=eps, engine="spectral")
+    with pytest.raises(ValueError, match=f"K4 y\\^2 <= 0 at t = {t}.*take a smaller eps"):
         run(scene)
+    assert len(set(tried)) <= (1 if t == "-20" else 6)

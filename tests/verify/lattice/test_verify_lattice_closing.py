@@ -1,6 +1,7 @@
-"""Closing a ring by its circumference, and what it does to the domain's error."""
+"""Closing a ring by its circumference, and what its seam does to the compared sites."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,15 +10,15 @@ import derive
 from solutions import Wave, closed_form
 from verify.lattice.closing import blend_seam, close_circumference
 from verify.lattice.constants import Constants
-from verify.lattice.ring_state import RingState
+from verify.lattice.initial import lattice_data
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import Ring, RingData
 
 
 def _data(name: str, t0: float, **parameters: object) -> RingData:
     K4 = closed_form(name).equation.s
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, K4), **parameters)
-    return RingData(Constants(1.0, 0.0, float(K4)), wave, 0.05, t0, 201)
+    return RingData(Constants(1.0, 0.0, float(K4)), wave, 0.05, t0, 201, -2 * t0 or math.inf)
 
 
 def test_closing_finds_the_phase_jump() -> None:
@@ -31,7 +32,7 @@ def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     """The sn waves on the two sides are 4 alpha apart in xi, exactly."""
     data = _data("breather_sn", 0.0, k=0.5, alpha=alpha, X_0=0)
     a = float(data.wave.normal_form.a)
-    jump = (data.circumference(40) - 40 * data.unit) * a * data.eps
+    jump = (data.ring(40).circumference - 40 * data.unit) * a * data.eps
     period = data.unit * a * data.eps
     apart = min(
         abs((jump - sign * 4 * alpha + period / 2) % period - period / 2) for sign in (1, -1)
@@ -48,36 +49,83 @@ def test_blend_leaves_no_kink() -> None:
     assert np.abs(y - np.arctan(x / 5))[np.abs(x) < 20].max() == 0.0
 
 
-def _domain_errors(
-    data: RingData, closed: bool, rest: bool, counts: tuple[int, ...]
-) -> list[float]:
-    sites = np.arange(-100, 101) + round(-data.t0)
+def _errors(data: RingData, rings: tuple[Ring, ...], density: float, absorb: bool) -> list[float]:
+    """Sup error of y/eps near the crest at t = -t0 on each ring, against the causal one."""
+    sites = np.arange(-100, 101) - round(data.constants.sound_speed() * data.t0)
 
-    def strain(count: int, closed: bool, rest: bool) -> np.ndarray:
-        length = data.circumference(count) if closed else count * data.unit
-        state = data.state(length, 48 * count)
-        if not rest:
-            state = data.moving_state(length, 48 * count)
-        return SpectralRing(data.constants, state, 8.0).at(-data.t0).strain(sites)
+    def strain(ring: Ring) -> np.ndarray:
+        state = data.state(ring, 2 * round(density * ring.circumference / 2))
+        cutoff = data.absorbed(ring) if absorb else 0.0
+        run = SpectralRing(data.constants, state, step, absorbed=cutoff)
+        return run.at(-data.t0).strain(sites)
 
-    reference = strain(256, True, True)
-    return [
-        float(np.abs(strain(count, closed, rest) - reference).max()) / data.eps for count in counts
-    ]
+    step = 8.0 if data.periodic else 1.0
+    assert data.causal is not None
+    exact = strain(data.causal)
+    return [float(np.abs(strain(ring) - exact).max()) / data.eps for ring in rings]
 
 
 @pytest.mark.slow
-def test_what_closing_is_worth() -> None:
-    """dn soliton to |t| = 10^4: plain, closed, and closed without mean velocity."""
-    data = _data("soliton_dn", -1e4, k=0.7)
-    plain = _domain_errors(data, False, False, (16, 32, 64))
-    moving = _domain_errors(data, True, False, (16, 32, 64))
-    rest = _domain_errors(data, True, True, (16, 32, 64))
-    assert math.log2(moving[1] / moving[2]) > 3.5
-    assert plain[2] > 5 * moving[2] > 25 * rest[2]
+def test_what_absorbing_is_worth_on_a_periodic_background() -> None:
+    """cn rogue wave to |t| = 10^4: what it radiates to the left comes round again and again."""
+    data = _data("rogue_cn", -1e4, k=0.5)
+    rings = (data.ring(32), data.ring(64))
+    left = _errors(data, rings, 48 / data.unit, absorb=False)
+    right = _errors(data, rings, 48 / data.unit, absorb=True)
+    assert left[0] < 4 * left[1]
+    assert right[0] > 8 * right[1]
+    assert left[1] > 10 * right[1]
 
 
-def test_state_is_a_ring_state() -> None:
-    state = _data("rogue_cn", -100.0, k=0.5).state(1000.0, 64)
-    assert isinstance(state, RingState)
+@pytest.mark.slow
+def test_what_absorbing_is_worth_on_a_constant_background() -> None:
+    data = _rational(-1000.0)
+    rings = (Ring(1000.0), Ring(2000.0))
+    left = _errors(data, rings, 4.0, absorb=False)
+    right = _errors(data, rings, 4.0, absorb=True)
+    assert left[0] < 4 * left[1]
+    assert right[0] > 8 * right[1]
+    assert left[1] > 30 * right[1]
+
+
+def _rational(t0: float) -> RingData:
+    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
+    return RingData(Constants(4.0, 0.0, 1.0), wave, 0.1, t0, 201, -2 * t0)
+
+
+@pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])
+def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
+    ring = data.ring(data.smallest)
+    state = data.state(ring, 2000)
+    inside = np.abs(state.points - data.constants.sound_speed() * data.t0)
+    inside = inside < 0.5 * ring.circumference - data.reach
+    value = data.wave.at(state.points[inside], data.t0, data.eps)
+    y, s = lattice_data(value, data.constants.sound_speed(), data.eps)
+    assert np.count_nonzero(inside) > 1000
+    np.testing.assert_allclose(state.y[inside], y, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(state.s[inside], s, rtol=0, atol=1e-12)
     assert abs(float(np.mean(state.s))) < 1e-18
+
+
+@pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])
+def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
+    """A disturbance at the seam is not seen on the compared sites; on a ring that lags it is."""
+    ring = data.causal
+    assert ring is not None
+    assert ring == data.ring(1000)
+    changes = [_seen(data, ring, disturbance) for disturbance in (0.0, 0.1)]
+    assert abs(changes[1] - changes[0]).max() < 1e-6
+    behind = replace(ring, ahead=-ring.ahead)
+    changes = [_seen(data, behind, disturbance) for disturbance in (0.0, 0.1)]
+    assert abs(changes[1] - changes[0]).max() > 1e-3
+
+
+def _seen(data: RingData, ring: Ring, disturbance: float) -> np.ndarray:
+    """y/eps on the compared sites at the end, with a hump at the seam."""
+    state = data.state(ring, 2 * round(ring.circumference))
+    distance = np.minimum(state.points - state.left, state.left + ring.circumference - state.points)
+    hump = disturbance * data.eps * np.exp(-((4 * distance / data.reach) ** 2))
+    state = replace(state, y=state.y + hump)
+    end = data.t0 + data.duration
+    sites = round(data.constants.sound_speed() * end) + np.arange(-100, 101)
+    return SpectralRing(data.constants, state, 0.25).at(end).strain(sites) / data.eps

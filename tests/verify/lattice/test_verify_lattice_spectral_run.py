@@ -81,16 +81,16 @@ def test_tolerance_is_met_on_longer_runs(name: str, tolerance: float) -> None:
 
 
 def test_cost_does_not_depend_on_eps() -> None:
-    """Y2 over the same slow time: steps and points of a run to the same tolerance."""
+    """Y2 over the same slow time, to the same tolerance; a window would cost 64 times as much."""
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
     work = []
     for eps in (0.1, 0.025):
         times = (-0.3 / eps**3, 0.0)
         task = SpectralTask(
-            Constants(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-2
+            Constants(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-3
         )
         work.append(spectral_run(task).cost.work)
-    assert work[1] < 1.5 * work[0]
+    assert work[1] < 2.5 * work[0]
 
 
 @pytest.mark.slow
@@ -101,9 +101,10 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     task = SpectralTask(Constants(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
     run = spectral_run(task)
     assert run.estimates.total <= 1e-4
-    data = RingData(task.constants, wave, 0.05, -1e4, 801)
-    twice = data.circumference(2 * round(run.circumference / data.unit))
-    ring = SpectralRing(task.constants, data.state(twice, 2 * run.cost.points), run.step)
+    data = RingData(task.constants, wave, 0.05, -1e4, 801, 2e4)
+    assert data.causal is not None
+    points = 2 * round(run.cost.points * data.causal.circumference / run.circumference / 2)
+    ring = SpectralRing(task.constants, data.state(data.causal, points), run.step)
     for i, t in enumerate(times):
         assert np.abs(run.strain(i) - ring.at(t).strain(task.sites(t))).max() <= 1e-4 * 0.05
 

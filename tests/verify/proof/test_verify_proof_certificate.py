@@ -99,7 +99,7 @@ def test_a_certificate_of_a_wrong_formula_cannot_be_forged() -> None:
 
 
 def test_garbage_is_rejected_in_words() -> None:
-    with pytest.raises(CertificateError, match="cannot be read"):
+    with pytest.raises(CertificateError, match=r"lacks .digest"):
         check_certificate({"format": "longwave proof 1"})
 
 
@@ -122,5 +122,5 @@ def test_a_relation_with_itself_is_rejected() -> None:
     square = [2 * int(i == place) for i in range(len(names))]
     data["generators"][place]["relation"] = [[2, [["1", square]]]]
     data["digest"] = digest(data)
-    with pytest.raises(CertificateError, match="not triangular"):
+    with pytest.raises(CertificateError, match="must be in earlier generators"):
         check_certificate(data)

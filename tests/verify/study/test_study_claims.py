@@ -10,7 +10,14 @@ import xarray as xr
 
 from verify.lattice import Scene
 from verify.study import claims, claims_constant, claims_periodic, claims_waves
-from verify.study.claims_evidence import RK4_STEP, Evidence, report_scenes, rk4_name
+from verify.study.claims_evidence import (
+    PARTS,
+    RK4_STEP,
+    SPLIT,
+    Evidence,
+    report_scenes,
+    rk4_name,
+)
 from verify.study.claims_record import Ruling
 
 SCENES = report_scenes()
@@ -24,8 +31,12 @@ def fake_run(scene: Scene, top: float, when: float = 0.0) -> xr.Dataset:
     site = np.arange(-1, 2)
     crest = scene.eps * np.array([0.0, 2.0, 0.0])
     rows = np.tile(crest, (len(times), 1))
+    shares = zip(PARTS, (2, 4, 8), strict=True)
+    parts = {f"error_{name}": ("time", np.full(len(times), top / part)) for name, part in shares}
     return xr.Dataset(
         {
+            **parts,
+            "shift": ("time", np.full(len(times), -0.4)),
             "error": ("time", np.full(len(times), top)),
             "error_far_field": ("time", np.full(len(times), top / 2)),
             "time_step_error": ("time", np.full(len(times), 3e-4)),
@@ -68,6 +79,21 @@ def test_peaks_are_in_units_of_eps() -> None:
     assert lattice.value == pytest.approx(1.8)
     assert lattice.error == pytest.approx(4e-4)
     assert wave == pytest.approx(2.0)
+
+
+def test_a_split_carries_the_runs_own_error() -> None:
+    """Catches the parts' error taken for the shift's: 4e-4 of y/eps with slopes of 2 a site."""
+    parts = evidence({}).split(SPLIT, 0.0)
+    assert parts["shift"] == pytest.approx((-0.4, 4e-4 / 2.0))
+    assert parts["position"] == pytest.approx((0.1 / 2, 2e-4))
+
+
+def test_the_claim_tells_how_far_the_wave_is_shifted() -> None:
+    found = claims_constant.peak_of_the_error(evidence({}))
+    told = {item.of.split(", ")[-1]: item.value for item in found.measurements}
+    assert told["the lattice's wave is shifted by sites"] == -0.4
+    assert told["part by position"] == pytest.approx(0.1 / 2)
+    assert told["part by shape"] == pytest.approx(0.1 / 8)
 
 
 def test_the_rk4_variant_changes_scheme_and_step_only() -> None:

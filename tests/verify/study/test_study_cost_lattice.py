@@ -4,10 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from verify.lattice import run
-from verify.study.cost_precision import by_scheme, crest, smooth, spectral
-from verify.study.cost_scaling import ScalingPoint, fit_law, rk4_share, window_error
+from verify.study import cost_precision
+from verify.study.cost_precision import SPECTRAL, by_scheme, crest, march_seconds, smooth, spectral
+from verify.study.cost_scaling import (
+    REDUCTION,
+    TRUE_ERROR,
+    ScalingPoint,
+    at_eps,
+    fit_law,
+    rk4_share,
+    window_error,
+)
 
 
 def test_stencil_and_ring_agree_on_the_smooth_problem() -> None:
@@ -44,3 +54,34 @@ def test_a_law_is_the_power_that_was_put_in() -> None:
     points = [ScalingPoint("s", x, 7.0 * x**-3.5) for x in (1.0, 2.0, 5.0)]
     law = fit_law(points)
     assert (law.exponent, law.factor) == (pytest.approx(-3.5), pytest.approx(7.0))
+
+
+def test_the_rings_march_is_told_apart_from_its_data(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catches the ring charged for data that the others have already, or its data forgotten."""
+    strain = ("time", "site"), np.zeros((1, 3))
+    found = xr.Dataset({"strain": strain}, attrs={"seconds": 0.5})
+    monkeypatch.setattr(cost_precision, "_timed", lambda _: found)
+    monkeypatch.setattr(cost_precision, "march_seconds", lambda *_: 0.125)
+    points = cost_precision.work_precision("periodic")
+    times = {(p.series == SPECTRAL): (p.seconds, p.data_seconds) for p in points}
+    assert times == {True: (0.125, 0.375), False: (0.5, 0.0)}
+
+
+def test_the_rings_march_can_be_done_again() -> None:
+    scene = crest()
+    ring = spectral(replace(scene, snapshots=(scene.t0 + 10.0,)), 1e-2)
+    assert march_seconds(ring, run(ring)) > 0.0
+
+
+@pytest.mark.slow
+def test_each_way_changes_one_thing() -> None:
+    """Catches the wide lattice priced as the window, and an error judged against itself."""
+    found = {point.series: point for point in at_eps(0.2, judged=True)}
+    assert list(found)[:4] == ["RK4, wide lattice", "RK4, window", "order 6, window", "spectral"]
+    scaled = [point.scaled for point in found.values()]
+    assert scaled == [True, True, True, False, False, False]
+    wide = 2 * (2 * round(1.25 / 0.2**3) + 50)
+    ratio = found["RK4, wide lattice"].value / found["RK4, window"].value
+    assert ratio == pytest.approx(wide / 2048, rel=0.01)
+    assert 0.0 < found[TRUE_ERROR].value < 1e-3
+    assert found[REDUCTION].value > 0.3

@@ -154,9 +154,9 @@ def entry_named(name: str) -> Entry:
     >>> entry_named("colour")
     Traceback (most recent call last):
     ...
-    ValueError: observables must be one of strain, error_curve, ..., domain_error, got 'colour'
+    ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
     """
     for entry in ENTRIES:
         if entry.name == name:
             return entry
-    raise ValueError(f"observables must be one of {', '.join(NAMES)}, got {name!r}")
+    raise ValueError(f"observables must be known ones, got {name!r} (one of {', '.join(NAMES)})")

@@ -1,0 +1,69 @@
+r"""The paper's own numbers: of its equations, figures and sections by their labels; its sources.
+
+Numbers are those that LaTeX gives the paper's source, in which equations are numbered through.
+"""
+
+EQUATIONS = (
+    "standard mKdV", "FPUT lattice in displacement", "", "FPUT in strain",
+    "ldr of the FPUT lattice", "positive branch ldr", "multi-scale variables",
+    "asympototic results", "Eq.1 first-order", "eq: relation to construct IC for sn",
+    "IC for sn", "mKdV 2-order soln", "", "nece coefficients", "", "eq: def of L_inf loss",
+    "third-order soln of mKdV", "", "Jacobi's theta funcs", "", "dark breather on snoidal-wave",
+    "coefficients of a and b", "alg-decaying solitons on dn-wave background", "",
+    "def. of theta", "rogue-wave on cn-wave", "", "defn. of theta_cn", "Defn of five para",
+)  # fmt: skip
+"""The labels of the numbered equations in order; those without a label are empty."""
+
+FIGURES = (
+    "Second-order solns comparison", "Third-order solns comparison", "L_inf loss plot",
+    "dark-breather on dn-background", "DB error plot",
+    "soliton solution on the dn-wave background", "rogue-wave on cn-background comparison",
+)  # fmt: skip
+"""The labels of the figures in order."""
+
+SECTIONS = {
+    "Sec: Local waves on constant back": "IV",
+    "subsec: Dark breathers on snoidal waves": "V~A",
+}
+"""The sections that are referred to."""
+
+SOURCES = {
+    "ablowitz1981solitons": r"M.~J.~Ablowitz and H.~Segur, \emph{Solitons and the Inverse "
+    r"Scattering Transform}, SIAM (1981).",
+    "hirota1972exact": r"R.~Hirota, Exact solution of the modified Korteweg--de Vries equation "
+    r"for multiple collisions of solitons, J. Phys. Soc. Jpn. \textbf{33} (1972) 1456.",
+    "wadati1982multiple": r"M.~Wadati and K.~Ohkuma, Multiple-pole solutions of the modified "
+    r"Korteweg--de Vries equation, J. Phys. Soc. Jpn. \textbf{51} (1982) 2029.",
+    "clarke2000generation": r"S.~Clarke, R.~Grimshaw, P.~Miller, E.~Pelinovsky and T.~Talipova, "
+    r"On the generation of solitons and breathers in the modified Korteweg--de Vries equation, "
+    r"Chaos \textbf{10} (2000) 383.",
+    "el2017dispersive": r"G.~A.~El, M.~A.~Hoefer and M.~Shearer, Dispersive and "
+    r"diffusive-dispersive shock waves for nonconvex conservation laws, SIAM Rev. \textbf{59} "
+    r"(2017) 3.",
+    "ankiewicz2018rogue": r"A.~Ankiewicz and N.~Akhmediev, Rogue wave-type solutions of the mKdV "
+    r"equation and their relation to known NLSE rogue wave solutions, Nonlinear Dyn. \textbf{91} "
+    r"(2018) 1931.",
+    "chen2018rogue": r"J.~Chen and D.~E.~Pelinovsky, Rogue periodic waves of the modified KdV "
+    r"equation, Nonlinearity \textbf{31} (2018) 1955.",
+    "mucalica2024dark": r"A.~Mucalica and D.~E.~Pelinovsky, Dark breathers on a snoidal wave "
+    r"background in the defocusing mKdV equation, Lett. Math. Phys. \textbf{114} (2024) 100.",
+}
+"""Where the closed forms come from, by the citations of their records."""
+
+
+def cited(label: str) -> str:
+    """Return what the paper's source calls by that label: equation, figure or section.
+
+    >>> cited("third-order soln of mKdV"), cited("DB error plot")
+    ('eq.~(17)', 'fig.~5')
+
+    Raises ValueError for a label that the paper does not have.
+    """
+    if label and label in EQUATIONS:
+        return f"eq.~({EQUATIONS.index(label) + 1})"
+    if label in FIGURES:
+        return f"fig.~{FIGURES.index(label) + 1}"
+    if label in SECTIONS:
+        return f"sec.~{SECTIONS[label]}"
+    known = ", ".join(filter(None, (*EQUATIONS, *FIGURES, *SECTIONS)))
+    raise ValueError(f"label must be one of the paper's, got {label!r} (one of: {known})")

@@ -1,0 +1,56 @@
+"""`python -m reports.bench`: it says where its tables and figures are, and fails with a case."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from reports import bench
+from reports.assemble import STUDY_TABLES
+from reports.studies import Studies
+from verify.study.cost_precision import CostPoint
+from verify.study.cost_scaling import ScalingPoint
+from verify.study.hard_case import HardCase
+from verify.study.reduction import PeakError
+
+FOUND = Studies(
+    evaluation=[],
+    precision=[CostPoint("crest", "rk4", 1e-3, 0.1)],
+    scaling=[ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],
+    rk4=[ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
+    windows=[ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
+    hard_cases=[HardCase("h", "what", "how much", 0.1, 0.5, True, 0.1, "")],
+    peaks=[PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)],
+    split={},
+    long_runs={},
+)
+
+
+def measure(found: Studies, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Run the command with these findings and without figures."""
+    monkeypatch.setattr(bench, "run_jobs", lambda *_: {})
+    monkeypatch.setattr(bench, "studies", lambda _: found)
+    monkeypatch.setattr(bench, "write_study_figures", lambda *_: [folder / "figure.pdf"])
+    return bench.main(["--output", str(folder)])
+
+
+def test_it_tells_where_its_tables_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Catches a table that is not written, and one without rows that is told."""
+    assert measure(FOUND, tmp_path, monkeypatch) == 0
+    told = capsys.readouterr().out
+    for name in ("precision", "scaling", "rk4", "window", "peak", "hard_case"):
+        path = tmp_path / "tables" / f"{name}_table.tex"
+        assert str(path) in told
+        assert "toprule" in path.read_text()
+    assert "long_table" not in told
+    assert "figure.pdf" in told
+    assert {path.stem for path in (tmp_path / "tables").iterdir()} == set(STUDY_TABLES)
+
+
+def test_a_case_that_fails_is_its_exit_status(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wrong = replace(FOUND, hard_cases=[replace(FOUND.hard_cases[0], passed=False)])
+    assert measure(wrong, tmp_path, monkeypatch) == 1
