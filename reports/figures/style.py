@@ -25,6 +25,7 @@ CURVES: tuple[dict[str, Any], ...] = (
     {"color": "#000000", "linestyle": (0, (5, 1)), "marker": "v"},
     {"color": "#56B4E9", "linestyle": (0, (3, 1, 1, 1)), "marker": "P"},
     {"color": "#E69F00", "linestyle": (0, (1, 1)), "marker": "X"},
+    {"color": "#999999", "linestyle": (0, (8, 2)), "marker": "*"},
 )
 """Okabe and Ito's colours, told apart by line and marker as well."""
 

@@ -23,6 +23,7 @@ PRINTED = {
     "stoermer_verlet": "Störmer-Verlet (2)",
     "mclachlan_4": "McLachlan (4)",
     "blanes_moan_6": "Blanes-Moan (6)",
+    "reduced_phase_6": "reduced phase lag (6)",
     "suzuki_umeno_8": "Suzuki-Umeno (8)",
     "kahan_li_8": "Kahan-Li (8)",
     SPECTRAL: "spectral ring",

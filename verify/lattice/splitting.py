@@ -7,6 +7,7 @@ method of order 6 and phase-lag order 8 evaluates the force half as often as Bla
 order 6, and a quarter as often as Kahan and Li's of order 8.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -14,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.lattice import stencil, tiled
+from verify.lattice import arcs, stencil, tiled
 from verify.lattice.constants import Constants
 from verify.lattice.nystroem_conditions import phase_lag_defect, splitting_defect
 
@@ -106,8 +107,14 @@ def advance_splitting(
     y: Array, s: Array, drifts: Array, kicks: Array, steps: int, constants: Constants
 ) -> None:
     """Advance the ring in place by the fastest kernel that its size admits."""
-    kernel = tiled.advance_tiled if tiled.fits(y.size, kicks.size) else stencil.advance_composition
-    kernel(y, s, drifts, kicks, steps, *constants.kernel)
+    advance = _fastest(y.size, kicks.size)
+    advance(y, s, drifts, kicks, steps, *constants.kernel)
+
+
+def _fastest(size: int, stages: int) -> Callable[..., None]:
+    if not tiled.fits(size, stages):
+        return stencil.advance_composition
+    return arcs.advance_on_arcs if arcs.pays(size) else tiled.advance_tiled
 
 
 def splitting_oscillator(drifts: Array, kicks: Array, z: Array) -> Array:

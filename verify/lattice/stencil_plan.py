@@ -31,7 +31,7 @@ from verify.lattice.stability import stability_limit
 
 Array = NDArray[np.float64]
 
-PREFERRED = "blanes_moan_6"
+PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
 
 LIMIT_SHARE = 0.9

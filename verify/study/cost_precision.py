@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from verify.lattice import SCHEMES, Scene, load_scene, run, stability_limit
 from verify.lattice.initial import build_wave
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import Ring, RingData
 
 Array = NDArray[np.float64]
 
@@ -144,7 +144,7 @@ def warmed(scheme: str) -> None:
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
     data = RingData(scene.constants, build_wave(scene), scene.eps, scene.t0, 2 * scene.compared + 1)
-    state = data.state(float(found.attrs["circumference"]), int(found.attrs["sites"]))
+    state = data.state(Ring(float(found.attrs["circumference"])), int(found.attrs["sites"]))
     begun = time.perf_counter()
     SpectralRing(scene.constants, state, float(found.attrs["step"])).at(scene.end)
     return time.perf_counter() - begun

@@ -12,8 +12,8 @@ SLOW_TIME = 1.25
 """T runs from minus this to 0, the peak."""
 
 TOLERANCE, FINER_TOLERANCE = 1e-3, 1e-4
-WINDOW_SCHEME = "blanes_moan_6"
-WINDOW_STEP, RK4_STEP = 0.5, 0.1
+WINDOW_SCHEME = "reduced_phase_6"
+WINDOW_STEP, RK4_STEP = 1.0, 0.1
 STEPS = 400
 """Steps of a run that is timed, where the whole is too long."""
 

@@ -104,7 +104,7 @@ def test_a_tolerance_and_an_engine_on_the_command_line(
 ) -> None:
     assert run_command([str(short), "--tolerance", "1e-3", "--engine", "stencil"]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "stencil, blanes_moan_6: " in out
+    assert "stencil, reduced_phase_6: " in out
     assert re.search(r"error estimate \S+ of 0.001 allowed, planned in .* times as long", out)
 
 
