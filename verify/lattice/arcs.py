@@ -18,6 +18,7 @@ from verify.lattice.vector import LANES
 
 Array = NDArray[np.float64]
 Ring = tuple[Array, Array]
+Work = tuple[Array, Array, int, float, float | None, float | None]
 
 SITES = 16_384
 """Sites from which on the second core pays (measured: 1.5 to 1.8 times as fast up to 65 536)."""
@@ -46,11 +47,9 @@ def advance_on_arcs(
     drifts: Array,
     kicks: Array,
     steps: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    *constants: *tuple[float, float | None, float | None],
 ) -> None:
-    """Advance the ring (y, s) in place, as `tiled.advance_tiled` does.
+    """Advance the ring (y, s) in place, as `tiled.advance_tiled` does with the same arguments.
 
     At least 4 (``TOGETHER`` stages + ``LANES``) sites.
     """
@@ -61,7 +60,7 @@ def advance_on_arcs(
     middle, done = ring_y.size // 2, 0
     while done < steps:
         block = min(TOGETHER, steps - done)
-        work = (joint, kicks, block, K2, K3, K4)
+        work = (joint, kicks, block, *constants)
         waiting = _other_core().submit(_advance_arc, ring, other, middle, ring_y.size, work)
         _advance_arc(ring, other, 0, middle, work)
         waiting.result()
@@ -70,13 +69,7 @@ def advance_on_arcs(
     ring_y[:], ring_s[:] = ring[0] + last * ring[1], ring[1]
 
 
-def _advance_arc(
-    ring: Ring,
-    result: Ring,
-    first: int,
-    past: int,
-    work: tuple[Array, Array, int, float, float | None, float | None],
-) -> None:
+def _advance_arc(ring: Ring, result: Ring, first: int, past: int, work: Work) -> None:
     """Put the sites ``first`` .. ``past - 1`` of the advanced ring into ``result``."""
     _, kicks, steps, *_ = work
     reach = steps * kicks.size + 1
