@@ -48,7 +48,7 @@ class Rates:
     stencil_start: float = 0.03
     spectral_start: float = 0.08
     """Seconds before the first step."""
-    stencil: float = 1.4e-9
+    stencil: float = 6e-10
     """Seconds per site and force evaluation."""
     spectral: float = 2.2e-9
     """Seconds per point, log2(points) and evaluation."""
