@@ -49,11 +49,15 @@ MOST_POINTS = 2**22
 """Points on the largest ring."""
 
 
+class RingTooLargeError(ValueError):
+    """A tolerance that needs more points than a ring may have."""
+
+
 def spectral_run(task: SpectralTask, progress: Progress | None = None) -> SpectralRun:
     """Run the task to its tolerance.
 
     ``progress`` is called with the share of the work that is done, 0 .. 1, each attempt taken to
-    cost as much as all before it. Raises ValueError if the tolerance cannot be met, and
+    cost as much as all before it. Raises RingTooLargeError if the tolerance cannot be met, and
     FloatingPointError if the lattice blows up.
     """
     return _Planner(task, progress).run()
@@ -178,10 +182,7 @@ class _Planner:
     def _state(self, ring: Ring) -> RingState:
         wanted = ring.circumference * self._density
         if wanted > MOST_POINTS:
-            raise ValueError(
-                f"tolerance must be larger than {self._task.tolerance:g}: it needs a ring of more "
-                f"than {MOST_POINTS} points (raise it, end earlier or compare fewer sites)"
-            )
+            raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
         points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
         if (ring, points) not in self._states:
             self._states[ring, points] = self._data.state(ring, points)

@@ -15,7 +15,7 @@ from verify.lattice.estimate import Estimate
 from verify.lattice.recorder import Observable, build_recorders
 from verify.lattice.recording import Progress
 from verify.lattice.scene import Scene
-from verify.lattice.spectral_run import SpectralRun, SpectralTask, spectral_run
+from verify.lattice.spectral_run import RingTooLargeError, SpectralRun, SpectralTask, spectral_run
 from verify.lattice.state import empty_state
 
 SCHEME = "exponential_adams"
@@ -47,6 +47,11 @@ def run_spectral(
     task = _task(scene_run, wave, recorders, ASKED * scene.tolerance)
     try:
         solved = spectral_run(task, progress)
+    except RingTooLargeError as error:
+        raise ValueError(
+            f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
+            "(raise it, end earlier or compare fewer sites)"
+        ) from None
     except FloatingPointError as error:
         raise ValueError(
             f"the scene must stay bounded for engine 'spectral': {error} "

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from verify.lattice import Scene, load_scene, run, shipped_scenes, with_tolerance
+from verify.lattice import Scene, load_scene, run, shipped_scenes, spectral_run, with_tolerance
 from verify.lattice.domain import compared_sites
 from verify.lattice.engine import choose_engine
 from verify.lattice.families import rational_family_scenes
@@ -238,3 +238,13 @@ def test_the_spectral_ring_refuses_what_blows_up(
     with pytest.raises(ValueError, match=f"K4 y\\^2 <= 0 at t = {t}.*take a smaller eps"):
         run(scene)
     assert len(set(tried)) <= (1 if t == "-20" else 6)
+
+
+def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
+    ring_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches: the share of it that the engine asks of itself."""
+    monkeypatch.setattr(spectral_run, "MOST_POINTS", 100)
+    scene = replace(with_tolerance(ring_scene(), 1e-3), engine="spectral")
+    with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
+        run(scene)
