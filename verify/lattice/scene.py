@@ -115,7 +115,7 @@ class Scene:
 
     def _check_chosen(self, tolerance: float) -> None:
         """The scene leaves step and domain to the program."""
-        check.positive("tolerance", check.finite("tolerance", tolerance))
+        check.tolerance(tolerance)
         for key in ("step", "domain", "sites"):
             if getattr(self, key):
                 raise ValueError(

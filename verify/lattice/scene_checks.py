@@ -26,6 +26,9 @@ USUAL: Mapping[str, str] = {
 }
 """What may be written instead of a wrong value."""
 
+LEAST_TOLERANCE = 1e-11
+"""Sup error of y/eps that double precision still tells from rounding (Y2 over t = 15000)."""
+
 SMALLEST = 1e-50
 """Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
 
@@ -51,6 +54,16 @@ def positive(name: str, value: float) -> None:
     """Refuse what is not positive."""
     if value <= 0:
         raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
+
+
+def tolerance(value: float) -> None:
+    """Refuse a tolerance that is not positive, or below rounding."""
+    positive("tolerance", finite("tolerance", value))
+    if value < LEAST_TOLERANCE:
+        raise ValueError(
+            f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
+            "(rounding alone makes as much in a long run)"
+        )
 
 
 def whole(name: str, value: object) -> None:

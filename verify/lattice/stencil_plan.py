@@ -78,12 +78,20 @@ class StencilPlan:
     next_decade: float
 
     def space(self, strains: Sequence[Array]) -> float:
-        """The domain's error of a finished run with these strains at the pilots' times."""
-        change = SAFETY * self.pilots.distance(strains, self.pilot)
+        """The domain's error of a finished run with these strains at the pilots' times.
+
+        That of a ring is what a wider one changes; its run may have other steps than its pilots.
+        """
+        step, sites = self.pilot
         if self.scene.domain == "ring":
-            return change
-        ratio = self.pilot[1] / self.scene.sites
+            return SAFETY * self.pilots.difference(self.pilot, (step, sites + 4 * MARGIN))
+        change = SAFETY * self.pilots.distance(strains, self.pilot)
+        ratio = sites / self.scene.sites
         return richardson(change, ratio, DECAY) * ratio**DECAY
+
+    def settled(self, space: float) -> bool:
+        """Whether a wider domain is not called for, or would not help."""
+        return space <= self.allowed or math.isinf(space) or self.scene.domain == "ring"
 
     def wider(self, space: float) -> "StencilPlan":
         """The plan in a window in which that error would be allowed."""
@@ -158,8 +166,8 @@ def smallest_domain(pilots: Pilots, step: float, least: int) -> int:
 
 
 def first_sites(begin: int, least: int, domain: str) -> int:
-    """Sites of the run's first domain: at least ``least``, and more than the pilots' ``begin``."""
-    return max(least, begin + 4 * MARGIN if domain == "ring" else round_up(GROWTH * begin))
+    """Sites of the run's first domain: ``least``, but more than the pilots' in a window."""
+    return least if domain == "ring" else max(least, round_up(GROWTH * begin))
 
 
 def plan_step(

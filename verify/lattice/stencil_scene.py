@@ -32,7 +32,7 @@ def run_stencil(scene: Scene, wave: Wave, progress: Progress) -> tuple[xr.Datase
     for _ in range(ATTEMPTS):
         planned = time.perf_counter() - begun
         run, space = _attempt(plan, _rest(progress, done))
-        if space <= plan.allowed or not math.isfinite(space):
+        if plan.settled(space):
             break
         plan, done = plan.wider(space), 0.5 * (1.0 + done)
     return run, Estimate(plan.time, space, plan.next_decade), planned

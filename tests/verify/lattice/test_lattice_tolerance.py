@@ -74,6 +74,15 @@ def test_a_short_window_keeps_its_tolerance(
     check(with_tolerance(scene, tolerance), exact)
 
 
+def test_stops_that_shorten_the_steps_do_not_widen_a_ring() -> None:
+    """Catches: the time step's error taken for the seam's where a dense curve changes the steps."""
+    scene = with_tolerance(load_scene("rogue_cn_k_0.5"), 1e-9)
+    measured = run(replace(scene, engine="stencil"))
+    assert "error_curve" in scene.observables
+    assert measured.attrs["sites"] < 2048
+    assert measured.attrs["space_error_estimate"] < 1e-12
+
+
 @pytest.mark.parametrize("engine", ["stencil", "spectral"])
 def test_both_engines_keep_a_tolerance_on_a_periodic_background(
     ring_scene: Callable[..., Scene], engine: str
@@ -177,6 +186,7 @@ def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
     [
         ({"tolerance": 0.0}, "tolerance must satisfy tolerance > 0, got 0"),
         ({"tolerance": -1e-3}, "tolerance must satisfy tolerance > 0, got -0.001"),
+        ({"tolerance": 1e-14}, "tolerance must satisfy tolerance >= 1e-11, got 1e-14"),
         ({"tolerance": "fine"}, "tolerance must be a number, got 'fine'"),
         ({"engine": "steam"}, "engine must be a known one, got 'steam'"),
         ({"step": 0.5}, "step must not be given with a tolerance, got 0.5"),
