@@ -143,10 +143,14 @@ def warmed(scheme: str) -> None:
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
-    data = RingData(scene.constants, build_wave(scene), scene.eps, scene.t0, 2 * scene.compared + 1)
-    state = data.state(Ring(float(found.attrs["circumference"])), int(found.attrs["sites"]))
+    width, duration = 2 * scene.compared + 1, scene.end - scene.t0
+    data = RingData(scene.constants, build_wave(scene), scene.eps, scene.t0, width, duration)
+    ring, causal = Ring(float(found.attrs["circumference"])), data.causal
+    if causal is not None and causal.circumference == ring.circumference:
+        ring = causal
+    state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()
-    SpectralRing(scene.constants, state, float(found.attrs["step"])).at(scene.end)
+    SpectralRing(scene.constants, state, step, absorbed=data.absorbed(ring)).at(scene.end)
     return time.perf_counter() - begun
 
 
