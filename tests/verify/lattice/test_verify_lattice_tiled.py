@@ -10,24 +10,10 @@ from verify.lattice import stencil, tiled
 from verify.lattice.constants import Constants
 from verify.lattice.nystroem_conditions import splitting_defect
 from verify.lattice.scheme import Composition
-from verify.lattice.schemes import (
-    BLANES_MOAN_6,
-    KAHAN_LI_8,
-    MCLACHLAN_4,
-    REDUCED_PHASE_6,
-    STOERMER_VERLET,
-    SUZUKI_UMENO_8,
-)
+from verify.lattice.schemes import BLANES_MOAN_6, SCHEMES
 from verify.lattice.splitting import Splitting
 
-SPLITTINGS = (
-    STOERMER_VERLET,
-    MCLACHLAN_4,
-    BLANES_MOAN_6,
-    REDUCED_PHASE_6,
-    SUZUKI_UMENO_8,
-    KAHAN_LI_8,
-)
+SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
 
 
 @pytest.mark.parametrize("K3", [0.0, 0.3])
