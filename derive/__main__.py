@@ -86,8 +86,7 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
     yield ""
     yield f"coefficients{' at ' + given if given else ''}:"
     yield f"  c = {text_of(coefficients.c)}"
-    yield f"  of Y^2 Y_X: {text_of(coefficients.nonlinear)}"
-    yield f"  of Y_XXX: {text_of(coefficients.dispersive)}"
+    yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
     yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
     yield f"  a = {text_of(form.a)}"
     yield f"  b = {text_of(form.b)}"
