@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, fail, interrupted
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import FPUT_STRAIN
 from derive.mkdv import initial_velocity, initial_velocity_latex
@@ -105,6 +105,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         numbers = list(_number_lines(reduction, values))
     except ValueError as error:
         return fail(error)
+    except KeyboardInterrupt:
+        return interrupted("python -m derive")
     if given.json:
         print(reduction.json(**values))
     elif given.latex:

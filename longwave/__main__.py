@@ -40,7 +40,11 @@ def main(argv: list[str] | None = None) -> int:
         known = ", ".join(_COMMANDS)
         print(f"error: COMMAND must be a known one, got {word} (one of {known})", file=sys.stderr)
         return 2
-    return command(word)(rest)
+    try:
+        return command(word)(rest)
+    except KeyboardInterrupt:
+        print(f"longwave {word}: interrupted", file=sys.stderr)
+        return 130
 
 
 def command(word: str) -> Command:
