@@ -46,7 +46,7 @@ def _joined(arguments: Sequence[str]) -> list[str]:
     options = {f"--{name.lower()}" for name in CONSTANTS}
     result: list[str] = []
     for argument in arguments:
-        if result and result[-1] in options:
+        if result and result[-1] in options and argument != "--":
             result[-1] += f"={argument}"
         else:
             result.append(argument)
