@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, fail, interrupted
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import FPUT_STRAIN
 from derive.mkdv import initial_velocity, initial_velocity_latex
@@ -46,7 +46,7 @@ def _joined(arguments: Sequence[str]) -> list[str]:
     options = {f"--{name.lower()}" for name in CONSTANTS}
     result: list[str] = []
     for argument in arguments:
-        if result and result[-1] in options:
+        if result and result[-1] in options and argument != "--":
             result[-1] += f"={argument}"
         else:
             result.append(argument)
@@ -86,8 +86,7 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
     yield ""
     yield f"coefficients{' at ' + given if given else ''}:"
     yield f"  c = {text_of(coefficients.c)}"
-    yield f"  of Y^2 Y_X: {text_of(coefficients.nonlinear)}"
-    yield f"  of Y_XXX: {text_of(coefficients.dispersive)}"
+    yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
     yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
     yield f"  a = {text_of(form.a)}"
     yield f"  b = {text_of(form.b)}"
@@ -106,6 +105,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         numbers = list(_number_lines(reduction, values))
     except ValueError as error:
         return fail(error)
+    except KeyboardInterrupt:
+        return interrupted("python -m derive")
     if given.json:
         print(reduction.json(**values))
     elif given.latex:

@@ -17,7 +17,8 @@ from sympy import Expr, Integer, Symbol, chebyshevt, expand, factor, series, sin
 from derive.lattice import FPUT_STRAIN, Lattice
 from derive.notation import latex_of
 from derive.reduction import Reduction
-from derive.symbols import k, ybar
+from derive.scaling import Scaling
+from derive.symbols import eps, k, ybar
 
 HALF_SINE = Symbol("sin(k/2)")
 
@@ -61,8 +62,19 @@ class Dispersion:
 def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     """The relation of a one-field lattice on a line, about the uniform strain ybar.
 
-    Raises ValueError if opposite shifts carry different weights (omega^2 is then not real).
+    Raises ValueError for several fields or axes, for a lattice with a constant called ybar, and if
+    opposite shifts carry different weights (omega^2 is then not real).
     """
+    if len(lattice.fields) != 1 or lattice.dimension != 1:
+        raise ValueError(
+            f"lattice must have one field and one axis, got {len(lattice.fields)} fields and "
+            f"{lattice.dimension} axes (the branches of several are roots of a determinant)"
+        )
+    if str(ybar) in map(str, lattice.constants):
+        raise ValueError(
+            f"constants must have names other than ybar, got {lattice.constants} (it is the "
+            "uniform strain)"
+        )
     weights = _weights(lattice)
     squared: Expr = Integer(0)
     for shift in sorted(weights):
@@ -102,13 +114,30 @@ def long_wave_of_reduction(reduction: Reduction) -> Expr:
     """omega of a long wave by the reduced equation's linear part, to k^3.
 
     A wave ``exp(i (kappa X - Omega T))`` of the linear part has ``Omega = -delta kappa^3``; on the
-    lattice ``k = eps kappa`` and ``omega = c k + eps^3 Omega``.
+    lattice ``k = eps kappa`` and ``omega = c k + eps^3 Omega``.  Raises ValueError for another
+    scaling, or a linear part of other terms than Y_XXX.
     """
-    values = reduction.coefficients()
+    scaling, values = reduction.scaling, reduction.coefficients()
+    paper = Scaling(scaling.amplitude, background=scaling.background)
+    linear = {name for name, monomial in values.monomials.items() if len(monomial) == 1}
+    if scaling != paper or not linear <= {"Y_XXX"}:
+        raise ValueError(
+            "reduction must have X = eps (n - c t), T = eps^3 t and no linear term but Y_XXX, got "
+            f"{reduction.pde.text()} (compare the terms of .pde by hand)"
+        )
     return values.c * k - values.dispersive * k**3
 
 
 def agrees_with_reduction(lattice: Lattice, reduction: Reduction) -> bool:
-    """Whether lattice (about zero strain) and reduced equation give the same omega to k^3."""
-    expansion = dispersion_relation(lattice).at(Integer(0)).long_wave()
+    """Whether lattice (about the background) and reduced equation give the same omega to k^3.
+
+    Raises ValueError as `long_wave_of_reduction` does, and for a background that eps multiplies.
+    """
+    background = reduction.scaling.background
+    if any(power or value.has(eps) for power, value in background):
+        raise ValueError(
+            f"background must be of order one, got {background} (compare the terms by hand)"
+        )
+    mean = sum((value for _, value in background), start=Integer(0))
+    expansion = dispersion_relation(lattice).at(mean).long_wave()
     return bool(expand(expansion - long_wave_of_reduction(reduction)) == 0)

@@ -73,14 +73,12 @@ def _solved(condition: FracElement, constant: Symbol) -> tuple[bool, Elimination
 def vanishing_factor(coefficients: Iterable[FracElement]) -> FracElement | None:
     """The one common factor of ``coefficients`` that can vanish, or None.
 
-    Numbers and powers of positive constants cannot vanish and are left out.
+    Factors that their symbols' assumptions keep from 0 (positive ones, sums of those) are left out.
     """
     values = list(coefficients)
     field = values[0].field
     common = fold(lambda left, right: left.gcd(right), (value.numer for value in values))
-    factors = [factor for factor, _ in common.factor_list()[1] if not _positive(factor)]
+    factors = [
+        factor for factor, _ in common.factor_list()[1] if factor.as_expr().is_zero is not False
+    ]
     return field.new(factors[0]) if len(factors) == 1 else None
-
-
-def _positive(factor: FracElement) -> bool:
-    return bool(factor.is_generator and factor.as_expr().is_positive)

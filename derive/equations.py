@@ -88,9 +88,10 @@ class EvolutionEquation:
 
     @property
     def is_mkdv(self) -> bool:
-        """Whether the only nonlinear term is Y^2 Y_X."""
-        nonlinear = [monomial for monomial in self.flow.terms if len(monomial) > 1]
-        return len(nonlinear) == 1 and sorted(map(sum, nonlinear[0])) == [0, 0, 1]
+        """Whether the terms are Y_T, Y^2 Y_X and Y_XXX, all three and no others."""
+        rest = (0,) * (len(self.notation.axes) - 1)
+        Y, Y_X, Y_XXX = ((count, *rest) for count in (0, 1, 3))
+        return set(self.flow.terms) == {(Y, Y, Y_X), (Y_XXX,)}
 
     @property
     def nonlinear_element(self) -> FracElement:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import QQ
+from sympy import QQ, Expr
 from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
+from derive.constants import check_constants, powers_of_eps
 from derive.differential import DifferentialPolynomial
 from derive.lattice import Bond, Cell, Lattice, Stencil
+from derive.rationals import shown
 from derive.scaling import Scaling
 from derive.series import EpsSeries, Operator
 
@@ -22,6 +24,7 @@ from derive.series import EpsSeries, Operator
 def coefficient_field(lattice: Lattice, scaling: Scaling) -> FracField:
     """The rational functions of the ansatz' and the lattice's constants, over Q."""
     own = [s for s in scaling.constants if s not in lattice.constants]
+    check_constants((*own, *lattice.constants))
     return FracField((*own, *lattice.constants), QQ, lex)
 
 
@@ -56,7 +59,11 @@ class Expansion:
         jet = (0,) * len(self.scaling.axes)
         wave = DifferentialPolynomial.monomial(self.field, (jet,))
         one = DifferentialPolynomial.monomial(self.field, ())
-        mean = ((p, self.field.from_expr(b) * one) for p, b in self.scaling.background)
+        mean = (
+            (power + further, self.field.from_expr(part) * one)
+            for power, value in self.scaling.background
+            for further, part in powers_of_eps(value).items()
+        )
         return EpsSeries.collect(self.field, self.limit, [(self.scaling.amplitude, wave), *mean])
 
     def velocity(self) -> EpsSeries:
@@ -65,9 +72,8 @@ class Expansion:
 
     def residual(self) -> EpsSeries:
         """``mass y'' - forces`` under the ansatz; the lattice is solved where it vanishes."""
-        total = self.field.from_expr(self.lattice.masses[0]) * self.velocity().apply(
-            self.time_derivative
-        )
+        acceleration = self.velocity().apply(self.time_derivative)
+        total = self._number(self.lattice.masses[0]) * acceleration
         for bond in self.lattice.bonds:
             force = self._force(bond, self._combined(bond.stretch, self.ansatz()))
             total = total + self.field(-1) * self._combined(bond.action, force)
@@ -83,18 +89,42 @@ class Expansion:
     def _force(self, bond: Bond, stretch: EpsSeries) -> EpsSeries:
         total = EpsSeries(self.field, self.limit, {})
         for coefficient in bond.coefficients():
-            total = total * stretch + stretch.constant(self.field.from_expr(coefficient))
+            total = total * stretch + self._number(coefficient)
         return total
+
+    def _number(self, value: Expr) -> EpsSeries:
+        """A constant, which may be a polynomial in eps, as a series."""
+        one = DifferentialPolynomial.monomial(self.field, ())
+        parts = powers_of_eps(value).items()
+        return EpsSeries.collect(
+            self.field, self.limit, ((p, self.field.from_expr(part) * one) for p, part in parts)
+        )
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
     """The expansion of a one-field lattice up to ``eps^limit``.
 
-    Raises ValueError for a lattice with several fields.
+    Raises ValueError for a lattice with several fields, and for a scaling that does not fit it.
     """
+    if not isinstance(lattice, Lattice) or not isinstance(scaling, Scaling):
+        raise ValueError(
+            f"lattice and scaling must be a Lattice and a Scaling, got {shown(lattice)} and "
+            f"{shown(scaling)} (LATTICES holds lattices by name)"
+        )
     if len(lattice.fields) != 1:
         raise ValueError(
             f"lattice must have one field, got {len(lattice.fields)} "
             "(the expansion does not slave fields to one another)"
+        )
+    for variable in scaling.space:
+        if len(variable.direction) != lattice.dimension:
+            raise ValueError(
+                f"direction of {variable.name} must have {lattice.dimension} entries, one an axis "
+                f"of {lattice.name}, got {variable.direction} ((1,) is along a chain)"
+            )
+    if scaling.frame_symbol in lattice.constants:
+        raise ValueError(
+            f"speed must be no constant of {lattice.name}, got {scaling.speed} (the reduction "
+            "finds it: take another symbol)"
         )
     return Expansion(lattice, scaling, limit, coefficient_field(lattice, scaling))

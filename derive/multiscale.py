@@ -16,6 +16,7 @@ from derive.equations import Condition, EvolutionEquation, OrderEquation
 from derive.expansion import expand
 from derive.lattice import Lattice
 from derive.notation import Notation
+from derive.rationals import integer
 from derive.reduction import Reduction
 from derive.scaling import Scaling
 from derive.series import EpsSeries
@@ -36,6 +37,7 @@ class _Solver:
         self.constants = lattice.constants
         self.notation = Notation(scaling.axes)
         self.leading_order = scaling.leading_order
+        self.lowest_order = scaling.amplitude + 2 * scaling.space[0].exponent
         self.conditions: list[Condition] = []
         self.second = self._jet(2, 0)
         self.mixed = self._jet(1, 1)
@@ -45,7 +47,7 @@ class _Solver:
 
     def sound_polynomial(self) -> FracElement:
         """P(c) of the lowest order, eliminated from all orders on the way."""
-        order, lowest = next(iter(self.series.parts.items()))
+        order, lowest = next(iter(self.series.parts.items()), (self.lowest_order, self._zero()))
         if set(lowest.terms) != {(self.second,)}:
             raise self._refusal(order, "a multiple of Y_XX alone (try a larger amplitude exponent)")
         polynomial = lowest.coefficient(self.second)
@@ -67,7 +69,11 @@ class _Solver:
     def _eliminate(self, order: int, vanishing: FracElement) -> None:
         solved = solve_linear(vanishing, self.constants)
         if solved is None:
-            raise self._refusal(order, "linear in one of the lattice's constants")
+            raise self._refusal(
+                order,
+                "linear in one of the lattice's constants (write a symbol for a number or a power, "
+                "and give its value to coefficients)",
+            )
         self.series = solved.series(self.series)
 
     def leading(self) -> FracElement:
@@ -78,8 +84,11 @@ class _Solver:
             raise self._refusal(self.leading_order, "linear in Y_XT")
         return part.coefficient(self.mixed)
 
+    def _zero(self) -> DifferentialPolynomial:
+        return DifferentialPolynomial.zero(self.series.field)
+
     def _refusal(self, order: int, needed: str) -> ReductionError:
-        part = self.series.parts.get(order, DifferentialPolynomial.zero(self.series.field))
+        part = self.series.parts.get(order, self._zero())
         found = OrderEquation(order, part, self.notation).text()
         return ReductionError(f"order eps^{order} must be {needed}, got {found}")
 
@@ -96,13 +105,14 @@ def reduce(
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """
-    chosen = scaling or Scaling()
-    if orders < chosen.leading_order:
+    chosen = Scaling() if scaling is None else scaling
+    expansion = expand(lattice, chosen, orders)
+    if integer("orders", orders, 0, "the highest power of eps") < chosen.leading_order:
         raise ValueError(
             f"orders must satisfy orders >= {chosen.leading_order}, got {orders} "
             f"(the evolution equation appears at eps^{chosen.leading_order})"
         )
-    residual = expand(lattice, chosen, orders).residual()
+    residual = expansion.residual()
     solver = _Solver(residual, lattice, chosen)
     sound = solver.sound_polynomial()
     solver.solve_conditions()

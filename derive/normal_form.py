@@ -7,10 +7,12 @@ With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from sympy import Abs, Expr, sign, sqrt
+from sympy import Abs, Expr, S, sign, sqrt
 
+from derive.differential import Monomial
 from derive.equations import EvolutionEquation
 
 
@@ -30,21 +32,40 @@ class NormalForm:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Frame speed, coefficient of the nonlinear term and of Y_XXX in the reduced equation."""
+    """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
+
+    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
+    """
 
     c: Expr
-    nonlinear: Expr
-    dispersive: Expr
+    terms: Mapping[str, Expr]
+    monomials: Mapping[str, Monomial] = field(repr=False)
+
+    @property
+    def nonlinear(self) -> Expr:
+        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
+        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(found) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(found)} in "
+                f"{', '.join(self.terms)} (read the coefficients from .terms)"
+            )
+        return self.terms[found[0]]
+
+    @property
+    def dispersive(self) -> Expr:
+        """The coefficient of Y_XXX, 0 if the equation has no such term."""
+        return self.terms.get("Y_XXX", S.Zero)
 
 
 def normal_form(pde: EvolutionEquation, values: Coefficients) -> NormalForm:
     """The normal form of ``pde`` at the given values of its coefficients.
 
-    Raises ValueError unless the nonlinear term is Y^2 Y_X and both coefficients are nonzero.
+    Raises ValueError unless the terms are Y^2 Y_X and Y_XXX and both coefficients are nonzero.
     """
     if not pde.is_mkdv:
         raise ValueError(
-            f"the equation must have the nonlinear term Y^2 Y_X, got {pde.text()} "
+            f"the equation must have the terms Y^2 Y_X and Y_XXX alone, got {pde.text()} "
             "(the normal form is that of mKdV)"
         )
     for name, value in (("nonlinear", values.nonlinear), ("dispersive", values.dispersive)):

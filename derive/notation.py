@@ -97,8 +97,16 @@ class Notation:
             for term in terms(polynomial)
         )
 
-    def _factors(self, term: Term, opening: str, closing: str) -> Iterator[str]:
-        for jet, repeated in groupby(term.monomial):
+    def monomial_text(self, monomial: Monomial) -> str:
+        """A product of jets in plain text, ``Y^2 Y_X``."""
+        return " ".join(self._factors(monomial, "", ""))
+
+    def monomial_latex(self, monomial: Monomial) -> str:
+        """A product of jets in LaTeX."""
+        return " ".join(self._factors(monomial, "{", "}"))
+
+    def _factors(self, monomial: Monomial, opening: str, closing: str) -> Iterator[str]:
+        for jet, repeated in groupby(monomial):
             power = len(list(repeated))
             below = self.subscript(jet)
             name = f"{self.unknown}_{opening}{below}{closing}" if below else self.unknown
@@ -108,11 +116,11 @@ class Notation:
         return self.subscript((term.outer, *(0,) * (len(self.axes) - 1)))
 
     def _text_monomial(self, term: Term) -> str:
-        product = " ".join(self._factors(term, "", ""))
+        product = self.monomial_text(term.monomial)
         return f"({product})_{self._outer(term)}" if term.outer else product
 
     def _latex_monomial(self, term: Term) -> str:
-        product = " ".join(self._factors(term, "{", "}"))
+        product = self.monomial_latex(term.monomial)
         if not term.outer:
             return product
         return rf"\left({product}\right)_{{{self._outer(term)}}}"

@@ -6,15 +6,16 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sympy import Eq, Expr, Symbol, sqrt
+from sympy import Eq, Expr, Symbol, expand, sqrt
 from sympy.polys.fields import FracElement
 
+from derive.constants import powers_of_eps
 from derive.differential import DifferentialPolynomial
 from derive.equations import Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
 from derive.normal_form import Coefficients, NormalForm, normal_form
 from derive.notation import Notation, aligned, latex_of, text_of
-from derive.rationals import Number, exact
+from derive.rationals import Number, exact, shown
 from derive.report import text_report
 from derive.scaling import Scaling
 from derive.serial import reduction_data
@@ -53,29 +54,41 @@ class Reduction:
     @property
     def speed_squared(self) -> Expr:
         """c^2 in the lattice's constants, from the sound condition."""
-        speed, numerator = self.scaling.speed, self.sound_polynomial.numer.as_expr()
-        slope, rest = numerator.coeff(speed, 2), numerator.coeff(speed, 0)
-        return (-rest / slope).expand()
+        polynomial, speed = self.sound_polynomial, self.scaling.speed
+        mass = powers_of_eps(self.lattice.masses[0])[0]
+        stiffness = polynomial.field.from_expr(mass * speed**2) - polynomial
+        return (stiffness.as_expr() / mass).expand()
 
     @property
     def sound_condition(self) -> Eq:
         """``c^2 = K2``, from the lowest order."""
         return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)
 
+    def _at(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
+        """The values, and the frame's symbol as the positive root of c^2 there."""
+        return {**values, self.scaling.frame_symbol: sqrt(self.speed_squared.xreplace(values))}
+
     def coefficients(self, **constants: Number) -> Coefficients:
         """Speed and coefficients in the lattice's constants, or at given values of them.
 
-        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition.
+        Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, what
+        their symbols are declared to be, or a denominator.
 
         >>> from derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
-        Coefficients(c=2, nonlinear=3/4, dispersive=1/12)
+        Coefficients(c=2, terms={'Y^2 Y_X': 3/4, 'Y_XXX': 1/12})
         """
-        values = self._checked(constants)
-        speed = sqrt(self.speed_squared.xreplace(values))
-        at = {**values, self.scaling.speed: speed}
-        nonlinear = self.pde.nonlinear_coefficient.xreplace(at)
-        return Coefficients(speed, nonlinear, self.pde.dispersive_coefficient.xreplace(at))
+        at = self._at(self._checked(constants))
+        flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
+        found = [
+            (self.notation.monomial_text(monomial), monomial, (-value).as_expr().xreplace(at))
+            for monomial, value in flow
+        ]
+        return Coefficients(
+            self.scaling.speed.xreplace(at),
+            {name: value for name, _, value in found},
+            {name: monomial for name, monomial, _ in found},
+        )
 
     def normal_form(self, **constants: Number) -> NormalForm:
         """The map to ``U_tau + 6 s U^2 U_xi + U_xixixi = 0``; arguments as for coefficients.
@@ -87,7 +100,8 @@ class Reduction:
         return normal_form(self.pde, self.coefficients(**constants))
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
-        names = {str(constant): constant for constant in self.lattice.constants}
+        own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
+        names = {str(constant): constant for constant in (*self.lattice.constants, *own)}
         for name in constants:
             if name not in names:
                 raise ValueError(
@@ -95,16 +109,29 @@ class Reduction:
                     f"(those are the constants of {self.lattice.name})"
                 )
         values = {names[name]: exact(name, value) for name, value in constants.items()}
+        _check_assumptions(values)
+        self._check_denominators(values)
         self._check_speed(values)
         for condition in self.conditions:
-            left = condition.expression.xreplace(values)
-            if left.is_zero is False and left.is_number:
+            left = expand(condition.expression.xreplace(self._at(values)))
+            if left.is_number and not left.equals(0):
                 raise ValueError(
                     f"constants must satisfy {text_of(condition.expression)} = 0, got "
                     f"{text_of(condition.expression)} = {left} ({condition.reason}; take constants "
                     "that meet it)"
                 )
         return values
+
+    def _check_denominators(self, values: Mapping[Symbol, Expr]) -> None:
+        """Refuse what makes the speed or a coefficient infinite; the speed itself is no zero."""
+        elements = (self.sound_polynomial, *self.pde.flow.terms.values())
+        for factor in {f for element in elements for f, _ in element.denom.factor_list()[1]}:
+            below = factor.as_expr()
+            if below.xreplace(values).is_zero:
+                raise ValueError(
+                    f"constants must satisfy {text_of(below)} != 0, got 0 (the reduction divides "
+                    "by it; take other constants or another background)"
+                )
 
     def _check_speed(self, values: Mapping[Symbol, Expr]) -> None:
         squared = self.speed_squared.xreplace(values)
@@ -132,7 +159,12 @@ class Reduction:
         rows += [("", self.latex_remainder(order)) for order in self.remainders]
         rows += [("", self.latex_correction(power)) for power in self.corrections]
         values = self.coefficients(**constants)
-        rows += [("", f"c = {latex_of(values.c)}")]
+        rows += [("", f"{latex_of(self.scaling.speed)} = {latex_of(values.c)}")]
+        if constants:
+            named = ((self.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
+            rows += [
+                (rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named
+            ]
         if self.pde.is_mkdv:
             form = self.normal_form(**constants)
             rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
@@ -152,3 +184,14 @@ class Reduction:
         Raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)
+
+
+def _check_assumptions(values: Mapping[Symbol, Expr]) -> None:
+    """Refuse a value that is not what its symbol is declared to be."""
+    for symbol, value in values.items():
+        for word in ("positive", "negative", "nonnegative", "nonpositive", "nonzero", "integer"):
+            if getattr(symbol, f"is_{word}") and getattr(value, f"is_{word}") is False:
+                raise ValueError(
+                    f"{symbol} must be {word}, as its symbol is declared, got {shown(value)} "
+                    "(declare the symbol without it, if such values are meant)"
+                )

@@ -9,6 +9,7 @@ from sympy import Expr
 
 from derive.lattice import Bond, Lattice, Stencil
 from derive.notation import text_of
+from derive.scaling import SlowVariable
 
 if TYPE_CHECKING:
     from derive.reduction import Reduction
@@ -115,15 +116,28 @@ def ansatz(reduction: Reduction) -> str:
     """The ansatz in plain text, from the scaling."""
     scaling = reduction.scaling
     name = reduction.lattice.fields[0]
-    mean = "".join(f"{_power(p)}{text_of(value)} + " for p, value in scaling.background)
-    slow = ", ".join(
-        f"{v.name} = {_power(v.exponent)}(n - {text_of(v.speed)} t)" for v in scaling.space
-    )
+    mean = "".join(f"{_power(p)}{_wrapped(value)} + " for p, value in scaling.background)
+    slow = ", ".join(f"{v.name} = {_power(v.exponent)}({phase(v)})" for v in scaling.space)
     arguments = ", ".join(scaling.axes)
     return (
         f"{name} = {mean}{_power(scaling.amplitude)}Y({arguments}), {slow}, "
         f"T = {_power(scaling.time)}t"
     )
+
+
+def phase(variable: SlowVariable) -> str:
+    """What a slow variable is, apart from its power of eps.
+
+    >>> from derive.symbols import c
+    >>> phase(SlowVariable("X", 1, (-2,), -c))
+    '-2 n + c t'
+    """
+    parts = [(step, axis) for step, axis in zip(variable.direction, "nml", strict=False) if step]
+    if variable.speed != 0:
+        backwards = variable.speed.could_extract_minus_sign()
+        size = -variable.speed if backwards else variable.speed
+        parts.append((1 if backwards else -1, f"{_wrapped(size)} t"))
+    return _weighted(parts)
 
 
 def _power(exponent: int) -> str:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from derive.symbols import c
+from derive.constants import check_constants, rational_function
+from derive.rationals import integer, shown
+from derive.symbols import c, eps
 
 
 @dataclass(frozen=True)
@@ -18,14 +21,34 @@ class SlowVariable:
     direction: tuple[int, ...]
     speed: Expr
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not re.fullmatch(r"[A-Za-z]", self.name):
+            raise ValueError(f"name must be one letter, got {shown(self.name)} (X is usual)")
+        hint = "slow variables carry a positive power of eps"
+        integer(f"exponent of {self.name}", self.exponent, 1, hint)
+        if not isinstance(self.direction, tuple) or not any(self.direction):
+            raise ValueError(
+                f"direction of {self.name} must be a tuple of integers, not all 0, got "
+                f"{shown(self.direction)} ((1,) is along a chain)"
+            )
+        for step in self.direction:
+            integer(f"direction of {self.name}", step, -(10**6), "whole cells")
+        object.__setattr__(self, "speed", rational_function(f"speed of {self.name}", self.speed))
+        if self.speed.has(eps):
+            raise ValueError(
+                f"speed of {self.name} must not depend on eps, got {self.speed} (slower drifts are "
+                "terms of the reduced equation)"
+            )
+
 
 @dataclass(frozen=True)
 class Scaling:
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
-    ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The default
-    is the paper's ansatz ``y = eps Y``, ``X = eps (n - c t)``, ``T = eps^3 t`` (eq. "multi-scale
-    variables").
+    ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
+    speed, that of the first slow variable, is a positive symbol, or minus one for waves to the
+    left.  Raises ValueError for what is no ansatz.  The default is the paper's: ``y = eps Y``,
+    ``X = eps (n - c t)``, ``T = eps^3 t`` (eq. "multi-scale variables").
 
     >>> Scaling().leading_order
     5
@@ -37,18 +60,35 @@ class Scaling:
     background: tuple[tuple[int, Expr], ...] = ()
 
     def __post_init__(self) -> None:
-        positive = {"time": self.time, **{v.name: v.exponent for v in self.space}}
-        for name, exponent in positive.items():
-            if exponent < 1:
-                raise ValueError(
-                    f"the exponent of {name} must satisfy exponent >= 1, got {exponent} "
-                    "(slow variables carry a positive power of eps)"
-                )
-        if self.amplitude < 0:
+        integer("time", self.time, 1, "T carries a positive power of eps")
+        integer("amplitude", self.amplitude, 0, "0 is a wave of order one")
+        names = [variable.name for variable in self.space]
+        if not names or len({*names, "T", "Y"}) != len(names) + 2:
             raise ValueError(
-                f"amplitude must satisfy amplitude >= 0, got {self.amplitude} "
-                "(0 is a wave of order one)"
+                f"space must hold variables with names of their own, other than T and Y, got "
+                f"{names} (X is usual)"
             )
+        if self.frame_symbol is None:
+            raise ValueError(
+                f"speed of {names[0]} must be a positive symbol or minus one, got {self.speed} "
+                "(take derive.symbols.c: the reduction finds its value; -c is the other direction)"
+            )
+        mean = tuple((power, rational_function("background", b)) for power, b in self.background)
+        object.__setattr__(self, "background", mean)
+        for exponent, value in self.background:
+            integer("exponent of background", exponent, 0, "0 is a mean of order one")
+            if value.has(self.frame_symbol):
+                raise ValueError(
+                    f"background must not depend on the speed {self.frame_symbol}, got {value} "
+                    "(write it in the lattice's constants)"
+                )
+        check_constants(self.constants)
+
+    @property
+    def frame_symbol(self) -> Symbol | None:
+        """The symbol in the frame speed; None if the speed is neither it nor minus it."""
+        symbol = -self.speed if self.speed.could_extract_minus_sign() else self.speed
+        return symbol if isinstance(symbol, Symbol) and symbol.is_positive else None
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -67,8 +107,8 @@ class Scaling:
 
     @property
     def constants(self) -> tuple[Symbol, ...]:
-        """The symbols in speeds and background, by name."""
+        """The symbols in speeds and background, by name; eps, which is no constant, apart."""
         found: set[Symbol] = set()
         for expression in (*(v.speed for v in self.space), *(b for _, b in self.background)):
             found |= expression.free_symbols
-        return tuple(sorted(found, key=str))
+        return tuple(sorted(found - {eps}, key=str))

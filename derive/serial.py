@@ -15,7 +15,6 @@ from sympy.polys.fields import FracElement, FracField
 from sympy.polys.rings import PolyElement
 
 from derive.differential import DifferentialPolynomial
-from derive.normal_form import Coefficients, NormalForm
 from derive.notation import Notation, text_of
 from derive.rationals import Number, parse_rational
 
@@ -60,7 +59,13 @@ def _scaling_data(reduction: Reduction) -> Data:
         "amplitude": scaling.amplitude,
         "time": scaling.time,
         "space": [
-            {"name": v.name, "exponent": v.exponent, "speed": str(v.speed)} for v in scaling.space
+            {
+                "name": v.name,
+                "exponent": v.exponent,
+                "direction": list(v.direction),
+                "speed": text_of(v.speed),
+            }
+            for v in scaling.space
         ],
         "background": [[exponent, text_of(value)] for exponent, value in scaling.background],
     }
@@ -69,14 +74,15 @@ def _scaling_data(reduction: Reduction) -> Data:
 def _number_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     """The coefficients at ``constants``, and the normal form if the equation is mKdV."""
     data: Data = {"constants": {name: str(value) for name, value in constants.items()}}
-    data["coefficients"] = _record_data(reduction.coefficients(**constants))
+    values = reduction.coefficients(**constants)
+    terms = {name: text_of(value) for name, value in values.terms.items()}
+    data["coefficients"] = {"c": text_of(values.c), "terms": terms}
     if reduction.pde.is_mkdv:
-        data["normal_form"] = _record_data(reduction.normal_form(**constants))
+        form = reduction.normal_form(**constants)
+        data["normal_form"] = {
+            item.name: text_of(getattr(form, item.name)) for item in fields(form)
+        }
     return data
-
-
-def _record_data(record: Coefficients | NormalForm) -> Data:
-    return {item.name: text_of(getattr(record, item.name)) for item in fields(record)}
 
 
 def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> Data:

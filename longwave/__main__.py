@@ -38,9 +38,14 @@ def main(argv: list[str] | None = None) -> int:
         return 0
     if word not in _COMMANDS:
         known = ", ".join(_COMMANDS)
-        print(f"error: COMMAND must be a known one, got {word} (one of {known})", file=sys.stderr)
+        given = " ".join(word.split())
+        print(f"error: COMMAND must be a known one, got {given} (one of {known})", file=sys.stderr)
         return 2
-    return command(word)(rest)
+    try:
+        return command(word)(rest)
+    except KeyboardInterrupt:
+        print(f"longwave {word}: interrupted", file=sys.stderr)
+        return 130
 
 
 def command(word: str) -> Command:

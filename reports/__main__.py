@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, fail, interrupted
 from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures, write_source
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
@@ -29,6 +29,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         tex, sound = build(options, console)
         ensure_engine(console.print)
         pdf = compile_pdf(tex)
+    except KeyboardInterrupt:
+        return interrupted("python -m reports", f"what was written is in {shown(options.output)}")
     except (ValueError, OSError) as error:
         return fail(error)
     except (EngineMissingError, CompileError) as error:

@@ -1,16 +1,16 @@
 """`python -m reports.bench`: the studies of cost, one after the other, as tables and figures."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, announce, fail, interrupted
 from reports.assemble import write_study_figures, write_study_tables
-from reports.jobs import run_jobs
-from reports.studies import studies, study_jobs
+from reports.jobs import Job, run_jobs
+from reports.studies import Key, Studies, studies, study_jobs
 
 BUILD = Path(__file__).parent / "build" / "bench"
 
@@ -30,17 +30,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         options.output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         return fail(f"--output must be a folder that can be written, got {options.output}: {error}")
+    jobs = study_jobs(full=not options.short)
+    announce("the studies", sum(job.weight for job in jobs.values()))
+    try:
+        return 0 if _measure(jobs, options.output, console).sound else 1
+    except KeyboardInterrupt:
+        return interrupted("python -m reports.bench", "nothing was written of unfinished studies")
+
+
+def _measure(jobs: Mapping[Key, Job], output: Path, console: Console) -> Studies:
+    """Run the studies with a progress bar, and write and name their tables and figures."""
     columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
     with Progress(*columns, console=console) as bar:
         task = bar.add_task("measuring", total=1.0)
-        jobs = study_jobs(full=not options.short)
         found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
-        for name, text in write_study_tables(found, options.output):
+        for name, text in write_study_tables(found, output):
             if text:
-                console.print(options.output / "tables" / f"{name}.tex", soft_wrap=True)
-        for path in write_study_figures(found, options.output):
+                console.print(output / "tables" / f"{name}.tex", soft_wrap=True)
+        for path in write_study_figures(found, output):
             console.print(path, soft_wrap=True)
-    return 0 if found.sound else 1
+    return found
 
 
 if __name__ == "__main__":

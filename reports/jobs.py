@@ -7,6 +7,8 @@ from ctypes import c_double
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from verify.pool import ignore_interrupt, stopping
+
 Key = TypeVar("Key", bound=Hashable)
 Progress = Callable[[float], None]
 
@@ -56,7 +58,7 @@ def run_jobs(jobs: Mapping[Key, Job], workers: int, progress: Progress) -> dict[
         done = sum(weight * share for weight, share in zip(weights, shares, strict=True))
         progress(min(1.0, done / sum(weights)))
 
-    with ProcessPoolExecutor(workers, context, _share_progress, (shares,)) as pool:
+    with ProcessPoolExecutor(workers, context, _begin, (shares,)) as pool, stopping(pool):
         found = {key: pool.submit(_do, i, jobs[key]) for i, key in enumerate(ordered)}
         _watch(set(found.values()), report)
     progress(1.0)
@@ -75,10 +77,11 @@ def _watch(pending: set[Future[Any]], report: Callable[[], None]) -> None:
                 job.result()
 
 
-def _share_progress(shares: Any) -> None:
-    """Keep the array of progress shares in this worker process."""
+def _begin(shares: Any) -> None:
+    """Keep the array of progress shares in this worker process; leave Ctrl-C to the parent."""
     global _shares
     _shares = shares
+    ignore_interrupt()
 
 
 def _do(place: int, job: Job) -> Any:

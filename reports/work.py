@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from derive.command_line import announce
 from reports.jobs import Job, Progress, run_jobs
 from reports.studies import Key, Studies, studies, study_jobs
 from solutions import CATALOGUE, closed_form
@@ -50,7 +51,10 @@ class Findings:
 
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
     """Do the work of a report in the pool; raises as `run_jobs` does."""
-    found = run_jobs(all_jobs(scenes, full), workers, progress)
+    jobs = all_jobs(scenes, full)
+    if workers >= 1:
+        announce("the report", sum(job.weight for job in jobs.values()) / workers)
+    found = run_jobs(jobs, workers, progress)
 
     def of(kind: str) -> list[Any]:
         return [value for (part, _), value in found.items() if part == kind]

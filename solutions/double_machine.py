@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from solutions.bytecode import Bytecode
+from solutions.jit import njit
 
 __all__ = ["run_double"]
 

@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from solutions.special.doubledouble import Pair, add, multiply, split
 
 __all__ = ["LinearPhase"]

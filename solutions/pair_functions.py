@@ -6,9 +6,9 @@ Each fills ``z`` from ``x``; ``scratch`` is an array of ``SCRATCH`` blocks.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from solutions.special.blocks import BLOCK, decay, load, store
 from solutions.special.doubledouble import (
     add,

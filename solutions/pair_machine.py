@@ -1,16 +1,12 @@
-"""The register machine in double-double, on blocks of points.
-
-A register is a block. numba's disk cache sees changes of this file only: after a change in
-``solutions.special.doubledouble``, ``blocks`` or ``pair_functions`` remove ``__pycache__``.
-"""
+"""The register machine in double-double, on blocks of points: a register is a block."""
 
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from solutions.bytecode import Bytecode
+from solutions.jit import njit
 from solutions.pair_functions import SCRATCH, exponential, logarithm, sech, tanh
 from solutions.special.blocks import BLOCK, load, store
 from solutions.special.doubledouble import (

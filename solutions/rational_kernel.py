@@ -4,16 +4,15 @@ A and B of ``f = A + i B`` have degree d when x counts 1 and t counts 3. Their r
 t, are summed once for points that share t. The sums over rows run on blocks of points, with x
 divided by a power of two S and a term of degree ``d - n`` by ``S**n``, so that no power overflows.
 A row of the workspace holds ``BLOCK`` high parts, then as many low parts, as in
-``solutions.pair_machine``. numba's disk cache sees changes of this file only: after a change in
-``solutions.special.doubledouble`` remove ``__pycache__``.
+``solutions.pair_machine``.
 """
 
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from solutions.special.doubledouble import Pair, add, divide, multiply, scale, subtract
 
 __all__ = ["rational_loop"]

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from solutions.source_digest import ROOMS as SOURCE_ROOMS
+
 HOUSE = Path(__file__).parents[1]
 ROOMS = ("derive", "solutions", "verify", "reports", "longwave")
 SOURCES = sorted(path for room in ROOMS for path in (HOUSE / room).rglob("*.py"))
@@ -86,6 +88,18 @@ def test_no_text_is_evaluated(path: Path) -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute)
     }
     assert not called & {"eval", "exec", "parse_expr"}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_kernels_are_compiled_through_the_cache_that_follows_sources(path: Path) -> None:
+    """Numba's own ``cache=True`` serves old machine code after a change in another file."""
+    if path.relative_to(HOUSE) != Path("solutions", "jit.py"):
+        wrong = {"numba.njit", "numba.jit", "numba.vectorize", "numba.guvectorize", "numba.cfunc"}
+        assert not set(imported_modules(path)) & {*wrong, "numba.np.ufunc"}
+
+
+def test_the_rooms_whose_sources_count_for_kernels_are_all_rooms() -> None:
+    assert SOURCE_ROOMS == ROOMS
 
 
 def text_files() -> Iterator[Path]:

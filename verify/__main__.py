@@ -16,8 +16,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return command(arguments[1:]) if command else table_command(arguments)
     except KeyboardInterrupt:
-        print("python -m verify: interrupted", file=sys.stderr)
-        return 130
+        from derive.command_line import interrupted
+
+        return interrupted(" ".join(["python -m verify", *(arguments[:1] if command else ())]))
 
 
 def table_command(argv: list[str]) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, fail, interrupted
 from reports.figures.paper import snapshots
 from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
@@ -25,6 +25,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with styled():
             save(readme_figure(), path)
+    except KeyboardInterrupt:
+        return interrupted("python -m reports.figures", f"{path} was not written")
     except (OSError, ValueError) as error:
         return fail(error)
     return 0

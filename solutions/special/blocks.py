@@ -3,7 +3,7 @@
 A block is an array of ``BLOCK`` high parts, then as many low parts.  Loops over it have no branch
 and call nothing but the primitives of `doubledouble`: LLVM then runs them on vectors.  Taylor
 series have their first terms in double-double and the tail, which is below 1e-16 of the sum, in
-double.  numba's disk cache does not see a change in this file: after one, remove `__pycache__`.
+double.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from __future__ import annotations
 from math import factorial
 
 import numpy as np
-from numba import njit
 
+from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.doubledouble import (
     Pair,

@@ -2,8 +2,7 @@
 
 The functions are numba-compiled primitives on pairs (hi, lo) with |lo| <= ulp(hi) / 2: Dekker's and
 Knuth's algorithms, with a fused multiply-add for the exact product.  They are meant to be called
-from compiled loops; from Python each call works too, on single numbers.  numba's disk cache does
-not see a change in this file: after one, remove `__pycache__`.
+from compiled loops; from Python each call works too, on single numbers.
 
 >>> multiply((1.0 + 2.0**-30, 0.0), (1.0 - 2.0**-30, 0.0)) == (1.0, -(2.0**-60))
 True
@@ -16,8 +15,10 @@ from typing import Any
 
 import numpy as np
 from mpmath import MPContext
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
+
+from solutions.jit import njit
 
 Pair = tuple[float, float]
 

@@ -1,8 +1,7 @@
 """sn, cn, dn, epsilon, zeta and Theta in double-double, about 30 digits, on NumPy arrays.
 
 The algorithm of `solutions.special.kernels`, with pairs throughout and on blocks of points: errors
-below 1e-31 of max(1, |value|), plus 5e-33 |u| from the period.  numba's disk cache sees changes of
-this file only: after a change in a file that it imports remove `__pycache__`.
+below 1e-31 of max(1, |value|), plus 5e-33 |u| from the period.
 """
 
 from __future__ import annotations
@@ -10,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
+from solutions.jit import njit
 from solutions.special.arrays import Array, flat_pair
 from solutions.special.blocks import BLOCK, block_of, decay, get, put
 from solutions.special.doubledouble import add, multiply, negate, reciprocal, scale, two_sum

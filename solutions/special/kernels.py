@@ -6,9 +6,6 @@ v = pi r / (2K) with the nome q; for m > 1/2 Jacobi's imaginary transformation t
 series into hyperbolic functions of w = pi r / (2K') with the nome q', scaled by exp(-|w|), which
 stay finite down to m1 = 0 (q' = 0: tanh and sech).  Both nomes are below 0.0433: the terms written
 out reach 1e-18.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
-
-numba's disk cache sees changes of this file only: all of a loop's code is here, the double-double
-primitives apart.
 """
 
 from __future__ import annotations
@@ -16,8 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.doubledouble import fma, two_sum
 from solutions.special.parameter import EllipticParameter

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.blocks import BLOCK, block_of, decay, get, put, sine_cosine
 from solutions.special.doubledouble import Pair, add_loosely, multiply, reciprocal, scale, subtract

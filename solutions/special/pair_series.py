@@ -6,8 +6,7 @@ beyond q^12, below 1e-18 of their sums, are added in double.  Source: DLMF 20.2.
 
 from __future__ import annotations
 
-from numba import njit
-
+from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.blocks import BLOCK, get, put
 from solutions.special.doubledouble import Pair, add_loosely, multiply, scale, subtract

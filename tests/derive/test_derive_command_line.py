@@ -4,6 +4,7 @@ from importlib import import_module
 
 import pytest
 
+from derive.__main__ import main
 from derive.command_line import fail
 
 COMMANDS = {
@@ -34,3 +35,9 @@ def test_an_unknown_option_is_one_line(module: str, capsys: pytest.CaptureFixtur
 def test_a_message_of_several_lines_is_told_in_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert fail("one\n  two") == 2
     assert capsys.readouterr().err == "error: one two\n"
+
+
+def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--k2", "--"])
+    assert capsys.readouterr().err.startswith("error: argument --k2: expected one argument")

@@ -5,7 +5,15 @@ from dataclasses import replace
 import pytest
 from sympy import Integer, Symbol, expand, sin, sqrt
 
-from derive import LATTICES, Bond, Stencil, dispersion_relation, mkdv_reduction
+from derive import (
+    LATTICES,
+    Bond,
+    Scaling,
+    Stencil,
+    dispersion_relation,
+    mkdv_reduction,
+    reduce,
+)
 from derive.dispersion import agrees_with_reduction, long_wave_of_reduction
 from derive.symbols import K2, K3, K4, k, x, ybar
 
@@ -59,6 +67,29 @@ def test_next_nearest_springs() -> None:
             )
             < 1e-25
         )
+
+
+def test_background_is_where_the_linear_waves_are() -> None:
+    """About zero strain the lattice's waves would be too slow by 2 K3 ybar + 3 K4 ybar^2."""
+    reduction = reduce(FPUT, Scaling(amplitude=2, background=((0, ybar),)), orders=6)
+    assert agrees_with_reduction(FPUT, reduction)
+
+
+def test_what_the_comparison_of_linear_waves_does_not_know_is_refused() -> None:
+    gardner = reduce(FPUT, Scaling(background=((1, ybar),)), orders=5)
+    with pytest.raises(ValueError, match=r"background must be of order one"):
+        agrees_with_reduction(FPUT, gardner)
+    with pytest.raises(ValueError, match=r"no linear term but Y_XXX"):
+        long_wave_of_reduction(gardner)
+
+
+def test_several_fields_and_axes_are_refused() -> None:
+    """With two fields omega^2 has two branches; the sum of all weights is neither."""
+    two = replace(FPUT, fields=("y", "z"), masses=(Integer(1), Integer(2)))
+    square = Bond((Stencil((0, 0)),), K2 * x, (Stencil((0, 1)), Stencil((0, 0), -2)))
+    for lattice in (two, replace(FPUT, bonds=(square,))):
+        with pytest.raises(ValueError, match="lattice must have one field and one axis, got"):
+            dispersion_relation(lattice)
 
 
 def test_one_sided_force_is_refused() -> None:

@@ -1,13 +1,28 @@
 """The normal form and the numbers that enter it."""
 
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational, Symbol, nan, oo, sqrt, symbols
+from sympy import (
+    Float,
+    I,
+    MatrixSymbol,
+    Rational,
+    Symbol,
+    nan,
+    oo,
+    sin,
+    sqrt,
+    symbols,
+    true,
+    zoo,
+)
 
 from derive import LATTICES, Scaling, initial_velocity, mkdv_normal_form, mkdv_reduction, reduce
 from derive.rationals import exact, parse_rational
@@ -41,7 +56,19 @@ def test_derived_symbolic_form_is_the_known_one() -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [0.1, "0.1", "1/10", Fraction(1, 10), np.float64(0.1), Rational(1, 10)]
+    "value",
+    [
+        0.1,
+        "0.1",
+        "1/10",
+        Fraction(1, 10),
+        Decimal("0.1"),
+        np.float64(0.1),
+        np.float32(0.1),
+        Float(0.1),
+        mpmath.mpf("0.1"),
+        Rational(1, 10),
+    ],
 )
 def test_every_spelling_of_a_tenth_is_a_tenth(value: Any) -> None:
     assert exact("K2", value) == Rational(1, 10)
@@ -49,11 +76,43 @@ def test_every_spelling_of_a_tenth_is_a_tenth(value: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "value", [float("nan"), float("inf"), "nan", "", "1/0", "__import__", True, 1j, nan, oo, [1]]
+    "value",
+    [
+        *(float("nan"), float("inf"), "nan", "", "1/0", "__import__", "1" * 5000, True, 1j, [1]),
+        *(nan, oo, zoo, true, I, Symbol("p") + oo, I * Symbol("p"), MatrixSymbol("A", 2, 2)),
+        *(Decimal("nan"), Decimal("1e99999"), mpmath.mpf("inf"), mpmath.mpc(1, 1), mpmath.mp.pi),
+        *(np.True_, np.array([1.0]), np.complex128(1), np.datetime64(1, "s"), None),
+    ],
+    ids=repr,
 )
 def test_what_is_no_number_is_refused(value: Any) -> None:
     with pytest.raises(ValueError, match="K4 must"):
         mkdv_normal_form(4, value)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Float(0.1) * sqrt(2), K2 + 0.5, sin(0.1 * K2), sqrt(K2 + Float(0.25)), K2 / (1 + 1e-30 * K4)],
+    ids=str,
+)
+def test_a_float_anywhere_in_an_expression_is_refused(value: Any) -> None:
+    with pytest.raises(ValueError, match=r"K2 must be exact, got .* with a float in it"):
+        exact("K2", value)
+
+
+def test_a_number_of_more_digits_than_a_float_keeps_them_or_is_refused() -> None:
+    digits = "0.123456789012345678901234567891"
+    assert exact("K2", Float(digits, 30)) == Rational(digits)
+    precise = mpmath.MPContext()
+    precise.dps = 50
+    with pytest.raises(ValueError, match="K2 must be a finite real number"):
+        exact("K2", precise.mpf(1) / 3)
+
+
+def test_a_value_that_its_symbol_excludes_is_refused() -> None:
+    """K2 is declared positive, and the reduction divides by it on that word."""
+    with pytest.raises(ValueError, match="K2 must be positive, as its symbol is declared, got -1"):
+        mkdv_reduction().coefficients(K2=-1)
 
 
 @pytest.mark.parametrize("text", ["1;2", "2**3", "1e9999", "0x10", "4 4", "١"])
@@ -83,7 +142,7 @@ def test_unknown_constant_is_refused() -> None:
 
 def test_kdv_has_no_mkdv_normal_form() -> None:
     kdv = reduce(LATTICES["fput_strain"], Scaling(amplitude=2), orders=6)
-    with pytest.raises(ValueError, match=r"must have the nonlinear term Y\^2 Y_X"):
+    with pytest.raises(ValueError, match=r"must have the terms Y\^2 Y_X and Y_XXX alone"):
         kdv.normal_form(K2=1)
 
 

@@ -87,7 +87,7 @@ def test_other_formats_take_the_numbers(option: str, capsys: pytest.CaptureFixtu
     assert main([option, "--k2", "4", "--k3", "0", "--k4", "1"]) == 0
     out = capsys.readouterr().out
     if option == "--json":
-        assert json.loads(out)["coefficients"]["nonlinear"] == "3/4"
+        assert json.loads(out)["coefficients"]["terms"]["Y^2 Y_X"] == "3/4"
     else:
         assert r"a = \frac{\sqrt{6}}{2}" in out
         assert "$" not in out

@@ -7,9 +7,19 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
+from derive.command_line import announce, interrupted
 from solutions.catalogue import CATALOGUE
 from verify.check import named_form
-from verify.cli.parser import OneLineParser, add_only, fail, print_lines, table_console, tracked
+from verify.cli.costs import MUTANTS
+from verify.cli.parser import (
+    OneLineParser,
+    add_only,
+    fail,
+    finished,
+    print_lines,
+    table_console,
+    tracked,
+)
 from verify.study.mutations import MutationCount, count_mutants
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")
@@ -27,14 +37,19 @@ def mutations_command(argv: list[str]) -> int:
     options = parser.parse_args(argv)
     names = options.only or [form.name for form in CATALOGUE]
     try:
-        forms = [named_form(name) for name in names]
+        announce(
+            f"the misprints of {', '.join(options.only or ['all forms'])}", MUTANTS.total(names)
+        )
     except ValueError as error:
         return fail(error)
-    counts = list(tracked(map(count_mutants, forms), len(forms), "refuting"))
+    work = (count_mutants(named_form(name)) for name in names)
+    counts, complete = finished(tracked(work, len(names), "refuting"))
     if options.json:
         print(json.dumps([count.json() for count in counts], indent=2))
     else:
         _print(counts)
+    if not complete:
+        return interrupted(parser.prog, f"after {len(counts)} of {len(names)} forms")
     return 1 if any(count.undecided for count in counts) else 0
 
 

@@ -10,7 +10,15 @@ from rich.progress import track
 
 from derive.command_line import OneLineParser, fail
 
-__all__ = ["OneLineParser", "add_only", "fail", "print_lines", "table_console", "tracked"]
+__all__ = [
+    "OneLineParser",
+    "add_only",
+    "fail",
+    "finished",
+    "print_lines",
+    "table_console",
+    "tracked",
+]
 
 PIPE_WIDTH = 120
 """Columns of a table where stdout is no terminal."""
@@ -36,6 +44,17 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     console = Console(stderr=True)
     off = not console.is_terminal
     yield from track(items, words, count, console=console, transient=True, disable=off)
+
+
+def finished(items: Iterable[T]) -> tuple[list[T], bool]:
+    """The items that came until the end or until Ctrl-C, and whether it was the end."""
+    found: list[T] = []
+    try:
+        for item in items:
+            found.append(item)
+    except KeyboardInterrupt:
+        return found, False
+    return found, True
 
 
 def print_lines(console: Console, lines: Sequence[str]) -> None:

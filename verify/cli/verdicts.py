@@ -7,8 +7,18 @@ import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from derive.command_line import announce, interrupted
 from verify.check import NAMES, check_all, named_form
-from verify.cli.parser import OneLineParser, add_only, fail, print_lines, table_console, tracked
+from verify.cli.costs import CERTIFICATE, PROOF, RESIDUAL, STABLE, Law
+from verify.cli.parser import (
+    OneLineParser,
+    add_only,
+    fail,
+    finished,
+    print_lines,
+    table_console,
+    tracked,
+)
 from verify.proof import ProofVerdict, prove_stable
 from verify.residual import DIGITS, POINTS, Sampling, check_residual
 from verify.table import failure_lines, summary, verdict_table
@@ -25,17 +35,32 @@ def verdicts_command(argv: list[str]) -> int:
     names = options.only or NAMES
     try:
         _settle_method(options)
-        for name in options.only or ():
-            named_form(name)
+        work = _verdicts(names, options)
+        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
         if options.certificate is not None:
             options.certificate.touch()
-        found = list(tracked(_verdicts(names, options), len(names), "checking"))
+        found, complete = finished(tracked(work, len(names), "checking"))
         if options.certificate is not None:
             _write_certificates(options.certificate, found)
     except (ValueError, OSError) as error:
         return fail(error)
     _print(found, options)
+    if not complete:
+        return interrupted(parser.prog, f"after {len(found)} of {_noun(len(names))}")
     return 0 if all(verdict.passed for verdict in found) else 1
+
+
+def _noun(count: int) -> str:
+    return "1 form" if count == 1 else f"{count} forms"
+
+
+def _law(options: argparse.Namespace) -> Law:
+    """What a form costs with the method and the options chosen."""
+    if options.stable:
+        return STABLE
+    if options.method == "residual":
+        return RESIDUAL
+    return PROOF if options.certificate is None else CERTIFICATE
 
 
 def _parser() -> OneLineParser:

@@ -13,9 +13,9 @@ The step is fixed: its error is then a smooth function of it, which a run with h
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from verify.exponential.phi import moment_weights
 from verify.exponential.runge_kutta import ExponentialRungeKutta
 

@@ -17,9 +17,9 @@ which w = 0, is kept in the place of p_-'s mode 0: it is driven by the constant 
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from verify.exponential.adams import ExponentialAdams
 from verify.lattice.constants import Constants
 from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail

@@ -7,13 +7,13 @@ kernels know nothing of windows: a domain (`domain.py`) decides which sites the 
 
 A constant that is zero is passed as ``None``. Numba prunes branches on ``None`` by type, so each
 combination of constants is compiled by itself and the absent terms are absent from its machine
-code. All jitted functions live in this file, because numba's cache on disk does not notice a
-change in a function called from another file.
+code.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from solutions.jit import njit
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ to `stencil.advance_composition`; `fits` tells.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from verify.lattice.vector import LANES, stage
 
 Array = NDArray[np.float64]

@@ -11,8 +11,6 @@ arithmetic. LLVM's own vectoriser does not find this form; it takes three passes
 
 The code says vectors of eight doubles and multiply-adds that may be contracted; LLVM lowers both to
 what the processor has: one without AVX-512 runs the same code in halves, without AVX2 in quarters.
-
-Numba's cache on disk does not notice a change in this file: clear it (`make clean`) after one.
 """
 
 from collections.abc import Callable

@@ -1,16 +1,12 @@
-"""The lattice in double-double arithmetic (about 32 digits), to find what rounding does.
-
-Compiled functions are all in this file and in `solutions/special/doubledouble.py`; numba's cache on
-disk does not notice a change in the latter.
-"""
+"""The lattice in double-double arithmetic (about 32 digits), to find what rounding does."""
 
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from solutions.jit import njit
 from solutions.special.doubledouble import add, multiply, scale, split, subtract
 from verify.lattice.constants import Constants
 from verify.lattice.scheme import Composition

@@ -13,13 +13,18 @@ from multiprocessing import get_context
 from rich.console import Console
 from rich.table import Table
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, announce, fail, interrupted
+from verify.cli.parser import finished
+from verify.pool import ignore_interrupt, stopping
 from verify.study.evaluation import TOLERANCE, Accuracy, measure, worst_of
 from verify.study.evaluation_cases import all_cases, wave_names
 
 __all__ = ["accuracy_command"]
 
 PIPE_WIDTH = 120
+
+CASE_SECONDS = 3.0
+"""About the time that one case takes in a process."""
 
 
 def accuracy_command(argv: list[str]) -> int:
@@ -38,17 +43,23 @@ def accuracy_command(argv: list[str]) -> int:
         if unknown:
             return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
         return fail(f"--jobs must satisfy --jobs >= 1, got {options.jobs} (2 is usual)")
-    results = list(_measured(options.only or wave_names(), options.jobs))
+    chosen = options.only or wave_names()
+    cases = sum(len(list(all_cases(name))) for name in chosen)
+    announce(f"{len(chosen)} waves to be measured", CASE_SECONDS * cases / options.jobs)
+    results, complete = finished(_measured(chosen, options.jobs))
     if options.json:
         print(json.dumps([result.json() for result in results], indent=2))
     else:
         _print(results)
+    if not complete:
+        return interrupted(parser.prog, f"after {len(results)} of {len(chosen)} waves")
     return 0 if all(result.passed for result in results) else 1
 
 
 def _measured(names: Sequence[str], jobs: int) -> Iterator[Accuracy]:
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    context = get_context("spawn")
+    with ProcessPoolExecutor(jobs, context, ignore_interrupt) as pool, stopping(pool):
         pending = [
             (name, [pool.submit(measure, case) for case in all_cases(name)]) for name in names
         ]
