@@ -59,10 +59,9 @@ def _measured(names: Sequence[str], jobs: int) -> Iterator[Accuracy]:
 
 def _print(results: Sequence[Accuracy]) -> None:
     table = Table(title=f"worst errors / max(1, |value|); promised: {TOLERANCE:.0e}")
-    for heading in ("wave", "arithmetic", "points", "Y", "Y_X", "Y_T", "worst at"):
+    for heading in ("wave", "points", "Y", "Y_X", "Y_T", "worst at"):
         table.add_column(heading, justify="left" if heading in ("wave", "worst at") else "right")
     for result in results:
         errors = [f"{error:.1e}" for error in result.errors]
-        arithmetic = ", ".join(result.precisions)
-        table.add_row(result.name, arithmetic, str(result.points), *errors, result.worst)
+        table.add_row(result.name, str(result.points), *errors, result.worst)
     Console(width=None if sys.stdout.isatty() else PIPE_WIDTH).print(table)
