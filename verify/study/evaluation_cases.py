@@ -103,8 +103,8 @@ def wave_names() -> list[str]:
     return [form.name for form in CATALOGUE] + [f"rational_{order}" for order in higher]
 
 
-def all_cases(name: str) -> Iterator[Case]:
-    """The cases of one wave: ends of domains, then ``DRAWN`` from the whole.
+def all_cases(name: str, drawn: int = DRAWN) -> Iterator[Case]:
+    """The cases of one wave: ends of domains, then ``drawn`` from the whole.
 
     >>> [str(case) for case in all_cases("kink")][:3]
     ['A = 0.001', 'A = 0.1', 'A = 1']
@@ -124,7 +124,7 @@ def all_cases(name: str) -> Iterator[Case]:
         yield from _with_modulus(name, "alpha" in parameters)
     if name.startswith("rational_") and (order := int(name.removeprefix("rational_"))) > 3:
         yield Case(name, _shifts(order))
-    yield from drawn_cases(name, DRAWN)
+    yield from drawn_cases(name, drawn)
 
 
 def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[Case]:

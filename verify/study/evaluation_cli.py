@@ -15,7 +15,7 @@ from rich.table import Table
 
 from derive.command_line import OneLineParser, fail
 from verify.study.evaluation import TOLERANCE, Accuracy, measure, worst_of
-from verify.study.evaluation_cases import all_cases, wave_names
+from verify.study.evaluation_cases import DRAWN, all_cases, wave_names
 
 __all__ = ["accuracy_command"]
 
@@ -31,14 +31,19 @@ def accuracy_command(argv: list[str]) -> int:
     parser.add_argument("--only", action="append", metavar="NAME", help="this wave; repeatable")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default all)")
     parser.add_argument("--json", action="store_true", help="print the table as JSON")
+    parser.add_argument(
+        "--drawn", type=int, default=DRAWN, help=f"random cases a wave (default {DRAWN})"
+    )
     options = parser.parse_args(argv)
     unknown = sorted(set(options.only or ()) - set(wave_names()))
-    if unknown or options.jobs < 1:
+    if unknown:
         names = ", ".join(wave_names())
-        if unknown:
-            return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+        return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
+    if options.jobs < 1:
         return fail(f"--jobs must satisfy --jobs >= 1, got {options.jobs} (2 is usual)")
-    results = list(_measured(options.only or wave_names(), options.jobs))
+    if options.drawn < 0:
+        return fail(f"--drawn must satisfy --drawn >= 0, got {options.drawn} ({DRAWN} is usual)")
+    results = list(_measured(options.only or wave_names(), options.jobs, options.drawn))
     if options.json:
         print(json.dumps([result.json() for result in results], indent=2))
     else:
@@ -46,11 +51,12 @@ def accuracy_command(argv: list[str]) -> int:
     return 0 if all(result.passed for result in results) else 1
 
 
-def _measured(names: Sequence[str], jobs: int) -> Iterator[Accuracy]:
+def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
         pending = [
-            (name, [pool.submit(measure, case) for case in all_cases(name)]) for name in names
+            (name, [pool.submit(measure, case) for case in all_cases(name, drawn)])
+            for name in names
         ]
         for name, cases in pending:
             print(f"measuring {name}", file=sys.stderr)
