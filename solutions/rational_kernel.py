@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from solutions.special import bounded
 from solutions.special.blocks import BLOCK
 from solutions.special.bounded import UNIT, Bounded
-from solutions.special.doubledouble import Pair, add, multiply, scale
+from solutions.special.doubledouble import Pair, add, add_loosely, multiply, scale
 
 __all__ = ["rational_loop"]
 
@@ -34,7 +34,7 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
     for i in range(BLOCK):
         low, size = i + BLOCK, i + 2 * BLOCK
         product = multiply((z[i], z[low]), (x[i], x[low]))
-        z[i], z[low] = add(product, (y[i] * weight[i], y[low] * weight[i]))
+        z[i], z[low] = add_loosely(product, (y[i] * weight[i], y[low] * weight[i]))
         z[size] = z[size] * x[size] + y[size] * weight[i]
 
 
