@@ -99,7 +99,7 @@ class Assembler:
                 first, second = (other, total) if negative else (total, other)
                 total, negative = self._emit(Operation.SUBTRACT, first, second), False
         if constant == 0:
-            return self._negated(total) if negative else total
+            return self._times(total, sp.S.NegativeOne) if negative else total
         operation = Operation.FROM_CONSTANT if negative else Operation.ADD_CONSTANT
         return self._emit(operation, total, self._constant(constant))
 
@@ -113,9 +113,7 @@ class Assembler:
         total = numbers[0]
         for number in numbers[1:]:
             total = self._emit(Operation.MULTIPLY, *sorted((total, number)))
-        if constant == 1:
-            return total
-        return self._emit(Operation.MULTIPLY_CONSTANT, total, self._constant(constant))
+        return total if constant == 1 else self._times(total, constant)
 
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
         if not (2 * exponent).is_Integer:
@@ -150,8 +148,10 @@ class Assembler:
     def _constant(self, expression: sp.Expr) -> int:
         return self._pool.setdefault(expression, len(self._pool))
 
-    def _negated(self, value: int) -> int:
-        return self._emit(Operation.MULTIPLY_CONSTANT, value, self._constant(sp.S.NegativeOne))
+    def _times(self, value: int, constant: sp.Expr) -> int:
+        exact = constant.is_Rational and _is_power_of_two(constant)
+        operation = Operation.SCALE if exact else Operation.MULTIPLY_CONSTANT
+        return self._emit(operation, value, self._constant(constant))
 
     def _unary(self, operation: Operation, value: int) -> int:
         return self._emit(operation, value, value)
@@ -162,6 +162,11 @@ class Assembler:
             self._numbered[key] = self._inputs + len(self._instructions)
             self._instructions.append(key)
         return self._numbered[key]
+
+
+def _is_power_of_two(number: sp.Rational) -> bool:
+    """Whether multiplication by ``number`` rounds nothing."""
+    return min(abs(number.p), number.q) == 1 and max(abs(number.p), number.q).bit_count() == 1
 
 
 def _operands(operation: Operation, first: int, second: int) -> tuple[int, ...]:

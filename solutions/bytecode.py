@@ -19,19 +19,21 @@ class Operation(IntEnum):
     ADD_CONSTANT = 3  # a + c
     FROM_CONSTANT = 4  # c - a
     MULTIPLY_CONSTANT = 5  # a c
-    CONSTANT = 6  # c
-    RECIPROCAL = 7  # 1/a
-    SQUARE_ROOT = 8
-    LOGARITHM = 9
-    EXPONENTIAL = 10
-    TANH = 11
-    SECH = 12
+    SCALE = 6  # a c for a power of two c, or minus one
+    CONSTANT = 7  # c
+    RECIPROCAL = 8  # 1/a
+    SQUARE_ROOT = 9
+    LOGARITHM = 10
+    EXPONENTIAL = 11
+    TANH = 12
+    SECH = 13
 
 
 WITH_CONSTANT = (
     Operation.ADD_CONSTANT,
     Operation.FROM_CONSTANT,
     Operation.MULTIPLY_CONSTANT,
+    Operation.SCALE,
     Operation.CONSTANT,
 )
 

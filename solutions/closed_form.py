@@ -9,7 +9,6 @@ import sympy as sp
 
 from solutions.equation import Equation
 from solutions.parameter import Parameter
-from solutions.precision import HardRange
 
 __all__ = ["ClosedForm", "FarFields", "Reference"]
 
@@ -37,9 +36,9 @@ class ClosedForm:
     ``expression`` is the canonical form, as printed. ``background`` is the bare wave of the same
     phase that the figures subtract (zero for a bare wave itself); ``period`` is the background's
     period in ``xi``, None if it is constant. ``stabilise`` makes the form that is evaluated in
-    floating point from the canonical one; ``hard`` says where double precision does not suffice
-    for it. ``evaluator`` makes, from exact parameters, what evaluates the form where that is not
-    the stable expression (``solutions.evaluator.PointEvaluator``).
+    floating point from the canonical one. ``evaluator`` makes, from exact parameters, what
+    evaluates the form where that is not the stable expression
+    (``solutions.evaluator.PointEvaluator``).
     """
 
     name: str
@@ -52,7 +51,6 @@ class ClosedForm:
     reference: Reference
     period: sp.Expr | None = None
     stabilise: Callable[[], sp.Expr] | None = field(default=None, compare=False, repr=False)
-    hard: HardRange | None = None
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )

@@ -7,7 +7,21 @@ from numbers import Integral, Rational, Real
 
 import sympy as sp
 
-__all__ = ["exact_number"]
+__all__ = ["exact_number", "shown"]
+
+LONGEST = 40
+
+
+def shown(value: object) -> str:
+    """``value`` as a message shows it: in one line of at most ``LONGEST`` characters.
+
+    >>> shown(10**5000), shown("a" * 50)
+    ('an int of 16610 bits', "'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa...")
+    """
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"an int of {value.bit_length()} bits"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
 def exact_number(name: str, value: object) -> sp.Expr:
@@ -33,7 +47,7 @@ def exact_number(name: str, value: object) -> sp.Expr:
             if isinstance(value, str)
             else "such as 0.7 or Fraction(7, 10)"
         )
-        raise ValueError(f"{name} must be a real number, got {value!r} ({remedy})")
+        raise ValueError(f"{name} must be a real number, got {shown(value)} ({remedy})")
     if isinstance(value, Integral):
         return sp.Integer(int(value))
     if isinstance(value, Rational):

@@ -1,4 +1,4 @@
-"""Exponential, logarithm, tanh and sech in double-double, block by block.
+"""Exponential, logarithm, tanh and sech of bounded numbers, block by block.
 
 Each fills ``z`` from ``x``; ``scratch`` is an array of ``SCRATCH`` blocks.
 """
@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions.jit import njit
-from solutions.special.blocks import BLOCK, decay, load, store
+from solutions.special.blocks import BLOCK, decay, load
+from solutions.special.blocks import store as store_pair
+from solutions.special.bounded import TINY, UNIT, relative_error, store
 from solutions.special.doubledouble import (
+    Pair,
     add,
     multiply,
     reciprocal,
@@ -24,12 +27,30 @@ Array = NDArray[np.float64]
 
 SCRATCH = 7
 
+_GONE = 680.0
+"""``2 exp(-_GONE)`` is below ``TINY``."""
+
+
+@njit(error_model="numpy")
+def _is_gone(x: Array, i: int) -> bool:
+    """Whether exp(-|x|) is below ``TINY`` for certain."""
+    return abs(x[i]) - x[i + 2 * BLOCK] > _GONE
+
+
+@njit(error_model="numpy")
+def _store_exponential(z: Array, i: int, value: Pair, x: Array, is_falling: bool) -> None:
+    """Store a multiple of exp(x) or of what has no larger logarithmic derivative."""
+    e, size = x[i + 2 * BLOCK], abs(x[i])
+    moved = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
+    error = TINY if is_falling and _is_gone(x, i) else value[0] * moved + TINY
+    store(z, i, (value[0], value[1], error))
+
 
 @njit(error_model="numpy")
 def _decay(x: Array, factor: float, scratch: Array) -> None:
     """Fill scratch[3] with exp(-factor |x|), scratch[4] with 1 minus that."""
     for i in range(BLOCK):
-        store(scratch[0], i, scale(load(x, i), factor if x[i] >= 0.0 else -factor))
+        store_pair(scratch[0], i, scale(load(x, i), factor if x[i] >= 0.0 else -factor))
     decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
 
 
@@ -41,7 +62,8 @@ def exponential(x: Array, z: Array, scratch: Array) -> None:
     for i in range(BLOCK):
         falls, rises = load(fall, i), reciprocal(load(fall, i))
         down = x[i] <= 0.0
-        store(z, i, (falls[0] if down else rises[0], falls[1] if down else rises[1]))
+        value = (falls[0] if down else rises[0], falls[1] if down else rises[1])
+        _store_exponential(z, i, value, x, down)
 
 
 @njit(error_model="numpy")
@@ -49,13 +71,14 @@ def logarithm(x: Array, z: Array, scratch: Array) -> None:
     """Fill ``z`` with log(x): one Newton step from the double value."""
     start = scratch[5]
     for i in range(BLOCK):
-        start[i] = -math.log(x[i])
-        start[i + BLOCK] = 0.0
+        store(start, i, (-math.log(x[i]), 0.0, 0.0))
     exponential(start, scratch[6], scratch)
     for i in range(BLOCK):
         rest = subtract(multiply(load(x, i), load(scratch[6], i)), (1.0, 0.0))
         rest = subtract(rest, scale(multiply(rest, rest), 0.5))
-        store(z, i, add((-start[i], 0.0), rest))
+        high, low = add((-start[i], 0.0), rest)
+        moved = relative_error(x[i + 2 * BLOCK] / x[i])
+        store(z, i, (high, low, moved + UNIT * (1.0 + abs(high))))
 
 
 @njit(error_model="numpy")
@@ -65,7 +88,11 @@ def tanh(x: Array, z: Array, scratch: Array) -> None:
     fall, rise = scratch[3], scratch[4]
     for i in range(BLOCK):
         value = multiply(load(rise, i), reciprocal(add((1.0, 0.0), load(fall, i))))
-        store(z, i, scale(value, 1.0 if x[i] >= 0.0 else -1.0))
+        high, low = scale(value, 1.0 if x[i] >= 0.0 else -1.0)
+        e = x[i + 2 * BLOCK]
+        slope = min(1.0, 12.0 * fall[i]) if e <= 0.5 else 1.0  # sech**2 <= 4 exp(1) fall nearby
+        moved = 0.0 if _is_gone(x, i) else slope * e
+        store(z, i, (high, low, moved + (UNIT * abs(high) + TINY)))
 
 
 @njit(error_model="numpy")
@@ -75,6 +102,5 @@ def sech(x: Array, z: Array, scratch: Array) -> None:
     fall = scratch[3]
     for i in range(BLOCK):
         value = load(fall, i)
-        store(
-            z, i, multiply(scale(value, 2.0), reciprocal(add((1.0, 0.0), multiply(value, value))))
-        )
+        inverse = reciprocal(add((1.0, 0.0), multiply(value, value)))
+        _store_exponential(z, i, multiply(scale(value, 2.0), inverse), x, True)

@@ -1,14 +1,14 @@
 """The evaluation of a closed form as bytecode: value and both derivatives.
 
 The lowered expression (``solutions.lowering``) becomes a tape with derivatives
-(``solutions.tape``), and the tape bytecode, which one register machine runs in double and another
-in double-double. Constants are evaluated from the exact parameters in a private mpmath context.
+(``solutions.tape``), and the tape bytecode for the register machine (``solutions.pair_machine``).
+Constants are evaluated from the exact parameters in a private mpmath context.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import mpmath
 import sympy as sp
@@ -20,9 +20,11 @@ from solutions.phase import JacobiCall, Phase
 from solutions.special.mp import mp_module
 from solutions.tape import tape_of
 
-__all__ = ["CONSTANT_DIGITS", "Program", "compile_program", "constant_context"]
+__all__ = ["Numbers", "Program", "compile_program", "constant_context", "long_number"]
 
 CONSTANT_DIGITS = 120
+AGREEMENT = 1e-50
+"""Relative difference of a constant from the same with twice the digits; three floats hold 48."""
 
 
 def _constant_context() -> Any:
@@ -34,22 +36,59 @@ def _constant_context() -> Any:
 constant_context: Any = _constant_context()
 
 
+def long_number(exact: sp.Expr) -> Any:
+    """An exact SymPy number as an mpf of the constants' precision."""
+    return constant_context.mpf(exact._to_mpmath(constant_context.prec))
+
+
+class Numbers(NamedTuple):
+    """What a program takes from the parameters' values, as mpf."""
+
+    constants: list[Any]
+    coefficients: list[tuple[Any, Any, Any]]
+    moduli: list[Any]
+
+
 @dataclass(frozen=True)
 class Program:
     """Value, xi derivative and tau derivative as a function of phases, Jacobi values, constants.
 
     The bytecode's inputs are the phases in the order of ``phases``, then sn, cn, dn, zeta, theta
-    of each of ``calls``. ``constants`` (the bytecode's pool), ``coefficients`` (p, q, r of each
-    phase) and ``moduli`` (m of each call) take the exact parameter values as mpf and return mpf.
+    of each of ``calls``. ``fixed`` takes the parameter values as mpf and returns the bytecode's
+    constants, then p, q, r of each phase, then m of each call.
     """
 
     phases: tuple[Phase, ...]
     calls: tuple[JacobiCall, ...]
     uses_theta: tuple[bool, ...]
     bytecode: Bytecode
-    constants: Callable[..., Sequence[Any]]
-    coefficients: Callable[..., Sequence[Any]]
-    moduli: Callable[..., Sequence[Any]]
+    fixed: Callable[..., Sequence[Any]]
+
+    def numbers(self, parameters: Sequence[sp.Expr]) -> Numbers:
+        """The numbers at these exact parameters, with so many digits that more change nothing."""
+        digits, found = CONSTANT_DIGITS, self._fixed_with(CONSTANT_DIGITS, parameters)
+        while True:
+            digits, before = 2 * digits, found
+            found = self._fixed_with(digits, parameters)
+            zero = constant_context.mpf(10) ** (-digits // 4)
+            found = [
+                0 * new if max(abs(old), abs(new)) < zero and not _agree(old, new) else new
+                for old, new in zip(before, found, strict=True)
+            ]
+            if all(new == 0 or _agree(old, new) for old, new in zip(before, found, strict=True)):
+                break
+        first, second = len(self.bytecode.pool), len(found) - len(self.calls)
+        triples = zip(*(iter(found[first:second]),) * 3, strict=True)
+        return Numbers(found[:first], list(triples), found[second:])
+
+    def _fixed_with(self, digits: int, parameters: Sequence[sp.Expr]) -> list[Any]:
+        with constant_context.workdps(digits):
+            values = self.fixed(*map(long_number, parameters))
+            return [constant_context.convert(value) for value in values]
+
+
+def _agree(old: Any, new: Any) -> bool:
+    return bool(abs(new - old) <= AGREEMENT * abs(new))
 
 
 @lru_cache(maxsize=64)
@@ -70,9 +109,14 @@ def compile_program(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> P
         calls=calls,
         uses_theta=tuple(call.theta in used for call in calls),
         bytecode=bytecode,
-        constants=_in_mpmath(parameters, [entry.xreplace(back) for entry in bytecode.pool]),
-        coefficients=_in_mpmath(parameters, [c for ph in phases for c in (ph.p, ph.q, ph.r)]),
-        moduli=_in_mpmath(parameters, [call.m for call in calls]),
+        fixed=_in_mpmath(
+            parameters,
+            [
+                *(entry.xreplace(back) for entry in bytecode.pool),
+                *(c for phase in phases for c in (phase.p, phase.q, phase.r)),
+                *(call.m for call in calls),
+            ],
+        ),
     )
 
 

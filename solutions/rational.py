@@ -4,7 +4,7 @@
 and ``x = xi - 6 tau``.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -14,18 +14,12 @@ from flint import fmpq_mpoly
 from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.parameter import Parameter
-from solutions.precision import HardRange
 from solutions.symbols import shift_symbol, tau, xi
 from solutions.tau_polynomials import SPACE_TIME, RationalTau, rational_tau
 
-__all__ = ["CANCELLING", "CO_MOVING", "horner_form", "rational", "rational_tau"]
+__all__ = ["CO_MOVING", "horner_form", "rational", "rational_evaluator", "rational_tau"]
 
 CO_MOVING: sp.Expr = xi - 6 * tau
-
-CANCELLING = HardRange(
-    sp.true, "A and B cancel among their terms: on the crests like t, and more with every order"
-)
-"""In double, Y_X of order 2 is off by 1e-13 at |T| = 1e4, of order 3 by 2e-13."""
 
 
 def horner_form(order: int, free: tuple[int, ...] = ()) -> sp.Expr:
@@ -61,14 +55,23 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
         far_fields=FarFields(level, level),
         reference=Reference("ankiewicz2018rogue", "standard mKdV"),
         stabilise=lambda: horner_form(order, shifts),
-        hard=CANCELLING,
-        evaluator=lambda parameters: _evaluator(family, parameters),
+        evaluator=rational_evaluator(order, shifts),
     )
 
 
-def _evaluator(family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
-    """Imported at first use, so that reading the formulas needs no compiler."""
-    return import_module("solutions.rational_evaluator").RationalEvaluator(family, shifts)
+def rational_evaluator(
+    order: int, free: tuple[int, ...] = ()
+) -> Callable[[Mapping[sp.Symbol, sp.Expr]], Any]:
+    """What makes a solution's evaluator from exact values of its shifts.
+
+    It is imported at first use, so that reading the formulas needs no compiler.
+    """
+
+    def evaluator(shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
+        module = import_module("solutions.rational_evaluator")
+        return module.RationalEvaluator(rational_tau(order, free), shifts)
+
+    return evaluator
 
 
 def _parts(family: RationalTau) -> list[fmpq_mpoly]:

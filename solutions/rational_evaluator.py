@@ -9,8 +9,10 @@ from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from solutions.linear_phase import LinearPhase
+from solutions.program import long_number
 from solutions.rational_kernel import rational_loop
-from solutions.special.doubledouble import split
+from solutions.special.bounded import PARTS
+from solutions.special.doubledouble import check_range, split
 from solutions.tau_polynomials import RationalTau
 from solutions.variables import Variables
 
@@ -20,7 +22,10 @@ Array = NDArray[np.float64]
 
 
 class RationalEvaluator:
-    """U and its xi and tau derivatives at given shifts, always in double-double."""
+    """U and its xi and tau derivatives at given shifts.
+
+    Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
+    """
 
     def __init__(self, family: RationalTau, shifts: Mapping[sp.Symbol, sp.Expr]) -> None:
         degree = family.order * (family.order + 1) // 2
@@ -34,14 +39,10 @@ class RationalEvaluator:
         """``x = xi - 6 tau`` and ``t = tau`` in the caller's variables."""
         return [variables.phase(1, -6, 0), variables.phase(0, 1, 0)]
 
-    def double(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
-        """The high parts of ``pairs``: double arithmetic loses a digit an order."""
-        return self.pairs(phases, x, t)[:, 0]
-
-    def pairs(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
-        """Value and derivatives, high and low parts: an array (3, 2, points)."""
-        place, time = (np.array(phase(x, t)) for phase in phases)
-        out = np.empty((3, 2, x.size))
+    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
+        place, time = (phase(x, t) for phase in phases)
+        out = np.empty((3, PARTS, x.size))
         rational_loop(self._A, self._B, self._parities, self._sign, place, time, out)
         return out
 
@@ -66,5 +67,5 @@ def _parity(table: Mapping[tuple[int, int], Any]) -> int:
 def _pairs(table: Mapping[tuple[int, int], Any], degree: int) -> Array:
     pairs = np.zeros((degree + 1, degree // 3 + 1, 2))
     for (i, j), number in table.items():
-        pairs[i, j] = split(number)
+        pairs[i, j] = split(check_range(long_number(number)))
     return pairs

@@ -3,8 +3,8 @@
 A and B of ``f = A + i B`` have degree d when x counts 1 and t counts 3. Their rows, polynomials in
 t, are summed once for points that share t. The sums over rows run on blocks of points, with x
 divided by a power of two S and a term of degree ``d - n`` by ``S**n``, so that no power overflows.
-A row of the workspace holds ``BLOCK`` high parts, then as many low parts, as in
-``solutions.pair_machine``.
+A row of the workspace holds ``BLOCK`` high parts, then as many low parts. Beside each row runs the
+sum of the terms' sizes in double: times the number of roundings in a term it bounds the error.
 """
 
 import math
@@ -13,41 +13,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions.jit import njit
-from solutions.special.doubledouble import Pair, add, divide, multiply, scale, subtract
+from solutions.special import bounded
+from solutions.special.blocks import BLOCK
+from solutions.special.bounded import UNIT, Bounded
+from solutions.special.doubledouble import Pair, add, add_loosely, multiply, scale
 
 __all__ = ["rational_loop"]
 
 Array = NDArray[np.float64]
-BLOCK = 128
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
 """Rows of a polynomial's workspace: it and its derivatives (_XX is half the second)."""
 
 
 @njit(error_model="numpy")
-def _step(z: Array, x: Array, y: Array) -> None:
-    """``z = z x + y``."""
+def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
+    """``z = z x + y weight``, the weights being powers of two; the same of the sizes."""
     for i in range(BLOCK):
-        product = multiply((z[i], z[i + BLOCK]), (x[i], x[i + BLOCK]))
-        z[i], z[i + BLOCK] = add(product, (y[i], y[i + BLOCK]))
-
-
-@njit(error_model="numpy")
-def _step_weighted(z: Array, x: Array, y: Array, weight: Array) -> None:
-    """``z = z x + y weight``, the weights being powers of two."""
-    for i in range(BLOCK):
-        product = multiply((z[i], z[i + BLOCK]), (x[i], x[i + BLOCK]))
-        z[i], z[i + BLOCK] = add(product, (y[i] * weight[i], y[i + BLOCK] * weight[i]))
+        low, size = i + BLOCK, i + 2 * BLOCK
+        product = multiply((z[i], z[low]), (x[i], x[low]))
+        z[i], z[low] = add_loosely(product, (y[i] * weight[i], y[low] * weight[i]))
+        z[size] = z[size] * x[size] + y[size] * weight[i]
 
 
 @njit(error_model="numpy")
 def _prepare(x: Array, t: Array, weights: Array) -> None:
-    """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``."""
+    """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
+
+    The errors of x and t become sizes, of which they are at most a fraction UNIT/4.
+    """
+    degree = weights.shape[0] - 1
     for i in range(BLOCK):
+        size = i + 2 * BLOCK
         down = 0.5 ** max(0, math.frexp(x[i])[1], math.ceil(math.frexp(t[i])[1] / 3))
+        x[size] = max(abs(x[i]), 4.0 / UNIT * x[size]) * down
+        t[size] = max(abs(t[i]), 4.0 / UNIT * t[size])
         x[i], x[i + BLOCK] = x[i] * down, x[i + BLOCK] * down
         weight = 1.0
-        for n in range(weights.shape[0]):
+        for n in range(degree + 1):
             weights[n, i] = weight
             weight *= down
 
@@ -70,6 +73,16 @@ def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, 
 
 
 @njit(error_model="numpy")
+def _row_sizes(c: Array, t: float) -> tuple[float, float]:
+    """The sums of the sizes of a row's terms, and of those of its derivative."""
+    value = slope = 0.0
+    for j in range(c.shape[0] - 1, -1, -1):
+        slope = slope * t + value
+        value = value * t + abs(c[j, 0])
+    return value, slope
+
+
+@njit(error_model="numpy")
 def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
     """Fill the lanes of each row; ``c[i, j]`` belongs to x^i t^j.
 
@@ -80,13 +93,15 @@ def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None
         columns = c[i, : (degree - i) // 3 + 1]
         first, step = (0, 1) if parity < 0 else ((i + parity) % 2, 2)
         value = slope = (0.0, 0.0)
+        sizes = (0.0, 0.0)
         for lane in range(BLOCK):
-            low = lane + BLOCK
+            low, size = lane + BLOCK, lane + 2 * BLOCK
             if lane == 0 or t[lane] != t[lane - 1] or t[low] != t[low - 1]:
                 time = t[lane], t[low]
                 value, slope = _row(columns, first, step, time, multiply(time, time))
-            values[i, lane], values[i, low] = value
-            slopes[i, lane], slopes[i, low] = slope
+                sizes = _row_sizes(columns, t[size])
+            values[i, lane], values[i, low], values[i, size] = value[0], value[1], sizes[0]
+            slopes[i, lane], slopes[i, low], slopes[i, size] = slope[0], slope[1], sizes[1]
 
 
 @njit(error_model="numpy")
@@ -95,77 +110,90 @@ def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Arr
     degree = values.shape[0] - 1
     out[:] = 0.0
     for i in range(degree, -1, -1):
-        _step(out[_XX], x, out[_X])
-        _step(out[_X], x, out[_VALUE])
-        _step_weighted(out[_VALUE], x, values[i], weights[degree - i])
-        _step(out[_XT], x, out[_T])
-        _step_weighted(out[_T], x, slopes[i], weights[degree - i])
+        _step(out[_XX], x, out[_X], weights[0])
+        _step(out[_X], x, out[_VALUE], weights[0])
+        _step(out[_VALUE], x, values[i], weights[degree - i])
+        _step(out[_XT], x, out[_T], weights[0])
+        _step(out[_T], x, slopes[i], weights[degree - i])
 
 
 @njit(error_model="numpy")
-def _cross(A: Pair, b: Pair, a: Pair, B: Pair) -> Pair:
+def _cross(A: Bounded, b: Bounded, a: Bounded, B: Bounded) -> Bounded:
     """``A b - a B``."""
-    return subtract(multiply(A, b), multiply(a, B))
+    return bounded.subtract(bounded.multiply(A, b), bounded.multiply(a, B))
 
 
 @njit(error_model="numpy")
-def _dot(A: Pair, a: Pair, B: Pair, b: Pair) -> Pair:
+def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
     """``A a + B b``."""
-    return add(multiply(A, a), multiply(B, b))
+    return bounded.add(bounded.multiply(A, a), bounded.multiply(B, b))
 
 
 @njit(error_model="numpy")
-def _lane(rows: Array, row: int, i: int) -> Pair:
+def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
     """One lane of a flat workspace."""
-    return rows[2 * BLOCK * row + i], rows[2 * BLOCK * row + BLOCK + i]
+    high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
+    return high, low, rounding * size
 
 
 @njit(error_model="numpy")
-def _wave(A: Array, B: Array, weights: Array, sign: float, out: Array) -> None:
-    """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates."""
+def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array) -> None:
+    """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates.
+
+    ``e`` is the error of a term relative to its size.
+    """
     for i in range(BLOCK):
-        a, a_x, a_xx = _lane(A, _VALUE, i), _lane(A, _X, i), _lane(A, _XX, i)
-        b, b_x, b_xx = _lane(B, _VALUE, i), _lane(B, _X, i), _lane(B, _XX, i)
-        a_t, a_xt, b_t, b_xt = _lane(A, _T, i), _lane(A, _XT, i), _lane(B, _T, i), _lane(B, _XT, i)
-        inverse = divide((1.0, 0.0), _dot(a, a, b, b))
-        w_x = multiply(_cross(a, b_x, a_x, b), inverse)
-        w_xx = subtract(_cross(a, b_xx, a_xx, b), multiply(w_x, _dot(a, a_x, b, b_x)))
-        mixed = add(_cross(a, b_xt, a_xt, b), _cross(a_t, b_x, a_x, b_t))
-        w_xt = subtract(mixed, scale(multiply(w_x, _dot(a, a_t, b, b_t)), 2.0))
-        down, inverse = weights[i], scale(inverse, sign * weights[i])
-        w_xx, w_xt = scale(multiply(w_xx, inverse), 2.0 * down), multiply(w_xt, inverse)
-        value = subtract((sign, 0.0), scale(w_x, 2.0 * sign * down))
-        rate = subtract(scale(w_xx, 12.0), scale(w_xt, 2.0))
-        out[i], out[BLOCK + i] = value
-        out[2 * BLOCK + i], out[3 * BLOCK + i] = -2.0 * w_xx[0], -2.0 * w_xx[1]
-        out[4 * BLOCK + i], out[5 * BLOCK + i] = rate
+        a, a_x, a_xx = _lane(A, _VALUE, i, e), _lane(A, _X, i, e), _lane(A, _XX, i, e)
+        b, b_x, b_xx = _lane(B, _VALUE, i, e), _lane(B, _X, i, e), _lane(B, _XX, i, e)
+        a_t, a_xt, b_t, b_xt = (
+            _lane(A, _T, i, e), _lane(A, _XT, i, e), _lane(B, _T, i, e), _lane(B, _XT, i, e)
+        )  # fmt: skip
+        inverse = bounded.reciprocal(_dot(a, a, b, b))
+        w_x = bounded.multiply(_cross(a, b_x, a_x, b), inverse)
+        turned = bounded.multiply(w_x, _dot(a, a_x, b, b_x))
+        w_xx = bounded.subtract(_cross(a, b_xx, a_xx, b), turned)
+        mixed = bounded.add(_cross(a, b_xt, a_xt, b), _cross(a_t, b_x, a_x, b_t))
+        turned = bounded.multiply(w_x, _dot(a, a_t, b, b_t))
+        w_xt = bounded.subtract(mixed, bounded.scale(turned, 2.0))
+        down, inverse = weights[i], bounded.scale(inverse, sign * weights[i])
+        w_xx = bounded.scale(bounded.multiply(w_xx, inverse), 4.0 * down)
+        w_xt = bounded.scale(bounded.multiply(w_xt, inverse), 2.0)
+        value = bounded.subtract((sign, 0.0, 0.0), bounded.scale(w_x, 2.0 * sign * down))
+        rate = bounded.subtract(bounded.multiply(w_xx, (6.0, 0.0, 0.0)), w_xt)
+        bounded.store(out[: 3 * BLOCK], i, value)
+        bounded.store(out[3 * BLOCK : 6 * BLOCK], i, bounded.negate(w_xx))
+        bounded.store(out[6 * BLOCK :], i, rate)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def rational_loop(
     A: Array, B: Array, parities: tuple[int, int], sign: float, x: Array, t: Array, out: Array
 ) -> None:
-    """Fill ``out`` (3, 2, points) with U, U_xi, U_tau from the pairs ``x`` and ``t`` (2, points).
+    """Fill ``out`` (3, 3, points) with U, U_xi, U_tau from ``x`` and ``t`` (3, points).
 
-    ``A`` and ``B`` hold the coefficients (degree + 1, degree // 3 + 1, 2); ``sign`` is the
-    background; ``x`` is ``xi - 6 tau``.
+    The axis of three is high part, low part and bound of the error. ``A`` and ``B`` hold the
+    coefficients (degree + 1, degree // 3 + 1, 2); ``sign`` is the background; ``x`` is
+    ``xi - 6 tau``.
     """
     degree, points = A.shape[0] - 1, x.shape[1]
     weights = np.empty((degree + 1, BLOCK))
-    place, time = np.empty(2 * BLOCK), np.empty(2 * BLOCK)
-    values, slopes = np.empty((degree + 1, 2 * BLOCK)), np.empty((degree + 1, 2 * BLOCK))
-    rows_A, rows_B = np.empty((5, 2 * BLOCK)), np.empty((5, 2 * BLOCK))
-    found = np.empty((3, 2, BLOCK))
+    rounding = 4.0 * (degree + 1.0) * UNIT
+    place, time = np.empty(3 * BLOCK), np.empty(3 * BLOCK)
+    values, slopes = np.empty((degree + 1, 3 * BLOCK)), np.empty((degree + 1, 3 * BLOCK))
+    rows_A, rows_B = np.empty((5, 3 * BLOCK)), np.empty((5, 3 * BLOCK))
+    found = np.empty((3, 3, BLOCK))
     for start in range(0, points, BLOCK):
-        for i in range(BLOCK):
-            source = min(start + i, points - 1)
-            place[i], place[i + BLOCK] = x[0, source], x[1, source]
-            time[i], time[i + BLOCK] = t[0, source], t[1, source]
+        count = min(BLOCK, points - start)
+        for part in range(3):
+            for i in range(BLOCK):
+                source = start + min(i, count - 1)
+                place[part * BLOCK + i] = x[part, source]
+                time[part * BLOCK + i] = t[part, source]
         _prepare(place, time, weights)
         _rows(A, parities[0], time, values, slopes)
         _polynomial(values, slopes, place, weights, rows_A)
         _rows(B, parities[1], time, values, slopes)
         _polynomial(values, slopes, place, weights, rows_B)
-        _wave(rows_A.reshape(-1), rows_B.reshape(-1), weights[1], sign, found.reshape(-1))
-        count = min(BLOCK, points - start)
+        flat_A, flat_B = rows_A.reshape(-1), rows_B.reshape(-1)
+        _wave(flat_A, flat_B, weights[1], rounding, sign, found.reshape(-1))
         out[:, :, start : start + count] = found[:, :, :count]

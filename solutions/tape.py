@@ -82,13 +82,20 @@ class Tape:
 
     def _differentiate(self, symbol: sp.Symbol, operation: sp.Expr) -> None:
         varying = sorted((s for s in operation.free_symbols if s in self.tangents), key=str)
-        partials = {s: sp.diff(operation, s).subs(operation, symbol) for s in varying}
+        partials = {s: self._partial(symbol, operation, s) for s in varying}
         tangent = []
         for place, name in enumerate(("xi", "along")):
             terms = [partials[s] * self.tangents[s][place] for s in varying]
             tangent.append(self.define(f"{symbol.name}_{name}", sp.Add(*terms)))
         if tangent != [0, 0]:
             self.tangents[symbol] = (tangent[0], tangent[1])
+
+    def _partial(self, symbol: sp.Symbol, operation: sp.Expr, variable: sp.Symbol) -> sp.Expr:
+        """``d operation/d variable``; that of tanh as sech**2, for ``1 - tanh**2`` cancels."""
+        if operation.func is sp.tanh:
+            argument = operation.args[0]
+            return self.record(sp.sech(argument)) ** 2 * sp.diff(argument, variable)
+        return sp.diff(operation, variable).subs(operation, symbol)
 
     def define(self, name: str, value: sp.Expr) -> sp.Expr:
         """A statement without derivatives; atoms and negated atoms need none."""

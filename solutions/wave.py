@@ -14,17 +14,24 @@ from solutions.evaluator import Evaluator, PointEvaluator
 from solutions.exact import exact_number
 from solutions.linear_phase import LinearPhase
 from solutions.pair_machine import scale_rows
-from solutions.points import evaluate_points
-from solutions.precision import Precision, check_precision
-from solutions.reference_evaluation import evaluate_mp
+from solutions.points import check_points, evaluate_points
+from solutions.program import long_number
+from solutions.reference_evaluation import check_digits, evaluate_mp, exact_point
 from solutions.special.doubledouble import split
-from solutions.variables import Variables, long_number
+from solutions.variables import Variables
 
 __all__ = ["Side", "Wave", "WaveValues"]
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
 Part = Literal["wave", "background", "left", "right"]
+
+CERTAIN = 5e-14
+"""Largest bound of an error, in units of max(1, |value|), that double-double may leave."""
+
+SETTLED_DIGITS = 40
+MOST_UNCERTAIN = 1000
+"""Points with larger bounds that mpmath settles, at 5 to 100 ms each; more are refused."""
 
 
 class WaveValues(NamedTuple):
@@ -39,9 +46,12 @@ class Wave:
     """``Y(X, T) = U(a X, b T)`` for a closed form U, a normal form (a, b, s, c) and parameters.
 
     Parameters are keyword arguments named as in ``form.parameters``; a float means its decimal
-    literal. Phases are in double-double; the rest is in double where that keeps the errors of Y,
-    Y_X and Y_T below 1e-13 of max(1, |value|), else in double-double (``form.hard`` says where),
-    or as ``precision`` asks: "double" or "double-double". ``mp`` is the reference.
+    literal. Positions and times are the doubles that they are: anything finite. Y, Y_X and Y_T are
+    within 1e-13 of max(1, |value|), by construction: everything is evaluated in double-double with
+    a bound of its error, and the points where that bound is too large, next to zeros of huge
+    derivatives or very far away, are evaluated again in mpmath. Where those are more than
+    ``MOST_UNCERTAIN``, or a coefficient of the formula leaves 1e-250 .. 1e250, a ValueError says
+    so. ``mp`` has no such limits.
 
     Raises ValueError for bad parameters and if the normal form has the wrong sign s.
 
@@ -56,8 +66,6 @@ class Wave:
         self,
         form: ClosedForm,
         normal_form: NormalForm,
-        *,
-        precision: object = None,
         **parameters: object,
     ) -> None:
         if int(normal_form.s) != form.equation.s:
@@ -69,18 +77,9 @@ class Wave:
         self.form = form
         self.normal_form = normal_form
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
-        self._asked = None if precision is None else check_precision(precision)
-        self._rates = {name: long_number(getattr(normal_form, name)) for name in ("a", "b", "c")}
-        self._scales = tuple(split(rate) for rate in (1, self._rates["a"], self._rates["b"]))
-        self._slow = Variables(self._rates["a"], self._rates["b"])
-
-    @cached_property
-    def precision(self) -> Precision:
-        """The arithmetic that the wave itself is evaluated in."""
-        if self._asked is not None:
-            return self._asked
-        hard = self.form.hard
-        return "double" if hard is None else hard.precision(self.parameters)
+        a, b = normal_form.a, normal_form.b
+        self._slow = Variables(a, b)
+        self._scales = tuple(split(long_number(rate)) for rate in (sp.S.One, a, b))
 
     def __call__(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
         """Y, Y_X, Y_T at the broadcast points (X, T)."""
@@ -96,8 +95,7 @@ class Wave:
 
     def pairs_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
         """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
-        check_finite(n, t)
-        return WaveValues(*self._pairs("wave", self._lattice(eps), n, t))
+        return WaveValues(*self._bounded("wave", self._lattice(eps), n, t)[:, :2])
 
     def phase_zeros(self, t: float, eps: float) -> list[float]:
         """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
@@ -124,15 +122,27 @@ class Wave:
         return self._evaluate(check_side(side), self._lattice(eps), n, t)
 
     def mp(self, X: object, T: object, digits: int = 50) -> tuple[Any, Any, Any]:
-        """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression."""
-        return evaluate_mp(self.form, self.normal_form, self.parameters, X, T, digits)
+        """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression.
+
+        Raises ValueError for points that are no finite real numbers and for bad ``digits``.
+        """
+        point = exact_point("X", X), exact_point("T", T)
+        return self._exact("wave", self._slow, point, check_digits(digits))
+
+    def mp_at(self, n: object, t: object, eps: object, digits: int = 50) -> tuple[Any, Any, Any]:
+        """``mp`` at site n and lattice time t."""
+        point = exact_point("n", n), exact_point("t", t)
+        return self._exact("wave", self._lattice(eps), point, check_digits(digits))
 
     @cached_property
     def wavelength(self) -> float | None:
         """The period of the background in X, None if the background is constant."""
         if self.form.period is None:
             return None
-        return float(long_number(self.form.period.xreplace(self.parameters)) / self._rates["a"])
+        return float(
+            long_number(self.form.period.xreplace(self.parameters))
+            / long_number(self.normal_form.a)
+        )
 
     @cached_property
     def constant_background(self) -> float | None:
@@ -142,20 +152,22 @@ class Wave:
             return None
         return float(sides.left.xreplace(self.parameters))
 
-    def _lattice(self, eps: float) -> Variables:
+    def _lattice(self, eps: object) -> Variables:
         exact = exact_number("eps", eps)
         if exact not in self._lattices:
             if not exact > 0:
                 raise ValueError(f"eps must satisfy eps > 0, got {eps} (0.05 is usual)")
-            a, b, c = (self._rates[name] for name in ("a", "b", "c"))
-            small = long_number(exact)
-            self._lattices[exact] = Variables(a * small, b * small**3, -a * c * small)
+            a, b, c = self.normal_form.a, self.normal_form.b, self.normal_form.c
+            self._lattices[exact] = Variables(a * exact, b * exact**3, -a * c * exact)
         return self._lattices[exact]
 
     def _phases(self, part: Part, variables: Variables) -> list[LinearPhase]:
         key = (part, variables)
         if key not in self._known_phases:
-            self._known_phases[key] = self._evaluator(part).phases(variables)
+            try:
+                self._known_phases[key] = self._evaluator(part).phases(variables)
+            except OverflowError as error:
+                raise ValueError(self._out_of_range(error)) from None
         return self._known_phases[key]
 
     @cached_property
@@ -176,37 +188,70 @@ class Wave:
         return self._evaluators[part]
 
     def _make_evaluator(self, part: Part) -> PointEvaluator:
-        if part == "background":
-            return Evaluator(self.form.background, self.parameters)
-        if part != "wave":
-            return Evaluator(getattr(self.form.far_fields, part), self.parameters)
-        if self.form.evaluator is not None:
-            return self.form.evaluator(self.parameters)
-        return Evaluator(self.form.stable, self.parameters)
+        own = self.form.evaluator if part == "wave" else None
+        try:
+            if own is not None:
+                return own(self.parameters)
+            expression = self.form.stable if part == "wave" else self._expression(part)
+            return Evaluator(expression, self.parameters)
+        except OverflowError as error:
+            raise ValueError(self._out_of_range(error)) from None
+
+    def _expression(self, part: Part) -> sp.Expr:
+        """The canonical expression of a part."""
+        if part == "wave":
+            return self.form.expression
+        return self.form.background if part == "background" else getattr(self.form.far_fields, part)
+
+    def _out_of_range(self, error: OverflowError) -> str:
+        given = ", ".join(f"{name} = {sp.N(v, 6)}" for name, v in self.parameters.items())
+        return (
+            f"parameters and eps must keep every coefficient within 1e-250 .. 1e250, got {error} "
+            f"for {given or self.form.name} (use Wave.mp, or less extreme ones)"
+        )
 
     def _evaluate(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> WaveValues:
-        check_finite(x, t)
-        if (self.precision if part == "wave" else self._asked) == "double-double":
-            return WaveValues(*self._pairs(part, variables, x, t)[:, 0])
-        evaluator = self._evaluator(part)
+        return WaveValues(*self._bounded(part, variables, x, t)[:, 0])
+
+    def _bounded(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> Array:
+        """Value and derivatives: high parts, low parts, bounds of their errors (3, 3, ...)."""
+        x, t = check_points(x, t)
         phases = self._phases(part, variables)
-        U, U_xi, U_tau = evaluate_points(partial(evaluator.double, phases), x, t)
-        with np.errstate(under="ignore"):
-            return WaveValues(U, float(self._rates["a"]) * U_xi, float(self._rates["b"]) * U_tau)
-
-    def _pairs(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> Array:
-        """Value and derivatives, high and low parts: an array (3, 2, ...)."""
-        evaluator, phases = self._evaluator(part), self._phases(part, variables)
-        return scale_rows(evaluate_points(partial(evaluator.pairs, phases), x, t), self._scales)
-
-
-def check_finite(position: ArrayLike, time: ArrayLike) -> None:
-    """Raise ValueError for NaN or infinity."""
-    for name, values in (("position", position), ("time", time)):
-        if not np.all(np.isfinite(values)):
+        rows = evaluate_points(partial(self._evaluator(part), phases), x, t)
+        rows = scale_rows(rows, self._scales)
+        with np.errstate(invalid="ignore"):
+            certain = rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0]))
+        uncertain = np.argwhere(~np.all(certain, axis=0))
+        if len(uncertain) > MOST_UNCERTAIN:
+            first = tuple(uncertain[0])
             raise ValueError(
-                f"every {name} must be finite, got NaN or infinity (leave such points out)"
+                f"at most {MOST_UNCERTAIN} points may need more than double-double, got "
+                f"{len(uncertain)}, the first at ({x[first]:g}, {t[first]:g}) (use Wave.mp there)"
             )
+        for place in map(tuple, uncertain):
+            rows[(slice(None), slice(None), *place)] = self._settled(
+                part, variables, x[place], t[place]
+            )
+        return rows
+
+    def _settled(self, part: Part, variables: Variables, x: float, t: float) -> Array:
+        """Value and derivatives at one point from mpmath: high parts, low parts, bounds."""
+        point = exact_point("position", float(x)), exact_point("time", float(t))
+        exact = self._exact(part, variables, point, SETTLED_DIGITS)
+        rows = np.array([(*split(value), 0.0) for value in exact])
+        if not np.all(np.isfinite(rows)):
+            raise ValueError(
+                f"Y, Y_X and Y_T must be doubles, got one beyond 1e308 at ({x:g}, {t:g}) "
+                "(use Wave.mp)"
+            )
+        return rows
+
+    def _exact(
+        self, part: Part, variables: Variables, point: tuple[sp.Expr, sp.Expr], digits: int
+    ) -> tuple[Any, Any, Any]:
+        rates = self.normal_form.a, self.normal_form.b
+        expression = self._expression(part)
+        return evaluate_mp(expression, self.parameters, variables, rates, point, digits)
 
 
 def check_side(side: Side) -> Side:

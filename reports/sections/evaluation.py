@@ -13,16 +13,12 @@ from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
 from verify.study.evaluation import Accuracy
 
 TABULATED = (
-    "double",
     "double-double",
     "balls, 40 digits",
     "mpmath, 15 digits",
     "mpmath, 60 digits",
 )
 """The arithmetics of the table; the figure has them all."""
-
-LETTERS = {"double": "D", "double-double": "DD"}
-"""The arithmetics as the table of accuracy calls them."""
 
 ERROR_UNIT = 1e-16
 """The table of accuracy gives errors in this unit."""
@@ -38,15 +34,14 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
     rows = [
         [
             rf"\texttt{{{escape(result.name)}}}",
-            ", ".join(LETTERS.get(name, escape(name)) for name in result.precisions),
             str(result.points),
             *(f"{float(f'{error / ERROR_UNIT:.2g}'):g}" for error in result.errors),
             *_where(result.worst),
         ]
         for result in results
     ]
-    head = ["wave", "", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
-    return block("llrrrrlrr", head, rows)
+    head = ["wave", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
+    return block("lrrrrlrr", head, rows)
 
 
 def _where(text: str) -> tuple[str, str, str]:
@@ -85,7 +80,7 @@ def cost_table(costs: Iterable[EvaluationCost]) -> str:
         found = {cost.arithmetic: cost for cost in group}
         chosen = [found[name] for name in TABULATED]
         cells = [cell for cost in chosen for cell in (digits(cost.digits), duration(cost.seconds))]
-        ratio = found["mpmath, 15 digits"].seconds / found["double"].seconds
+        ratio = found["mpmath, 15 digits"].seconds / found["double-double"].seconds
         rows.append([rf"\texttt{{{escape(wave)}}}", *cells, f"{float(f'{ratio:.2g}'):.0f}"])
     head = ["wave", *map(_two_columns, TABULATED), "ratio"]
     return block("l" + "rr" * len(TABULATED) + "r", head, rows)

@@ -6,7 +6,6 @@ from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import DEFOCUSING_MKDV
 from solutions.forms.half_phase import by_sech
 from solutions.parameter import Bound, Parameter
-from solutions.precision import HardRange
 from solutions.symbols import A, kappa, tau, xi
 
 __all__ = ["KINK_ANTIKINK"]
@@ -37,5 +36,4 @@ KINK_ANTIKINK = ClosedForm(
     far_fields=FarFields(A, A),
     reference=Reference("el2017dispersive", "standard mKdV"),
     stabilise=_stable,
-    hard=HardRange(A > 2, "the derivatives grow like the fourth power of A"),
 )

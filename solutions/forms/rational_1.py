@@ -4,7 +4,7 @@ import sympy as sp
 
 from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import CO_MOVING, horner_form
+from solutions.rational import CO_MOVING, horner_form, rational_evaluator
 
 __all__ = ["RATIONAL_1"]
 
@@ -18,4 +18,5 @@ RATIONAL_1 = ClosedForm(
     far_fields=FarFields(sp.S.NegativeOne, sp.S.NegativeOne),
     reference=Reference("ankiewicz2018rogue", "Sec: Local waves on constant back"),
     stabilise=lambda: horner_form(1),
+    evaluator=rational_evaluator(1),
 )

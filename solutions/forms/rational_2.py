@@ -9,7 +9,7 @@ import sympy as sp
 
 from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import CANCELLING, horner_form
+from solutions.rational import horner_form, rational_evaluator
 from solutions.symbols import tau, xi
 
 __all__ = ["RATIONAL_2"]
@@ -45,5 +45,5 @@ RATIONAL_2 = ClosedForm(
     far_fields=FarFields(sp.S.One, sp.S.One),
     reference=Reference("ankiewicz2018rogue", "mKdV 2-order soln"),
     stabilise=lambda: horner_form(2),
-    hard=CANCELLING,
+    evaluator=rational_evaluator(2),
 )

@@ -8,7 +8,7 @@ import sympy as sp
 
 from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import CANCELLING, horner_form
+from solutions.rational import horner_form, rational_evaluator
 from solutions.symbols import tau, xi
 
 __all__ = ["RATIONAL_3"]
@@ -46,5 +46,5 @@ RATIONAL_3 = ClosedForm(
     far_fields=FarFields(sp.S.NegativeOne, sp.S.NegativeOne),
     reference=Reference("ankiewicz2018rogue", "third-order soln of mKdV"),
     stabilise=lambda: horner_form(3),
-    hard=CANCELLING,
+    evaluator=rational_evaluator(3),
 )

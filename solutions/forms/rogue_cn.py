@@ -16,7 +16,6 @@ from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.forms.bare_waves import CN_PHASE, CN_WAVE, QUARTER_PERIOD, shifted_area
 from solutions.forms.modulus import modulus
-from solutions.precision import HardRange
 from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.symbols import complementary_modulus, k, tau, xi
 
@@ -167,5 +166,4 @@ ROGUE_CN = ClosedForm(
     reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
     period=4 * QUARTER_PERIOD,
     stabilise=_stable,
-    hard=HardRange(k > sp.Rational(9, 10), "theta and G_2 cancel like 1 - k as k goes to 1"),
 )

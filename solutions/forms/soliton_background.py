@@ -6,7 +6,6 @@ from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.forms.half_phase import by_tanh
 from solutions.parameter import Bound, Parameter
-from solutions.precision import HardRange
 from solutions.symbols import kappa, tau, xi
 
 __all__ = ["SOLITON_BACKGROUND"]
@@ -38,8 +37,4 @@ SOLITON_BACKGROUND = ClosedForm(
     far_fields=FarFields(_level, _level),
     reference=Reference("el2017dispersive", "standard mKdV"),
     stabilise=_stable,
-    hard=HardRange(
-        sp.Or(abs(_level) > 1, kappa > 2),
-        "the derivatives grow like the fourth power of the height",
-    ),
 )

@@ -10,7 +10,6 @@ from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.forms.arctangent import arctangent_slope
 from solutions.parameter import Bound, Parameter
-from solutions.precision import HardRange
 from solutions.symbols import X_0, tau, xi
 
 __all__ = ["TWO_SOLITON"]
@@ -84,5 +83,4 @@ TWO_SOLITON = ClosedForm(
     far_fields=FarFields(sp.S.Zero, sp.S.Zero),
     reference=Reference("hirota1972exact", "standard mKdV"),
     stabilise=_stable,
-    hard=HardRange(_A_1 > 2, "the derivatives grow like the fourth power of A_1"),
 )

@@ -1,8 +1,8 @@
 """Special functions SymPy lacks, and their evaluation.
 
 Exported here: the SymPy functions of (z, m) with m = k**2.  Beside them: `solutions.special.mp`
-(any precision), `solutions.special.double` (NumPy arrays, double precision) and
-`solutions.special.doubledouble` (about 30 digits).
+(any precision), `solutions.special.extended` (NumPy arrays, about 30 digits) and
+`solutions.special.numpy_functions` (NumPy arrays, as `lambdify` finds them).
 """
 
 from solutions.special.elliptic import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn

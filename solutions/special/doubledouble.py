@@ -37,6 +37,16 @@ def split(number: Any) -> Pair:
     >>> split("0.1")
     (0.1, -5.551115123125783e-18)
     """
+    high, low, _ = split_three(number)
+    return high, low
+
+
+def split_three(number: Any) -> tuple[float, float, float]:
+    """Return the three floats whose sum is nearest to an exact number.
+
+    >>> sum(map(Fraction, split_three("0.1"))) - Fraction("0.1") < 1e-49
+    True
+    """
     if isinstance(number, str):
         number = Fraction(number)
     with _CONTEXT.workprec(_BITS):
@@ -45,8 +55,22 @@ def split(number: Any) -> Pair:
         elif isinstance(number, Fraction):
             number = _CONTEXT.mpf(number.numerator) / number.denominator
         value = _CONTEXT.convert(number)
-        hi = float(value)
-        return hi, float(value - hi) if np.isfinite(hi) else 0.0
+        high = float(value)
+        if not np.isfinite(high):
+            return high, 0.0, 0.0
+        middle = float(value - high)
+        return high, middle, float(value - high - middle)
+
+
+def check_range(number: Any) -> Any:
+    """Return `number`, which float pairs and triples can hold.
+
+    Raises:
+        OverflowError: unless it is 0 or within 1e-250 .. 1e250.
+    """
+    if number and not 1e-250 < abs(number) < 1e250:
+        raise OverflowError(_CONTEXT.nstr(_CONTEXT.convert(number), 3))
+    return number
 
 
 def _fma_signature(typing_context: Any, x: Any, y: Any, z: Any) -> Any:

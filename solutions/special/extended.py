@@ -1,7 +1,12 @@
 """sn, cn, dn, epsilon, zeta and Theta in double-double, about 30 digits, on NumPy arrays.
 
-The algorithm of `solutions.special.kernels`, with pairs throughout and on blocks of points: errors
-below 1e-31 of max(1, |value|), plus 5e-33 |u| from the period.
+The parameter comes as an `EllipticParameter`, because 1 - m loses digits near m = 1.  The argument
+is reduced to u = j K + r, |r| <= K/2, so that no function is evaluated near a cancellation.  For
+m <= 1/2 the theta series run in sines and cosines of v = pi r / (2K) with the nome q; for m > 1/2
+Jacobi's imaginary transformation turns the same four series into hyperbolic functions of
+w = pi r / (2K') with the nome q', scaled by exp(-|w|), which stay finite down to m1 = 0 (q' = 0:
+tanh and sech).  Both nomes are below 0.0433.  Errors are below 1e-31 of max(1, |value|), plus
+5e-33 |u| from the period.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
 """
 
 from __future__ import annotations
@@ -51,11 +56,17 @@ from solutions.special.pair_rows import (
 from solutions.special.pair_series import cosines, multiples, sines, slopes, thetas
 from solutions.special.parameter import EllipticParameter
 
+_PERIOD = 2.0**-105
+"""Bound of the error of the reduced argument, relative to the argument."""
+
+_ROUNDING = 2.0**-99
+"""Bound of what rounding adds, relative to the value."""
+
 
 class JacobiPairs(NamedTuple):
     """sn, cn, dn, epsilon, zeta and, if asked for, Theta at the same points.
 
-    Arrays (2, ...) of high and low parts.
+    Arrays (3, ...) of high parts, low parts and bounds of the errors.
     """
 
     sn: Array
@@ -164,13 +175,36 @@ def _theta(w: Array, circular: bool, p: PairConstants) -> None:
         put(w, THETA, i, multiply(get(w, THETA, i), choose(odd, whole, half)))
 
 
+@njit(error_model="numpy")
+def _bounds(w: Array, i: int, e: float, p: PairConstants, bounds: Array) -> None:
+    """Fill `bounds` with those of the rows SN .. THETA at an argument whose error is e.
+
+    Slopes come from the values; no second derivative exceeds 4 (m times 4 for zeta).
+    """
+    u, r = get(w, U, i)[0], get(w, R, i)[0]
+    sn, cn, dn = get(w, SN, i)[0], get(w, CN, i)[0], get(w, DN, i)[0]
+    zeta, theta = get(w, ZETA, i)[0], get(w, THETA, i)[0]
+    e += _PERIOD * abs(u)
+    rest = 2.0 * e * e
+    bounds[0] = abs(cn * dn) * e + rest + _ROUNDING * abs(sn)
+    bounds[1] = abs(sn * dn) * e + rest + _ROUNDING * abs(cn)
+    bounds[2] = p.m * abs(sn * cn) * e + rest + _ROUNDING * dn
+    bounds[3] = dn * dn * e + rest + _ROUNDING * (1.0 + abs(u))
+    bounds[4] = min(p.m, abs(dn * dn - p.slope) + 2.0**-50) * e + rest  # dn**2, E/K >= 1 - m
+    bounds[4] += _ROUNDING * (abs(zeta) + abs(p.zeta_rate[0] * r))
+    bounds[5] = abs(theta) * (abs(zeta) * e + rest + 4.0 * _ROUNDING)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def _loop(u: Array, u_lo: Array, circular: bool, p: PairConstants, out: Array) -> None:
-    """Fill out[:, 0] and out[:, 1] with high and low parts at the points u + u_lo.
+def _loop(
+    u: Array, u_lo: Array, u_bound: Array, circular: bool, p: PairConstants, out: Array
+) -> None:
+    """Fill out[:, 0], out[:, 1], out[:, 2] with high parts, low parts and bounds at u + u_lo.
 
     The rows are SN .. ZETA, and THETA if there is a sixth.
     """
     w = np.zeros(2 * BLOCK * ROWS)
+    bounds = np.zeros(6)
     for start in range(0, u.size, BLOCK):
         count = min(BLOCK, u.size - start)
         for i in range(count):
@@ -182,32 +216,43 @@ def _loop(u: Array, u_lo: Array, circular: bool, p: PairConstants, out: Array) -
         for row in range(out.shape[0]):
             for i in range(count):
                 out[row, 0, start + i], out[row, 1, start + i] = get(w, SN + row, i)
+        for i in range(count):
+            _bounds(w, i, u_bound[start + i], p, bounds)
+            for row in range(out.shape[0]):
+                out[row, 2, start + i] = bounds[row]
 
 
 def evaluate_pairs(
-    parameter: EllipticParameter, u: ArrayLike, u_lo: ArrayLike = 0.0, *, theta: bool = False
+    parameter: EllipticParameter,
+    u: ArrayLike,
+    u_lo: ArrayLike = 0.0,
+    u_bound: ArrayLike = 0.0,
+    *,
+    theta: bool = False,
 ) -> JacobiPairs:
     """Return sn, cn, dn, epsilon, zeta and, if asked for, Theta at u + u_lo in double-double.
 
     Args:
         parameter: from `elliptic_parameter(m, m1)` or `parameter_of_modulus(k)`.
         u, u_lo: real arguments, broadcast together; u_lo is the low part of the sum.
+        u_bound: bound of the error of u + u_lo, of the same shape or a number.
         theta: whether Theta is wanted, too.
 
     Returns:
-        Arrays of shape (2, *broadcast shape): high parts and low parts.
+        Arrays of shape (3, *broadcast shape): high parts, low parts, bounds of the errors.
 
     Raises:
         ValueError: for Theta at m = 1, where the nome is 1.
 
     >>> from solutions.special.parameter import elliptic_parameter
     >>> sn, *_ = evaluate_pairs(elliptic_parameter(0.25, 0.75), 1.0)
-    >>> sn.tolist()
+    >>> sn[:2].tolist()
     [0.8226355781298..., ...e-17]
     """
     if theta and parameter.m1[0] == 0:
         raise ValueError("m1 must satisfy m1 > 0, got 0 (Theta has no limit as m -> 1)")
     high, low, shape = flat_pair(u, u_lo)
-    out = np.empty((6 if theta else 5, 2, high.size))
-    _loop(high, low, parameter.circular, pair_constants(parameter), out)
-    return JacobiPairs(*out.reshape(-1, 2, *shape))
+    bounds = np.broadcast_to(np.asarray(u_bound, dtype=float), shape).ravel()
+    out = np.empty((6 if theta else 5, 3, high.size))
+    _loop(high, low, bounds, parameter.circular, pair_constants(parameter), out)
+    return JacobiPairs(*out.reshape(-1, 3, *shape))

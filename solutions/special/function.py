@@ -113,5 +113,5 @@ class JacobiFunction(Function):
         return rf"{self.latex_symbol}{power}\left({printer._print(z)}{second}\right)"
 
     def _numpycode(self, printer: Any) -> str:
-        name = printer._module_format(f"solutions.special.double.{self.func.__name__}")
+        name = printer._module_format(f"solutions.special.numpy_functions.{self.func.__name__}")
         return f"{name}({', '.join(printer._print(x) for x in self.args)})"

@@ -40,6 +40,8 @@ class PairConstants(NamedTuple):
     theta_scale: Pair
     eta_scale: Pair
     gauss: Pair
+    m: float
+    slope: float
 
 
 def pair_constants(p: EllipticParameter) -> PairConstants:
@@ -61,4 +63,5 @@ def pair_constants(p: EllipticParameter) -> PairConstants:
         series(ALTERNATING), series(EVEN), series(RISING),
         p.sn_scale, p.cn_scale, p.dn_scale, p.cn_scale_odd, p.dn_scale_odd,
         p.E, p.epsilon_rate, p.zeta_rate, p.theta_scale, p.eta_scale, p.gauss,
+        p.m[0], p.slope[0],
     )  # fmt: skip

@@ -38,7 +38,7 @@ class EllipticParameter:
         zeta_rate: the same for zeta.
         sn_scale, cn_scale, dn_scale: factors of the theta quotients on even quarter periods.
         cn_scale_odd, dn_scale_odd: the same on odd quarter periods (sn's is `sn_scale`).
-        theta_scale: factor of Theta, H and their shifts by K (see `kernels`).
+        theta_scale: factor of Theta, H and their shifts by K (see `extended`).
         gauss: coefficient of u^2 in the Gaussian factor of Theta when not circular.
     """
 

@@ -120,8 +120,8 @@ def test_the_same_misprint_of_several_forms_is_one_row() -> None:
 def test_the_worst_point_is_rounded_and_named_in_mathematics() -> None:
     """Catches sixteen digits, a name in Python, and 1 - 1e-12 rounded to 1."""
     worst = "k = 1 - 1e-12, alpha = 3.357e-08, tau_5 = 0.333333 n = 160149996.8, t = -80000000"
-    text = accuracy_table([Accuracy("kink", ("double",), 8, (3.24e-16, 4.1e-15, 8e-18), worst)])
-    assert r"\texttt{kink} & D & 8 & 3.2 & 41 & 0.08 & " in text
+    text = accuracy_table([Accuracy("kink", 8, (3.24e-16, 4.1e-15, 8e-18), worst)])
+    assert r"\texttt{kink} & 8 & 3.2 & 41 & 0.08 & " in text
     where = r"$k=1-10^{-12}$, $\alpha=3.36\times 10^{-8}$, $\tau_{5}=0.333$"
     assert rf"{where} & $1.6\times 10^{{8}}$ & $-8\times 10^{{7}}$ \\" in text
 

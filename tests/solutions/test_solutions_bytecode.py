@@ -2,14 +2,12 @@
 
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 
 from solutions.assembler import Assembler
-from solutions.bytecode import Bytecode
-from solutions.double_machine import run_double
+from solutions.bytecode import Bytecode, Operation
 from solutions.pair_machine import run_pairs
 from solutions.registers import allocate
 from solutions.special.doubledouble import split
@@ -56,37 +54,48 @@ def points(rng: np.random.Generator) -> Any:
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
-def test_double_machine(expression: sp.Expr, rng: np.random.Generator) -> None:
-    code, inputs, out = assembled(expression), points(rng), np.empty((1, 300))
-    constants = np.array([float(entry.subs(c, CONSTANT)) for entry in code.pool])
-    run_double(code, constants, inputs, out)
-    exact = sp.lambdify([x, y], expression.subs(c, CONSTANT), "mpmath")
-    for i in range(0, 300, 7):
-        wanted = float(exact(*(mpmath.mpf(v) for v in inputs[:, i])))
-        assert out[0, i] == pytest.approx(wanted, rel=1e-13, abs=1e-13)
-
-
-@pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
-def test_pair_machine_has_thirty_digits(
-    expression: sp.Expr, ctx: Any, rng: np.random.Generator
+@pytest.mark.parametrize("moved", [0.0, 1e-20, 1e-3])
+def test_thirty_digits_and_honest_bounds(
+    expression: sp.Expr, moved: float, ctx: Any, rng: np.random.Generator
 ) -> None:
+    """Inputs are wrong by up to ``moved``: the bound covers it, and is not far above it."""
     code, high = assembled(expression), points(rng)
-    inputs, out = np.stack([high, 1e-17 * high], axis=1), np.empty((1, 2, 300))
+    inputs, out = np.stack([high, 1e-17 * high, 0 * high + moved], axis=1), np.empty((1, 3, 300))
     constants = np.array([split(entry.subs(c, CONSTANT)) for entry in code.pool]).reshape(-1, 2)
     run_pairs(code, constants, inputs, out)
     functions = {name: getattr(ctx, name) for name in ("sqrt", "log", "exp", "tanh", "sech", "mpf")}
     exact = sp.lambdify([x, y], expression.subs(c, CONSTANT), [functions, "mpmath"])
     for i in range(0, 300, 11):
-        wanted = exact(*(ctx.mpf(h) + ctx.mpf(low) for h, low in inputs[:, :, i]))
-        found = ctx.mpf(out[0, 0, i]) + out[0, 1, i]
-        scale = max(1, abs(wanted), *(high[:, i] ** 2))
-        assert abs(found - wanted) < 3e-30 * scale
+        at = [ctx.mpf(h) + ctx.mpf(low) for h, low, _ in inputs[:, :, i]]
+        found, bound = ctx.mpf(out[0, 0, i]) + out[0, 1, i], out[0, 2, i]
+        scale = max(1, abs(exact(*at)), *(high[:, i] ** 2))
+        assert abs(found - exact(*at)) < min(3e-30 * scale, bound + 1e-58)
+        if moved == 0.0:
+            assert bound < 1e-26 * scale
+        if high[:, i].min() > 2e-3:
+            for signs in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+                near = (v + sign * moved for v, sign in zip(at, signs, strict=True))
+                assert abs(found - exact(*near)) <= bound * (1 + 1e-9) + 1e-58
 
 
 def test_one_point_and_a_constant_output() -> None:
-    code, out = assembled(c**2), np.empty((1, 2, 1))
-    run_pairs(code, np.array([split("49/9")]), np.ones((2, 2, 1)), out)
-    assert tuple(out[0, :, 0]) == split("49/9")
+    code, out = assembled(c**2), np.empty((1, 3, 1))
+    run_pairs(code, np.array([split("49/9")]), np.ones((2, 3, 1)), out)
+    assert tuple(out[0, :2, 0]) == split("49/9")
+
+
+def test_a_power_of_two_is_exact() -> None:
+    code = assembled(x / 4 - y)
+    assert Operation.SCALE in code.code[:, 0]
+    assert Operation.MULTIPLY_CONSTANT not in code.code[:, 0]
+    assert Operation.MULTIPLY_CONSTANT in assembled(3 * x).code[:, 0]
+
+
+def test_nothing_is_known_where_a_divisor_may_be_zero() -> None:
+    """Catches a bound that stays finite although 1/x may be anything."""
+    out = np.empty((1, 3, 1))
+    run_pairs(assembled(1 / x), np.empty((0, 2)), np.array([[[1e-3], [0], [2e-3]]] * 2), out)
+    assert not out[0, 2, 0] < np.inf
 
 
 def test_equal_operations_are_shared_and_dead_ones_dropped() -> None:

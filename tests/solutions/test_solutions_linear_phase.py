@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
+import pytest
 
 from solutions.linear_phase import LinearPhase
 
@@ -15,7 +16,22 @@ def test_phase_of_a_far_site_keeps_thirty_digits(rng: np.random.Generator) -> No
     )
     n = rng.integers(-(10**9), 10**9, 50).astype(float)
     t = n / 2 + rng.uniform(-1, 1, 50)
-    high, low = LinearPhase(p, q, Fraction(1, 3))(n, t)
+    high, low, bound = LinearPhase(p, q, Fraction(1, 3))(n, t)
     for i in range(n.size):
         exact = p * Fraction(n[i]) + q * Fraction(t[i]) + Fraction(1, 3)
-        assert abs(Fraction(high[i]) + Fraction(low[i]) - exact) < Fraction(1, 10**22)
+        error = abs(Fraction(high[i]) + Fraction(low[i]) - exact)
+        assert error <= Fraction(bound[i]) < Fraction(1, 10**29)
+
+
+def test_phase_that_cancels_to_the_last_site() -> None:
+    """At 10^15 and with 30 digits cancelling; pairs alone would leave nothing of the phase."""
+    p, t = Fraction("0.33333333333333337034101242110772"), 3.0e15
+    n = float(round(t * float(p)) * 3)
+    high, low, bound = LinearPhase(p, -p, 0)(np.array([n]), np.array([n + 0.5]))
+    error = abs(Fraction(high[0]) + Fraction(low[0]) + p / 2)
+    assert error <= Fraction(bound[0]) < Fraction(1, 10**29)
+
+
+def test_coefficients_out_of_range_are_refused() -> None:
+    with pytest.raises(OverflowError, match=r"1\.0e-300"):
+        LinearPhase(Fraction(1, 10**300), 0, 0)

@@ -1,7 +1,7 @@
 """Evaluation: digits against seconds, for each wave in each arithmetic.
 
-A point costs the wave and both its derivatives. Doubles and double-doubles are timed on arrays,
-mpmath and balls (python-flint's acb) one point at a time. The digits are those of the worst of the
+A point costs the wave and both its derivatives. Double-doubles are timed on arrays, mpmath and
+balls (python-flint's acb) one point at a time. The digits are those of the worst of the
 three over the points, relative to max(1, |value|): measured against mpmath with more digits, but
 for balls, whose own radius proves them.
 """
@@ -120,15 +120,14 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
     return best
 
 
-def measure_array(precision: str, case: Case) -> tuple[Errors, float]:
-    """Doubles or double-doubles, at n and t with eps = 1, for which X and T are exact."""
-    wave = case.wave(precision)
+def measure_array(case: Case) -> tuple[Errors, float]:
+    """Double-doubles, at n and t with eps = 1, for which X and T are exact."""
+    wave = case.wave()
     speed = int(wave.normal_form.c)
-    evaluate = wave.at if precision == "double" else wave.pairs_at
-    rows = [evaluate(float(x + speed * TIME), float(TIME), 1.0) for x in PLACES]
+    rows = [wave.pairs_at(float(x + speed * TIME), float(TIME), 1.0) for x in PLACES]
     found = [[np.atleast_1d(part) for part in row] for row in rows]
     n = np.linspace(-50.0, 50.0, ARRAY)
-    seconds = least_seconds(lambda: evaluate(n, float(TIME), 1.0)) / ARRAY
+    seconds = least_seconds(lambda: wave.pairs_at(n, float(TIME), 1.0)) / ARRAY
     return _errors(found, exact_values(case)), seconds
 
 
@@ -208,8 +207,7 @@ def _errors(found: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]
 
 
 ARITHMETICS: tuple[Arithmetic, ...] = (
-    Arithmetic("double", "double", partial(measure_array, "double")),
-    Arithmetic("double-double", "double-double", partial(measure_array, "double-double")),
+    Arithmetic("double-double", "double-double", measure_array),
     *(
         Arithmetic("balls", f"balls, {digits} digits", partial(measure_balls, digits))
         for digits in (20, 40, 80)

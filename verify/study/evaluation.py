@@ -1,20 +1,19 @@
 """How exact the evaluation is: worst errors of Y, Y_X, Y_T against mpmath at 60 digits.
 
-The points are given as (site, time, eps), as a lattice run gives them: where double is worst, on
-crests, at zeros, on steep slopes, at random, and as far as |X| = 1e6 and |T| = 1e4. Errors are in
-units of max(1, |value|).
+The points are given as (site, time, eps), as a lattice run gives them: crests, the smallest values
+of each of the three, zeros of Y_T to the last bit of the site, steep slopes, far tails and random
+ones. Errors are in units of max(1, |value|). The reference evaluates the canonical expression,
+with differences for derivatives, and doubles its digits until two results agree.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.study.evaluation_cases import Case
+from verify.study.evaluation_cases import FARTHEST_SITE, Case
 
 __all__ = ["TOLERANCE", "Accuracy", "measure", "worst_of"]
 
@@ -24,13 +23,11 @@ TOLERANCE = 1e-13
 """The promised bound on every error."""
 
 REFERENCE_DIGITS = 60
-EPS = 0.05
-TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
-"""Lattice times: T = 0, 0.37, 100, 1e4 and -1e4."""
+WIDTHS = (4.0, 60.0)
+"""Half-widths, in units of xi, of the places that are searched for points."""
 
-FARTHEST = 1e6
-HALF_WIDTHS = (4.0, 60.0)
-GRID = 6001
+GRID = 2001
+BISECTIONS = 60
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,6 @@ class Accuracy:
     """The worst errors of Y, Y_X, Y_T over some points of one wave, and where they occur."""
 
     name: str
-    precisions: tuple[str, ...]
     points: int
     errors: tuple[float, float, float]
     worst: str
@@ -51,68 +47,78 @@ class Accuracy:
     def json(self) -> dict[str, object]:
         """The record as JSON data."""
         errors = dict(zip(("Y", "Y_X", "Y_T"), self.errors, strict=True))
-        return {
-            "wave": self.name, "precisions": list(self.precisions), "points": self.points,
-            "errors": errors, "worst": self.worst,
-        }  # fmt: skip
+        return {"wave": self.name, "points": self.points, "errors": errors, "worst": self.worst}
 
 
 def measure(
-    case: Case,
-    times: Iterable[int] = TIMES,
-    per_time: int = 9,
-    precision: str | None = None,
-    grid: int = GRID,
+    case: Case, times: Iterable[float] | None = None, per_time: int = 9, grid: int = GRID
 ) -> Accuracy:
     """The worst errors of one case at ``per_time`` points for each lattice time.
 
-    ``grid`` sites on either scale around a centre are searched for these points.
+    ``grid`` sites on either scale around a centre are searched for these points. ``times`` are
+    the case's own if None.
 
     Raises FloatingPointError if NumPy sees an overflow, a division by zero or a NaN.
     """
-    wave = case.wave(precision)
+    wave, eps = case.wave(), float(case.eps)
     rng = np.random.default_rng(1)
     worst, where, count = np.zeros(3), "", 0
     with np.errstate(over="raise", divide="raise", invalid="raise"):
-        for t in times:
-            for n in sample_sites(wave, t, rng, grid)[:per_time]:
-                errors = errors_at(wave, n, t)
+        for t in case.times if times is None else times:
+            for n in sample_sites(wave, t, eps, rng, grid)[:per_time]:
+                errors = errors_at(wave, n, t, eps)
                 if not np.max(errors) <= np.max(worst):
-                    where = f"{case} n = {n!r}, t = {t}".strip()
+                    where = f"{case} n = {n!r}, t = {t:.12g}".strip()
                 worst = np.maximum(worst, errors)
                 count += 1
-    return Accuracy(case.name, (wave.precision,), count, _three(worst), where)
+    return Accuracy(case.name, count, _three(worst), where)
 
 
-def sample_sites(wave: Wave, t: int, rng: np.random.Generator, grid: int) -> list[float]:
-    """The worst sites for double, crest, zero, steepest slope, farthest X, and random sites.
+def sample_sites(
+    wave: Wave, t: float, eps: float, rng: np.random.Generator, grid: int
+) -> list[float]:
+    """A zero of Y_T, the smallest of |Y_X| and |Y|, crest, steepest slope, random and far sites.
 
-    The worst are found by setting double beside double-double on a dense grid around every place
-    where a phase of the wave vanishes.
+    They are found on a grid around every place where a phase of the wave vanishes.
     """
-    centres = [float(wave.normal_form.c) * t, *wave.phase_zeros(t, EPS)]
-    offsets = [width / EPS * np.linspace(-1, 1, grid) for width in HALF_WIDTHS]
-    sites = np.concatenate([centre + offset for centre in centres for offset in offsets])
-    cheap = Wave(wave.form, wave.normal_form, precision="double", **_by_name(wave))
-    found, exact = cheap.at(sites, t, EPS), wave.pairs_at(sites, t, EPS)
-    worst = [abs(v - r[0]) / np.maximum(1, abs(r[0])) for v, r in zip(found, exact, strict=True)]
-    values = abs(exact.Y[0])
-    special = (*map(np.argmax, worst), np.argmax(values), np.argmin(values))
-    steepest = np.argmax(abs(exact.Y_X[0]))
-    far = centres[0] + FARTHEST / EPS * (-1.0) ** rng.integers(2)
-    scattered = [float(rng.choice(sites)), centres[0] + float(rng.normal(scale=1e3 / EPS))]
-    return [*(float(sites[i]) for i in (*special, steepest)), float(far), *scattered]
+    rate = float(wave.normal_form.a) * eps
+    centre = float(wave.normal_form.c) * t
+    places = [z for z in wave.phase_zeros(t, eps) if abs(z) <= 2 * FARTHEST_SITE]
+    centres = [centre, *places]
+    sharpest = max(1.0, *(abs(float(value)) for value in wave.parameters.values()), 1.0)
+    widths = [width / rate / scale for width in WIDTHS for scale in {1.0, sharpest}]
+    offsets = np.concatenate([width * np.linspace(-1, 1, grid) for width in widths])
+    sites = np.concatenate([place + offsets for place in centres])
+    found = [abs(part) for part in wave.at(sites, t, eps)]
+    zero = _last_zero(wave, t, eps, np.sort(sites))
+    chosen = (np.argmin(found[1]), np.argmax(found[2]), np.argmin(found[0]), np.argmax(found[0]))
+    near = float(rng.choice(sites))
+    scattered = near, float(round(near)), centre + float(rng.normal(scale=1e3 / rate))
+    far = FARTHEST_SITE * (-1.0) ** rng.integers(2)
+    return [zero, *(float(sites[i]) for i in chosen), *scattered, float(far)]
 
 
-def _by_name(wave: Wave) -> dict[str, object]:
-    return {str(symbol): value for symbol, value in wave.parameters.items()}
+def _last_zero(wave: Wave, t: float, eps: float, sites: Array) -> float:
+    """The site, to the last bit, at which Y_T changes its sign; the smallest |Y_T| if none does."""
+    rates = wave.at(sites, t, eps).Y_T
+    turns = np.flatnonzero(rates[1:] * np.sign(rates[:-1]) < 0)
+    if turns.size == 0:
+        return float(sites[np.argmin(abs(rates))])
+    turn = turns[turns.size // 2]
+    low, high, sign = float(sites[turn]), float(sites[turn + 1]), np.sign(rates[turn])
+    for _ in range(BISECTIONS):
+        middle = low + (high - low) / 2
+        if np.sign(wave.at(middle, t, eps).Y_T) == sign:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
-def errors_at(wave: Wave, n: float, t: int) -> Array:
+def errors_at(wave: Wave, n: float, t: float, eps: float) -> Array:
     """The errors of Y, Y_X, Y_T at one site and time, in units of max(1, |value|)."""
-    eps, speed = Fraction(str(EPS)), Fraction(sp.Rational(wave.normal_form.c).p)
-    exact = wave.mp(eps * (Fraction(n) - speed * t), eps**3 * t, REFERENCE_DIGITS)
-    found = [float(part) for part in wave.at(n, t, EPS)]
+    exact = wave.mp_at(n, t, eps, REFERENCE_DIGITS)
+    found = [float(part) for part in wave.at(n, t, eps)]
     pairs = zip(found, exact, strict=True)
     return np.array([float(abs(v - r) / max(1, abs(r))) for v, r in pairs])
 
@@ -122,9 +128,8 @@ def worst_of(results: Iterable[Accuracy]) -> Accuracy:
     all_results = list(results)
     top = max(all_results, key=lambda result: max(result.errors))
     errors = np.max([result.errors for result in all_results], axis=0)
-    precisions = {precision for result in all_results for precision in result.precisions}
     count = sum(result.points for result in all_results)
-    return Accuracy(top.name, tuple(sorted(precisions)), count, _three(errors), top.worst)
+    return Accuracy(top.name, count, _three(errors), top.worst)
 
 
 def _three(errors: Array) -> tuple[float, float, float]:

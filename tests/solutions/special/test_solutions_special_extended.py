@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from mpmath import MPContext
 
-from solutions.special import double
 from solutions.special.extended import evaluate_pairs
 from solutions.special.mp import theta
 from solutions.special.parameter import parameter_of_modulus
@@ -30,12 +29,20 @@ def test_thirty_digits(k: float, reference: Reference, rng: np.random.Generator)
             assert error < 1e-31 * max(1, abs(exact)) + 5e-33 * abs(u[i])
 
 
-def test_high_parts_are_the_double_values(rng: np.random.Generator) -> None:
-    p = parameter_of_modulus(0.8)
-    u = rng.uniform(-1e6, 1e6, (4, 25))
-    for pair, single in zip(evaluate_pairs(p, u)[:5], double.evaluate(p, u), strict=True):
-        assert pair.shape == (2, 4, 25)
-        assert np.allclose(pair[0], single, rtol=1e-15, atol=6e-16)
+@pytest.mark.parametrize("k", [1e-8, 0.3, 0.70711, 0.9, 1 - 1e-8, 1 - 2**-53])
+@pytest.mark.parametrize("e", [0.0, 1e-20, 1e-6])
+def test_bounds_cover_every_argument_within_e(
+    k: float, e: float, reference: Reference, rng: np.random.Generator
+) -> None:
+    p = parameter_of_modulus(k)
+    u = p.K[0] * np.concatenate([np.arange(-8, 9) / 4, rng.uniform(-40, 40, 8)])
+    for i in range(u.size):
+        values = evaluate_pairs(p, u[i], 0.0, e)[:5]
+        for end in (-e, e):
+            exact = reference(k, float(u[i]), end)
+            for (high, low, bound), wanted in zip(values, exact, strict=True):
+                assert abs(ctx.mpf(float(high)) + float(low) - wanted) <= bound + 1e-45
+                assert bound < 2 * e + 3e-29 * max(1, abs(u[i]))
 
 
 @pytest.mark.parametrize("k", [1e-8, 0.3, 0.70711, 0.9, 1 - 1e-8])
@@ -44,10 +51,12 @@ def test_theta_has_thirty_digits(k: float, rng: np.random.Generator) -> None:
     u = p.K[0] * np.concatenate([np.arange(-8, 9) / 4, rng.uniform(-40, 40, 8)])
     theta_pair = evaluate_pairs(p, u, theta=True).theta
     assert theta_pair is not None
-    high, low = theta_pair
+    high, low, bounds = theta_pair
     for i in range(u.size):
         exact = theta(ctx, ctx.mpf(u[i]), ctx.mpf(k) ** 2)
-        assert abs(ctx.mpf(high[i]) + low[i] - exact) < 1e-30 * abs(exact) + 1e-32 * abs(u[i])
+        error = abs(ctx.mpf(high[i]) + low[i] - exact)
+        assert error < 1e-30 * abs(exact) + 1e-32 * abs(u[i])
+        assert error <= bounds[i] < 1e-28 * (abs(exact) + abs(u[i]))
 
 
 def test_theta_has_no_value_at_one() -> None:

@@ -18,7 +18,6 @@ def costs() -> dict[str, EvaluationCost]:
 @pytest.mark.parametrize(
     ("arithmetic", "least", "most"),
     [
-        ("double", 14, 18),
         ("double-double", 28, 35),
         ("balls, 40 digits", 35, 42),
         ("mpmath, 60 digits", 58, 63),
