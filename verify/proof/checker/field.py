@@ -1,0 +1,574 @@
+"""The images of a certificate's formulas in its generators, with their slopes and relations.
+
+A generator is given by its meaning alone.  Relations and slopes follow from the axioms; sums,
+products and integer powers are computed; a function must be a generator, or follow from generators
+by an axiom whose premises are checked here, by exact arithmetic on images.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from flint import acb, fmpq, fmpq_mpoly
+
+from . import axioms
+from .axioms import Station
+from .limits import EXPONENT, CertificateError, within
+from .nodes import Nodes, children
+from .points import Balls, polynomial
+from .ring import Element, Ring
+from .signs import ANY, Sign, Signs
+
+Sum = tuple[tuple[fmpq, int], ...]
+"""Coefficients and nodes."""
+
+FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
+FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
+CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
+
+
+@dataclass(frozen=True)
+class Hints:
+    """Which axiom instances to use: nothing of this is believed, all of it is checked.
+
+    ``sums[z]`` writes an argument as a combination of others, ``values[f]`` names what a root or
+    an absolute value is, ``logs[log f]`` the factors of f, ``signs[f]`` a formula with the same
+    image whose structure shows its sign.
+    """
+
+    sums: Mapping[int, Sum]
+    values: Mapping[int, int]
+    logs: Mapping[int, Sum]
+    signs: Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Generator:
+    """What a generator stands for: ``scale * node / below + shift``, in formulas and generators."""
+
+    node: int
+    scale: fmpq_mpoly | None = None
+    below: int | None = None
+    shift: int | None = None
+
+
+class Field:
+    """Generators, images of nodes, and derivatives.
+
+    ``positive`` are the nodes that the domain states to be positive (True: or 0).
+    """
+
+    def __init__(
+        self,
+        nodes: Nodes,
+        count: int,
+        variables: Sequence[int],
+        positive: Mapping[int, bool],
+        hints: Hints,
+    ) -> None:
+        self.nodes, self.ring, self.hints = nodes, Ring(count), hints
+        self.variables = variables
+        self.generators: list[Generator] = []
+        self.signs = Signs(nodes, self._stated, self._witness)
+        self.one = self.ring.number(1)
+        self.zero = self.ring.number(0)
+        self.parameters: dict[int, None] = {}
+        self._positive = positive
+        self._images: dict[int, Element] = {}
+        self._atoms: dict[str, list[int]] = {}
+        self._slopes: dict[tuple[int, int], Element] = {}
+        self._stations: dict[tuple[int, int, str], Station] = {}
+
+    # Generators.
+
+    def register(self, node: int) -> None:
+        """The next generator stands for ``node``, a function or a symbol."""
+        match self.nodes.all[node]:
+            case ("I",):
+                self._algebraic(node, 2, -self.one)
+            case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
+                self._algebraic(node, int(exponent.q), self.image(base))
+            case ("Abs", inner):
+                self._algebraic(node, 2, self._squared(inner))
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m):
+                self._jacobi(node, z, m)
+            case (str(name), z, m) if name in FREE_JACOBI:
+                self._parameter(m)
+                self._add(node, self._next, Generator(node))
+            case (str(name), *_) if name in FREE:
+                if name in ("elliptic_k", "elliptic_e"):
+                    self._parameter(self.nodes.all[node][1])
+                self._add(node, self._next, Generator(node))
+            case (name, *_):
+                raise CertificateError(f"{name} is no generator")
+
+    def register_quotient(self, node: int, below: int) -> None:
+        """The next generator stands for ``node/below``, two theta functions."""
+        for theta in (node, below):
+            if self.nodes.all[theta][0] != "jacobi_theta":
+                raise CertificateError("a quotient must be of theta functions")
+        self._add(node, self._next * self.image(below), Generator(node, below=below))
+
+    def register_form(self, node: int, shift: int) -> None:
+        """The next generator stands for ``node + shift``: a symbol or function, and a formula."""
+        if not self._is_clean(shift):
+            raise CertificateError("the shift of a linear form must be analytic on the domain")
+        name = self.nodes.all[node][0]
+        if name not in FREE and name not in FREE_JACOBI:
+            raise CertificateError(f"{name} cannot be in a linear form")
+        self._add(node, self._next - self.image(shift), Generator(node, shift=shift))
+
+    def register_part(self, left: int, right: int) -> None:
+        """The next generator stands for either of two formulas that were proved equal."""
+        self._add(left, self._next, Generator(left))
+        self._images[right] = self._images[left]
+
+    @property
+    def _next(self) -> Element:
+        place = len(self.generators)
+        if place >= len(self.ring.names):
+            raise CertificateError("there are more generators than announced")
+        return self.ring.generator(place)
+
+    def _add(self, node: int, image: Element, generator: Generator) -> None:
+        if node in self._images:
+            raise CertificateError("a generator must be new")
+        self.generators.append(generator)
+        self._images[node] = image
+        self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
+
+    def _algebraic(self, node: int, degree: int, value: Element) -> None:
+        """The root of N/D: the generator is D times it, with the power N D**(degree - 1)."""
+        place, below = len(self.generators), value.denominator()
+        power = value.numerator
+        for _ in range(degree - 1):
+            power = self.ring.product(power, below)
+        image = self._next if below.is_one() else self._next * Element(self.ring, below).inverse()
+        self._add(node, image, Generator(node, scale=None if below.is_one() else below))
+        self.ring.relate(place, degree, power)
+
+    def _jacobi(self, node: int, z: int, m: int) -> None:
+        self._parameter(m)
+        name = self.nodes.all[node][0].removeprefix("jacobi_")
+        for other in ("sn", "cn", "dn"):
+            companion = self._images.get(self.nodes.made(f"jacobi_{other}", z, m))
+            if companion is not None and other != name:
+                square = axioms.SQUARES[name, other](companion, self.image(m), self.one)
+                self._algebraic(node, 2, square)
+                return
+        self._add(node, self._next, Generator(node))
+
+    def _parameter(self, m: int) -> None:
+        """Elliptic functions are taken for a constant parameter."""
+        self.parameters[m] = None
+        if self._moves(m):
+            raise CertificateError("the parameter m of an elliptic function must be constant")
+
+    def _moves(self, node: int) -> bool:
+        return any(inner in self.variables for inner in self.nodes.below([node]))
+
+    def _is_clean(self, node: int) -> bool:
+        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        for inner in self.nodes.below([node]):
+            name = self.nodes.all[inner][0]
+            if name == "Pow":
+                base, exponent = self.nodes.all[inner][1:]
+                if exponent.q != 1 and not self.signs.positive(base):
+                    return False
+            elif name not in CLEAN and not name.startswith("jacobi_"):
+                return False
+        return True
+
+    # Images.
+
+    def walk(self, nodes: Sequence[int]) -> None:
+        """Make the images of ``nodes`` from the inside out."""
+        wanted = set(nodes)
+        for node in range(max(nodes, default=-1), -1, -1):
+            if node in wanted and node not in self._images:
+                wanted.update(children(self.nodes.all[node]))
+        for node in sorted(wanted):
+            self.image(node)
+
+    def image(self, node: int) -> Element:
+        """The image of a node; raises CertificateError where it does not follow from generators."""
+        if node not in self._images:
+            self._images[node] = self._image(node)
+        return self._images[node]
+
+    def equal(self, left: int, right: int) -> bool:
+        """Whether two nodes have the same image."""
+        return left == right or (self.image(left) - self.image(right)).is_zero
+
+    def _image(self, node: int) -> Element:
+        match self.nodes.all[node]:
+            case ("number", value):
+                return self.ring.number(value)
+            case ("Add", *terms):
+                return self._sum([self.image(term) for term in terms])
+            case ("Mul", *factors):
+                return self._product([self.image(factor) for factor in factors])
+            case ("poly", terms, *places):
+                return self._polynomial(terms, [self.image(place) for place in places])
+            case ("Pow", base, exponent):
+                return self._power(node, base, int(exponent.p), int(exponent.q))
+            case ("symbol", name, _):
+                raise CertificateError(f"there is no generator for the symbol {name}")
+            case (name, *arguments) if arguments:
+                return self._function(node, name, arguments)
+            case (name,):
+                raise CertificateError(f"there is no generator for {name}")
+        raise CertificateError("a node has no image")
+
+    def _sum(self, parts: list[Element]) -> Element:
+        total = parts[0]
+        for part in parts[1:]:
+            total = total + part
+        return total
+
+    def _product(self, parts: list[Element]) -> Element:
+        total = parts[0]
+        for part in parts[1:]:
+            total = total * part
+        return total
+
+    def _polynomial(
+        self, terms: Sequence[tuple[fmpq, tuple[int, ...]]], values: list[Element]
+    ) -> Element:
+        total = self.zero
+        for coefficient, exponents in terms:
+            powers = (v**n for v, n in zip(values, exponents, strict=True) if n)
+            total = total + self._product([self.ring.number(coefficient), *powers])
+        return total
+
+    def _power(self, node: int, base: int, p: int, q: int) -> Element:
+        if q != 1:
+            if p != 1:
+                return self.image(self.nodes.made("Pow", base, fmpq(1, q))) ** p
+            return self._root(node, base, q)
+        inner = self.nodes.all[base]
+        if inner[0] == "Abs" and p % 2 == 0:
+            return self._squared(inner[1]) ** (p // 2)
+        return self.image(base) ** p
+
+    def _root(self, node: int, base: int, q: int) -> Element:
+        for atom in self._atoms.get("Pow", []):
+            _, other, exponent = self.nodes.all[atom]
+            if exponent.q == q and self.equal(base, other):
+                return self._images[atom]
+        value = self._hinted(node, self.hints.values)
+        if not (self.image(value) ** q - self.image(base)).is_zero:
+            raise CertificateError(f"the power {q} of what a root is said to be is not its radicand")
+        if not self.signs.not_negative(value):
+            raise CertificateError("what a root is said to be is not shown to be >= 0 on the domain")
+        return self.image(value)
+
+    def _absolute(self, node: int, inner: int) -> Element:
+        for atom in self._atoms.get("Abs", []):
+            if self.equal(inner, self.nodes.all[atom][1]):
+                return self._images[atom]
+        value = self._hinted(node, self.hints.values)
+        if not (self.image(value) ** 2 - self._squared(inner)).is_zero:
+            raise CertificateError("what an absolute value is said to be has another square")
+        if not self.signs.not_negative(value):
+            raise CertificateError(
+                "what an absolute value is said to be is not shown to be >= 0 on the domain"
+            )
+        return self.image(value)
+
+    def _squared(self, inner: int) -> Element:
+        """abs(f)**2 = f conj(f)."""
+        return self.image(inner) * self.image(self.conjugate(inner))
+
+    def _hinted(self, node: int, hints: Mapping[int, int]) -> int:
+        if node not in hints:
+            raise CertificateError(f"there is no generator for a {self.nodes.all[node][0]}")
+        return hints[node]
+
+    def _function(self, node: int, name: str, arguments: Sequence[int]) -> Element:
+        for atom in self._atoms.get(name, []):
+            others = self.nodes.all[atom][1:]
+            if all(self.equal(a, b) for a, b in zip(arguments, others, strict=True)):
+                return self._images[atom]
+        first = arguments[0]
+        if name in axioms.HYPERBOLIC:
+            return axioms.HYPERBOLIC[name](self._made("exp", first), self.one)
+        if name in axioms.TRIGONOMETRIC:
+            i = self.nodes.made("I")
+            e = self._made("exp", self.nodes.made("Mul", i, first))
+            return axioms.TRIGONOMETRIC[name](e, self.one, self.image(i))
+        rules: dict[str, Callable[[], Element]] = {
+            "exp": lambda: self._exponential(first),
+            "log": lambda: self._logarithm(node, first),
+            "Abs": lambda: self._absolute(node, first),
+            "sign": lambda: self.image(first) / self._made("Abs", first),
+            "conjugate": lambda: self.image(self.conjugate(first)),
+            "re": lambda: self._half(first, +1) * self.ring.number(fmpq(1, 2)),
+            "im": lambda: self._half(first, -1) / self.image(self.nodes.made("I"))
+            * self.ring.number(fmpq(1, 2)),
+        }
+        if name in rules:
+            return rules[name]()
+        if name.startswith("jacobi_"):
+            return self._jacobi_value(name.removeprefix("jacobi_"), *arguments)
+        raise CertificateError(f"there is no generator for a {name}")
+
+    def _made(self, name: str, *arguments: int) -> Element:
+        return self.image(self.nodes.made(name, *arguments))
+
+    def _half(self, inner: int, sign: int) -> Element:
+        other = self.image(self.conjugate(inner))
+        return self.image(inner) + other if sign > 0 else self.image(inner) - other
+
+    def _exponential(self, z: int) -> Element:
+        """exp(sum n u) = product of exp(u)**n, with exp(q log f) = f**q."""
+        result = self.one
+        for coefficient, u in self._sum_of(z):
+            inner = self.nodes.all[u]
+            if inner[0] == "log":
+                power = self.nodes.made("Pow", inner[1], coefficient)
+                result = result * self.image(power)
+            else:
+                result = result * self._made("exp", u) ** self._integer(coefficient)
+        return result
+
+    def _sum_of(self, z: int) -> Sum:
+        """The combination that a hint gives for an argument, checked."""
+        found = self.hints.sums.get(z)
+        if found is None:
+            raise CertificateError("there is no generator for a function of a sum")
+        parts = [self.ring.number(n) * self.image(u) for n, u in found]
+        if not (self._sum([self.zero, *parts]) - self.image(z)).is_zero:
+            raise CertificateError("an argument is not the sum that it is said to be")
+        return found
+
+    def _integer(self, value: fmpq) -> int:
+        if value.q != 1:
+            raise CertificateError("coefficients in a sum of arguments must be integers")
+        within("coefficients", abs(int(value.p)), EXPONENT)
+        return int(value.p)
+
+    def _logarithm(self, node: int, inner: int) -> Element:
+        """log of a product of powers of positive factors."""
+        if node not in self.hints.logs:
+            raise CertificateError("there is no generator for a log")
+        product, total = self.one, self.zero
+        for q, factor in self.hints.logs[node]:
+            if not self.signs.positive(factor):
+                raise CertificateError("a factor in a logarithm is not shown to be positive")
+            product = product * self.image(self.nodes.made("Pow", factor, q))
+            part = self.nodes.all[factor]
+            value = self.image(part[1]) if part[0] == "exp" else self._made("log", factor)
+            total = total + self.ring.number(q) * value
+        if not (product - self.image(inner)).is_zero:
+            raise CertificateError("a logarithm's argument is not the product that it is said to be")
+        return total
+
+    # Elliptic functions.
+
+    def _jacobi_value(self, name: str, z: int, m: int) -> Element:
+        self._parameter(m)
+        if name == "theta":
+            return self._theta(z, m)
+        if name == "eta":
+            root = self.image(self.nodes.made("Pow", m, fmpq(1, 4)))
+            return root * self._made("jacobi_sn", z, m) * self._made("jacobi_theta", z, m)
+        if name == "zeta" and not self._atoms.get("jacobi_zeta"):
+            mean = self._made("elliptic_e", m) / self._made("elliptic_k", m)
+            return self._made("jacobi_epsilon", z, m) - self.image(z) * mean
+        station = self._station(z, m, name if name in ("epsilon", "zeta") else "")
+        if name in ("epsilon", "zeta"):
+            if station.second is None:
+                return self.zero
+            return station.second
+        found: Element = getattr(station, name)
+        return found
+
+    def _station(self, z: int, m: int, second: str) -> Station:
+        if (z, m, second) not in self._stations:
+            parts = [(self._integer(n), u) for n, u in self._sum_of(z)]
+            total: Station | None = None
+            for n, u in parts:
+                if n:
+                    step = self._base(u, m, second).times(n)
+                    total = step if total is None else total + step
+            if total is None:
+                total = Station(self.image(m), self.zero, self.one, self.one, self.zero)
+            self._stations[z, m, second] = total
+        return self._stations[z, m, second]
+
+    def _base(self, u: int, m: int, second: str) -> Station:
+        """A generator's argument, or K."""
+        made, parameter = self.nodes.made, self.image(m)
+        if self.nodes.all[u] == ("elliptic_k", m):
+            rest = made("Add", self.nodes.rational(1), made("Mul", self.nodes.rational(-1), m))
+            dn = self.image(made("Pow", rest, fmpq(1, 2)))
+            value = self._made("elliptic_e", m) if second == "epsilon" else self.zero
+            return Station(parameter, self.one, self.zero, dn, value)
+        names = [f"jacobi_{name}" for name in ("sn", "cn", "dn", second) if name]
+        if u in self.hints.sums:
+            raise CertificateError("a sum of arguments must be of generators' arguments")
+        return Station(parameter, *(self._made(name, u, m) for name in names))
+
+    def _theta(self, z: int, m: int) -> Element:
+        """Theta is even; Theta(u-d) by the product theorem."""
+        for atom in self._atoms.get("jacobi_theta", []):
+            _, other, parameter = self.nodes.all[atom]
+            if self.equal(m, parameter) and (self.image(z) + self.image(other)).is_zero:
+                return self._images[atom]
+        match self._sum_of(z):
+            case ((plus, u), (minus, d)) if plus == 1 and minus == -1:
+                arguments = (self.nodes.made("Add", u, d), u, d, self.nodes.rational(0))
+            case _:
+                raise CertificateError("theta's argument must be a difference of two")
+        ahead, here, shift, zero = (self._made("jacobi_theta", a, m) for a in arguments)
+        sines = (self._made("jacobi_sn", u, m), self._made("jacobi_sn", d, m))
+        return axioms.behind(self.image(m), (ahead, here, shift, zero), sines)
+
+    # Conjugates, signs.
+
+    def conjugate(self, node: int) -> int:
+        """The complex conjugate of a node as a node."""
+        made = self.nodes.made
+        if self.signs.is_real(node):
+            return node
+        match self.nodes.all[node]:
+            case ("I",):
+                return made("Mul", self.nodes.rational(-1), node)
+            case (("Add" | "Mul") as name, *parts):
+                return made(name, *map(self.conjugate, parts))
+            case ("Pow", base, exponent) if exponent.q == 1:
+                return made("Pow", self.conjugate(base), exponent)
+            case ("poly", terms, *parts):
+                return made("poly", terms, *map(self.conjugate, parts))
+            case ("conjugate", inner):
+                return int(inner)
+            case (str(name), inner) if name in ("exp", *axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC):
+                return made(name, self.conjugate(inner))
+            case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.signs.is_real(m):
+                return made(name, self.conjugate(z), m)
+            case (name, *_):
+                raise CertificateError(f"the conjugate of {name} does not follow from the domain")
+        raise CertificateError("a node has no conjugate")
+
+    def _stated(self, node: int) -> Sign:
+        """The sign that an inequality of the domain gives a node with the same image."""
+        if node in self._positive:
+            return Sign((0, 1)) if self._positive[node] else Sign((1,))
+        if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
+            return ANY
+        for bound, weak in self._positive.items():
+            sign = Sign((0, 1)) if weak else Sign((1,))
+            try:
+                if self.equal(node, bound):
+                    return sign
+                if (self.image(node) + self.image(bound)).is_zero:
+                    return Sign(-s for s in sign)
+            except CertificateError:  # a formula of the domain that the proof has no generator for
+                continue
+        return ANY
+
+    def _witness(self, node: int) -> int | None:
+        other = self.hints.signs.get(node)
+        if other is None:
+            return None
+        if not self.equal(node, other):
+            raise CertificateError("the witness of a sign has another image")
+        return other
+
+    # Derivatives and values.
+
+    def slope(self, place: int, variable: int) -> Element:
+        """The derivative of a generator."""
+        if (place, variable) not in self._slopes:
+            generator = self.generators[place]
+            slope = self._atom_slope(generator, variable)
+            if generator.scale is not None:
+                scale = Element(self.ring, generator.scale)
+                slope = slope * scale + self._images[generator.node] * self.derivative(
+                    scale, variable
+                )
+            if generator.below is not None:
+                below = self.image(generator.below)
+                rest = self.derivative(below, variable) / below
+                slope = slope / below - self._images[generator.node] / below * rest
+            if generator.shift is not None:
+                slope = slope + self.derivative(self.image(generator.shift), variable)
+            self._slopes[place, variable] = slope
+        return self._slopes[place, variable]
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The chain rule, for the arguments of generators."""
+        result = self.zero
+        for place, name in enumerate(self.ring.names):
+            partial = element.numerator.derivative(name)
+            if not partial.is_zero():
+                part = Element(self.ring, partial, element.powers).cancelled()
+                result = result + part * self.slope(place, variable)
+            for factor, power in element.powers.items():
+                partial = self.ring.factors[factor].derivative(name)
+                if not partial.is_zero():
+                    rate = Element(self.ring, power * partial, {factor: 1}).cancelled()
+                    result = result - element * rate * self.slope(place, variable)
+        return result
+
+    def _atom_slope(self, generator: Generator, variable: int) -> Element:
+        """The axioms of differentiation."""
+        node = generator.node
+        image = self._images[node]
+        match self.nodes.all[node]:
+            case ("symbol", *_):
+                return self.one if node == variable else self.zero
+            case ("I",) | ("pi",) | (("elliptic_k" | "elliptic_e"), _):
+                return self.zero
+            case ("exp", z):
+                return image * self._rate(z, variable)
+            case ("log", f):
+                return self._rate(f, variable) / self.image(f)
+            case ("atan", f):
+                return self._rate(f, variable) / (self.one + self.image(f) ** 2)
+            case ("Pow", base, exponent):
+                rate = self._rate(base, variable)
+                degree = self.ring.number(int(exponent.q))
+                return self.zero if rate.is_zero else image * rate / (self.image(base) * degree)
+            case ("Abs", f):
+                rate = self.derivative(self._squared(f), variable)
+                return self.zero if rate.is_zero else rate / (image + image)
+            case (str(name), z, m) if name.startswith("jacobi_"):
+                rate = self._rate(z, variable)
+                if rate.is_zero:
+                    return self.zero
+                return rate * self._jacobi_slope(name.removeprefix("jacobi_"), image, z, m)
+        raise CertificateError("the derivative of a generator does not follow from the axioms")
+
+    def _rate(self, argument: int, variable: int) -> Element:
+        return self.derivative(self.image(argument), variable)
+
+    def _jacobi_slope(self, name: str, image: Element, z: int, m: int) -> Element:
+        if name == "theta":
+            return image * self._made("jacobi_zeta", z, m)
+        if name in ("epsilon", "zeta"):
+            square = self._made("jacobi_dn", z, m) ** 2
+            if name == "epsilon":
+                return square
+            return square - self._made("elliptic_e", m) / self._made("elliptic_k", m)
+        sign, with_m, functions = axioms.PRODUCTS[name]
+        parts = [self._made(f"jacobi_{function}", z, m) for function in functions]
+        result = self.ring.number(sign) * parts[0] * parts[1]
+        return result * self.image(m) if with_m else result
+
+    def balls(self, balls: Balls) -> list[acb]:
+        """The values of the generators at a point."""
+        values: list[acb] = []
+        for generator in self.generators:
+            value = balls.ball(generator.node)
+            if generator.scale is not None:
+                rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
+                value *= polynomial(rest[::-1], generator.scale.terms())
+            if generator.below is not None:
+                value /= balls.ball(generator.below)
+            if generator.shift is not None:
+                value += balls.ball(generator.shift)
+            values.append(value)
+        return values
