@@ -24,7 +24,6 @@ __all__ = [
     "RationalFacts",
     "check_certificate",
     "form_domains",
-    "form_domains",
     "prove",
     "prove_bilinear",
     "prove_equal",
