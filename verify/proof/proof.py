@@ -12,7 +12,7 @@ from verify.verdict import Outcome
 
 from .assumptions import assumptions
 from .balls import Point
-from .certificate import make_certificate
+from .certificate import equation_certificate as make_certificate
 from .compilation import Compilation, compile_expressions, regular_point
 from .jets import EquationImage, coefficients
 from .lemmas import equal_by_lemmas

@@ -108,6 +108,10 @@ def _register(
     match listed(entry, 3, "a generator"):
         case ["atom", node]:
             field.register(nodes.place(node))
+        case ["scaled", node, scale]:
+            field.register_scaled(nodes.place(node), nodes.place(scale))
+        case ["circle", root, symbol]:
+            field.register_circle(nodes.place(root), nodes.place(symbol))
         case ["quotient", node, below]:
             field.register_quotient(nodes.place(node), nodes.place(below))
         case ["form", node, shift]:

@@ -16,7 +16,7 @@ from . import axioms
 from .axioms import Station
 from .limits import EXPONENT, CertificateError, within
 from .nodes import Nodes, children
-from .points import Balls, polynomial
+from .points import Balls, value_at
 from .ring import Element, Ring
 from .signs import ANY, Sign, Signs
 
@@ -32,7 +32,7 @@ CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k
 class Hints:
     """Which axiom instances to use: nothing of this is believed, all of it is checked.
 
-    ``sums[z]`` writes an argument as a combination of others, ``values[f]`` names what a root or
+    ``sums[f(z)]`` writes the argument of exp, sn or theta as a combination of others, ``values[f]`` names what a root or
     an absolute value is, ``logs[log f]`` the factors of f, ``signs[f]`` a formula with the same
     image whose structure shows its sign.
     """
@@ -75,6 +75,7 @@ class Field:
         self.zero = self.ring.number(0)
         self.parameters: dict[int, None] = {}
         self._positive = positive
+        self._circles: dict[int, int] = {}
         self._images: dict[int, Element] = {}
         self._atoms: dict[str, list[int]] = {}
         self._slopes: dict[tuple[int, int], Element] = {}
@@ -85,6 +86,8 @@ class Field:
     def register(self, node: int) -> None:
         """The next generator stands for ``node``, a function or a symbol."""
         match self.nodes.all[node]:
+            case ("symbol", *_) if node in self._circles:
+                self._algebraic(node, 2, self.one - self.image(self._circles[node]) ** 2)
             case ("I",):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
@@ -102,6 +105,26 @@ class Field:
                 self._add(node, self._next, Generator(node))
             case (name, *_):
                 raise CertificateError(f"{name} is no generator")
+
+    def register_scaled(self, node: int, scale: int) -> None:
+        """The next generator stands for ``scale`` times a Jacobi function."""
+        match self.nodes.all[node]:
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self._is_clean(scale):
+                self._jacobi(node, z, m, self.image(scale))
+            case _:
+                raise CertificateError("what is scaled must be a Jacobi function")
+
+    def register_circle(self, root: int, symbol: int) -> None:
+        """The next generator stands for sqrt(1 - s**2); s itself is a root of it later."""
+        square = self.nodes.made("Pow", symbol, fmpq(2))
+        negative = self.nodes.made("Mul", self.nodes.rational(-1), square)
+        rest = self.nodes.made("Add", self.nodes.rational(1), negative)
+        if self.nodes.all[root] != ("Pow", rest, fmpq(1, 2)):
+            raise CertificateError("a circle must be of a symbol s and sqrt(1 - s**2)")
+        if self.nodes.all[symbol][0] != "symbol" or symbol in self.variables:
+            raise CertificateError("a circle must be of a parameter")
+        self._add(root, self._next, Generator(root))
+        self._circles[symbol] = root
 
     def register_quotient(self, node: int, below: int) -> None:
         """The next generator stands for ``node/below``, two theta functions."""
@@ -138,26 +161,36 @@ class Field:
         self._images[node] = image
         self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
 
-    def _algebraic(self, node: int, degree: int, value: Element) -> None:
-        """The root of N/D: the generator is D times it, with the power N D**(degree - 1)."""
-        place, below = len(self.generators), value.denominator()
+    def _algebraic(
+        self, node: int, degree: int, value: Element, scale: Element | None = None
+    ) -> None:
+        """The generator is D times scale times a root, so that its power is a polynomial."""
+        place = len(self.generators)
+        scale = scale or self.one
+        value = value * scale**degree
+        below = value.denominator()
         power = value.numerator
         for _ in range(degree - 1):
             power = self.ring.product(power, below)
-        image = self._next if below.is_one() else self._next * Element(self.ring, below).inverse()
-        self._add(node, image, Generator(node, scale=None if below.is_one() else below))
+        self._add_scaled(node, self.ring.product(below, _whole(scale)))
         self.ring.relate(place, degree, power)
 
-    def _jacobi(self, node: int, z: int, m: int) -> None:
+    def _add_scaled(self, node: int, scale: fmpq_mpoly) -> None:
+        if scale.is_one():
+            self._add(node, self._next, Generator(node))
+        else:
+            self._add(node, self._next / Element(self.ring, scale), Generator(node, scale=scale))
+
+    def _jacobi(self, node: int, z: int, m: int, scale: Element | None = None) -> None:
         self._parameter(m)
         name = self.nodes.all[node][0].removeprefix("jacobi_")
         for other in ("sn", "cn", "dn"):
             companion = self._images.get(self.nodes.made(f"jacobi_{other}", z, m))
             if companion is not None and other != name:
                 square = axioms.SQUARES[name, other](companion, self.image(m), self.one)
-                self._algebraic(node, 2, square)
+                self._algebraic(node, 2, square, scale)
                 return
-        self._add(node, self._next, Generator(node))
+        self._add_scaled(node, _whole(scale or self.one))
 
     def _parameter(self, m: int) -> None:
         """Elliptic functions are taken for a constant parameter."""
@@ -324,7 +357,7 @@ class Field:
     def _exponential(self, z: int) -> Element:
         """exp(sum n u) = product of exp(u)**n, with exp(q log f) = f**q."""
         result = self.one
-        for coefficient, u in self._sum_of(z):
+        for coefficient, u in self._sum_of(self.nodes.made("exp", z)):
             inner = self.nodes.all[u]
             if inner[0] == "log":
                 power = self.nodes.made("Pow", inner[1], coefficient)
@@ -333,9 +366,9 @@ class Field:
                 result = result * self._made("exp", u) ** self._integer(coefficient)
         return result
 
-    def _sum_of(self, z: int) -> Sum:
-        """The combination that a hint gives for an argument, checked."""
-        found = self.hints.sums.get(z)
+    def _sum_of(self, function: int) -> Sum:
+        """The combination that a hint gives for a function's argument, checked."""
+        found, z = self.hints.sums.get(function), self.nodes.all[function][1]
         if found is None:
             raise CertificateError("there is no generator for a function of a sum")
         parts = [self.ring.number(n) * self.image(u) for n, u in found]
@@ -387,7 +420,7 @@ class Field:
 
     def _station(self, z: int, m: int, second: str) -> Station:
         if (z, m, second) not in self._stations:
-            parts = [(self._integer(n), u) for n, u in self._sum_of(z)]
+            parts = [(self._integer(n), u) for n, u in self._sum_of(self.nodes.made("jacobi_sn", z, m))]
             total: Station | None = None
             for n, u in parts:
                 if n:
@@ -399,7 +432,7 @@ class Field:
         return self._stations[z, m, second]
 
     def _base(self, u: int, m: int, second: str) -> Station:
-        """A generator's argument, or K."""
+        """A generator's argument, or K, or again a sum."""
         made, parameter = self.nodes.made, self.image(m)
         if self.nodes.all[u] == ("elliptic_k", m):
             rest = made("Add", self.nodes.rational(1), made("Mul", self.nodes.rational(-1), m))
@@ -407,8 +440,6 @@ class Field:
             value = self._made("elliptic_e", m) if second == "epsilon" else self.zero
             return Station(parameter, self.one, self.zero, dn, value)
         names = [f"jacobi_{name}" for name in ("sn", "cn", "dn", second) if name]
-        if u in self.hints.sums:
-            raise CertificateError("a sum of arguments must be of generators' arguments")
         return Station(parameter, *(self._made(name, u, m) for name in names))
 
     def _theta(self, z: int, m: int) -> Element:
@@ -417,7 +448,7 @@ class Field:
             _, other, parameter = self.nodes.all[atom]
             if self.equal(m, parameter) and (self.image(z) + self.image(other)).is_zero:
                 return self._images[atom]
-        match self._sum_of(z):
+        match self._sum_of(self.nodes.made("jacobi_theta", z, m)):
             case ((plus, u), (minus, d)) if plus == 1 and minus == -1:
                 arguments = (self.nodes.made("Add", u, d), u, d, self.nodes.rational(0))
             case _:
@@ -528,6 +559,8 @@ class Field:
                 return self._rate(f, variable) / self.image(f)
             case ("atan", f):
                 return self._rate(f, variable) / (self.one + self.image(f) ** 2)
+            case ("Pow", *_) if node in self._circles.values():
+                return self.zero
             case ("Pow", base, exponent):
                 rate = self._rate(base, variable)
                 degree = self.ring.number(int(exponent.q))
@@ -565,10 +598,17 @@ class Field:
             value = balls.ball(generator.node)
             if generator.scale is not None:
                 rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
-                value *= polynomial(rest[::-1], generator.scale.terms())
+                value *= value_at(generator.scale, rest)
             if generator.below is not None:
                 value /= balls.ball(generator.below)
             if generator.shift is not None:
                 value += balls.ball(generator.shift)
             values.append(value)
         return values
+
+
+def _whole(element: Element) -> fmpq_mpoly:
+    """The polynomial that a fraction is."""
+    if element.powers:
+        raise CertificateError("a scale must be a polynomial in the generators")
+    return element.numerator

@@ -89,5 +89,10 @@ def polynomial(values: list[acb], terms: Iterable[tuple[fmpq, tuple[int, ...]]])
 def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
     """Whether a polynomial in the generators, given by their balls, does not vanish."""
     with ctx.workprec(BITS):
-        ball = polynomial(generators[::-1], factor.terms())
+        ball = value_at(factor, generators)
     return bool(ball.is_finite() and not ball.contains(0))
+
+
+def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
+    """A polynomial of the ring at the values of its generators, the first one first."""
+    return polynomial(generators[::-1], ((c, exponents) for exponents, c in element.terms()))

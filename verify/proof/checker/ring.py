@@ -60,8 +60,7 @@ class Ring:
         for index, degree, modulus in self.relations:
             top = int(polynomial.degrees()[index])
             if top >= degree:
-                steps = top // degree
-                self.spend(len(polynomial) * min(len(modulus) ** steps, WORK))
+                self.spend(len(polynomial) * len(modulus) * (top // degree))
                 polynomial = divmod(polynomial, modulus)[1]
         return polynomial
 
