@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
+from flint import acb, ctx
 
 from solutions.special import (
     jacobi_cn,
@@ -24,13 +25,15 @@ from solutions.special.function import JacobiFunction
 from verify.tree import distinct_nodes
 
 from .balls import Point, ball_value
-from .checker.check import FORMAT, digest
+from .checker.check import FORMAT, FORMS, digest
 from .domain import Domains
 from .generator import Unsupported
 from .jets import coefficients
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
 from .lattice import ArgumentLattice, without_logarithms
 from .linear import Form, linear_forms
+from .linear import _pivots as pivot_columns
+from .compilation import _with_one_integral as with_one_integral
 from .problem import Problem
 from .tree import NodeTable
 
@@ -142,7 +145,8 @@ class Plan:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         visible = _visible(self._expressions, self._done)
         self.kernels = Kernels(visible, self.variables)
-        self._forms = _forms(self._expressions, self.kernels, self._done, point)
+        found = _forms(self._expressions, self.kernels, self._done, point)
+        self._pivots, self._others, self._rows = found
         for expression in self._expressions:
             self.need(expression)
         return {
@@ -180,18 +184,40 @@ class Plan:
             self._generators.append([*(rest or ("atom", place))])
 
     def _primitive(self, node: sp.Expr) -> None:
-        """A symbol or epsilon, as the pivot of a linear form if there is one."""
-        rest = self._forms.pop(node, None)
-        if rest is None:
-            if node in self.kernels.circles:
-                other = self.table.place(sp.sqrt(1 - node**2))
-                self._atom(other, "circle", other, self.table.place(node))
-            self._atom(self.table.place(node))
+        """A symbol or a constant."""
+        if node in self._pivots:
+            self._register_forms()
             return
-        self.need(rest)
-        self._show_sign_of_roots(rest)
-        place = self.table.place(node)
-        self._atom(place, "form", place, self.table.place(rest))
+        if node in self.kernels.circles:
+            other = self.table.place(sp.sqrt(1 - node**2))
+            self._atom(other, "circle", other, self.table.place(node))
+        self._atom(self.table.place(node))
+
+    def _register_forms(self) -> None:
+        """The linear forms, at the first of their primitives that is needed."""
+        pivots, self._pivots = self._pivots, []
+        if not pivots:
+            return
+        rows = []
+        for row in self._rows:
+            factors, rest = row[: len(pivots)], row[len(pivots) :]
+            shift = sp.Add(*(v * p for v, p in zip(rest, self._others, strict=True)))
+            for part in (*factors, shift):
+                self.need(part)
+                self._show_sign_of_roots(part)
+            rows.append([[self.table.place(f) for f in factors], self.table.place(shift)])
+        for pivot in pivots:
+            if isinstance(pivot, sp.Tuple):
+                self.need(pivot[1])
+        places = [self._primitive_place(pivot) for pivot in pivots]
+        self._registered |= set(places)
+        self._done |= {pivot for pivot in pivots if isinstance(pivot, sp.Symbol)}
+        self._generators.append(["forms", places, rows])
+
+    def _primitive_place(self, primitive: sp.Basic) -> int:
+        if isinstance(primitive, sp.Tuple):
+            return self.table.made("jacobi_epsilon", *map(self.table.place, primitive))
+        return self.table.place(primitive)
 
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp
@@ -299,8 +325,9 @@ class Plan:
                 continue
             for u, n in zip(lattice.basis, lattice.coordinates(part), strict=True):
                 if n:
-                    self._argument(u, m, second)
-                    found.append([str(n), self.table.place(u)])
+                    side = -1 if u.could_extract_minus_sign() else 1
+                    self._argument(side * u, m, second)
+                    found.append([str(side * n), self.table.place(side * u)])
         place = self.table.place(z)
         if found != [["1", place]]:
             sine = self.table.made("jacobi_sn", place, self.table.place(m))
@@ -331,15 +358,13 @@ class Plan:
 
     def _second(self, kind: type, u: sp.Expr, m: sp.Expr) -> None:
         """Epsilon or zeta of a generator's argument, and what its derivative needs."""
-        node = kind(u, m)
         if kind is jacobi_zeta and self._moves(u):
             self.need(sp.elliptic_e(m))
             self.need(sp.elliptic_k(m))
         own = self.table.made(kind.__name__, self.table.place(u), self.table.place(m))
-        if node.func is kind and own == self.table.place(node):
-            self._primitive(node)
-        else:
-            self._atom(own)
+        if sp.Tuple(u, m) in self._pivots and kind is jacobi_epsilon:
+            self._register_forms()
+        self._atom(own)
 
     def _moves(self, node: sp.Expr) -> bool:
         return self._moving and self.kernels.dependence.moves(node)
@@ -399,30 +424,48 @@ def _visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Ex
 
 def _forms(
     expressions: Sequence[sp.Expr], kernels: Kernels, hidden: set[sp.Expr], point: Point
-) -> dict[sp.Expr, sp.Expr]:
-    """What is added to a primitive to make a generator of it: linear forms, by elimination.
+) -> tuple[list[sp.Basic], list[sp.Expr], list[list[sp.Expr]]]:
+    """Pivots, other primitives, and independent linear forms: rows of factors of all of them.
 
-    What looks like 0 at ``point`` is left out: any choice makes a generator.
+    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is that of
+    balls at ``point``: any choice makes generators.
     """
-    rows: dict[sp.Expr, Form] = {}
-    for given in linear_forms(_visible(expressions, hidden), kernels.dependence):
-        form = dict(given)
-        for pivot, row in rows.items():
-            factor = form.pop(pivot, sp.S.Zero)
-            for primitive, value in row.items() if factor != 0 else ():
-                form[primitive] = form.get(primitive, sp.S.Zero) - factor * value
-        form = {p: value for p, value in form.items() if not _looks_zero(value, point)}
-        if len(form) > 1:
-            pivot = next((p for p in form if isinstance(p, jacobi_epsilon)), next(iter(form)))
-            unit = form.pop(pivot)
-            rows[pivot] = {p: sp.cancel(value / unit) for p, value in form.items()}
-    return {
-        pivot: sp.Add(*(value * p for p, value in row.items())) for pivot, row in rows.items()
-    }
+    written = with_one_integral(_visible(expressions, hidden), kernels.dependence)
+    forms = [_by_argument(f, kernels) for f in linear_forms(written, kernels.dependence)]
+    primitives = sorted(
+        {p for form in forms for p in form}, key=lambda p: (not isinstance(p, sp.Tuple), str(p))
+    )
+    rows: list[list[sp.Expr]] = []
+    balls: list[list[acb]] = []
+    with ctx.workprec(BITS):
+        for form in forms:
+            row = [form.get(p, sp.S.Zero) for p in primitives]
+            values = [ball_value(value, point, BITS) for value in row]
+            if len(pivot_columns([*balls, values])) > len(rows):
+                rows.append(row)
+                balls.append(values)
+        pivots = pivot_columns(balls)
+    if len(rows) == len(primitives) or len(rows) > FORMS:
+        return [], [], []
+    own = [primitives[i] for i in pivots]
+    others = [p for p in primitives if p not in own]
+    if any(isinstance(p, sp.Tuple) for p in others):
+        return [], [], []
+    order = [*pivots, *(primitives.index(p) for p in others)]
+    return own, others, [[row[i] for i in order] for row in rows]
 
 
-def _looks_zero(value: sp.Expr, point: Point) -> bool:
-    return bool(ball_value(value, point, BITS).contains(0))
+def _by_argument(form: Form, kernels: Kernels) -> dict[sp.Basic, sp.Expr]:
+    """A linear form with the pairs (u, m) for epsilon(u) up to the sign of u."""
+    found: dict[sp.Basic, sp.Expr] = {}
+    for primitive, value in form.items():
+        key: sp.Basic = primitive
+        if isinstance(primitive, jacobi_epsilon):
+            u, m = kernels.parts(primitive.args[0])[0], primitive.args[1]
+            side = -1 if u.could_extract_minus_sign() else 1
+            key, value = sp.Tuple(side * u, m), side * value
+        found[key] = found.get(key, sp.S.Zero) + value
+    return found
 
 
 def _terms(problem: Problem, table: NodeTable) -> list[list[Any]]:

@@ -9,16 +9,16 @@ from typing import Any
 
 from flint import fmpq
 
-from .field import Field, Hints, Sum
+from .field import Field, Form, Hints, Sum
 from .identity import Residual
-from .limits import GENERATORS, NODES, CertificateError
+from .limits import GENERATORS, NODES, CertificateError, within
 from .nodes import Nodes, listed, number
 from .points import Balls, excludes_zero
 from .statement import Statement, read_statement, statement_text
 
 FORMAT = "longwave proof 2"
-PARTS = 8
-"""Most equal parts that a proof of an equality may rest on."""
+FORMS, PARTS = 4, 8
+"""Most linear forms that belong together, and most equal parts that a proof may rest on."""
 
 
 def digest(body: Mapping[str, Any]) -> str:
@@ -71,8 +71,10 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
         signs={nodes.place(f): nodes.place(other) for f, other in _pairs(proof["signs"])},
     )
     generators = listed(proof["generators"], GENERATORS, "generators")
+    count = sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in generators)
+    within("generators", count, GENERATORS)
     positive = {_difference(nodes, l, r): weak for weak, l, r in statement.domain}
-    field = Field(nodes, len(generators), statement.variables, positive, hints)
+    field = Field(nodes, count, statement.variables, positive, hints)
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:
         _register(field, nodes, entry, parts, statement)
@@ -114,8 +116,9 @@ def _register(
             field.register_circle(nodes.place(root), nodes.place(symbol))
         case ["quotient", node, below]:
             field.register_quotient(nodes.place(node), nodes.place(below))
-        case ["form", node, shift]:
-            field.register_form(nodes.place(node), nodes.place(shift))
+        case ["forms", list(primitives), list(rows)] if 0 < len(rows) == len(primitives) <= FORMS:
+            forms = [Form(tuple(map(nodes.place, f)), nodes.place(s)) for f, s in _pairs(rows)]
+            field.register_forms([nodes.place(p) for p in primitives], forms)
         case ["part", int(place), _] if 0 <= place < len(parts):
             left, right, proof = listed(parts[place], 3, "a part", 3)
             sides = nodes.place(left), nodes.place(right)

@@ -15,7 +15,7 @@ from flint import acb, fmpq, fmpq_mpoly
 from . import axioms
 from .axioms import Station
 from .limits import EXPONENT, CertificateError, within
-from .nodes import Nodes, children
+from .nodes import ELLIPTIC, Nodes, children
 from .points import Balls, value_at
 from .ring import Element, Ring
 from .signs import ANY, Sign, Signs
@@ -25,6 +25,7 @@ Sum = tuple[tuple[fmpq, int], ...]
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
+AXIOMS = ("symbol", "exp", "log", "atan", *(f"jacobi_{name}" for name in ELLIPTIC if name != "eta"))
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
 
 
@@ -45,12 +46,21 @@ class Hints:
 
 @dataclass(frozen=True)
 class Generator:
-    """What a generator stands for: ``scale * node / below + shift``, in formulas and generators."""
+    """What a generator stands for: ``scale * node / below``, or a sum of products and a shift."""
 
     node: int
     scale: fmpq_mpoly | None = None
     below: int | None = None
-    shift: int | None = None
+    form: tuple[tuple[int, int], ...] = ()
+    shift: int = 0
+
+
+@dataclass(frozen=True)
+class Form:
+    """``factors`` of primitives, and what is added."""
+
+    factors: tuple[int, ...]
+    shift: int
 
 
 class Field:
@@ -79,6 +89,7 @@ class Field:
         self._images: dict[int, Element] = {}
         self._atoms: dict[str, list[int]] = {}
         self._slopes: dict[tuple[int, int], Element] = {}
+        self._rates: dict[tuple[int, int], Element] = {}
         self._stations: dict[tuple[int, int, str], Station] = {}
 
     # Generators.
@@ -133,14 +144,28 @@ class Field:
                 raise CertificateError("a quotient must be of theta functions")
         self._add(node, self._next * self.image(below), Generator(node, below=below))
 
-    def register_form(self, node: int, shift: int) -> None:
-        """The next generator stands for ``node + shift``: a symbol or function, and a formula."""
-        if not self._is_clean(shift):
-            raise CertificateError("the shift of a linear form must be analytic on the domain")
-        name = self.nodes.all[node][0]
-        if name not in FREE and name not in FREE_JACOBI:
-            raise CertificateError(f"{name} cannot be in a linear form")
-        self._add(node, self._next - self.image(shift), Generator(node, shift=shift))
+    def register_forms(self, primitives: Sequence[int], rows: Sequence[Form]) -> None:
+        """The next generators are linear in as many symbols or functions, with constant factors.
+
+        The images of these follow by elimination.
+        """
+        for node in primitives:
+            name = self.nodes.all[node][0]
+            if node in self._images or (name not in FREE and name not in FREE_JACOBI):
+                raise CertificateError(f"a {name} cannot be in a linear form, or is known")
+        places = range(len(self.generators), len(self.generators) + len(rows))
+        table = []
+        for place, form in zip(places, rows, strict=True):
+            if not all(map(self._is_clean, (*form.factors, form.shift))):
+                raise CertificateError("a linear form must be analytic on the domain")
+            if any(map(self._moves, form.factors)):
+                raise CertificateError("the factors of a linear form must be constant")
+            rest = self.ring.generator(place) - self.image(form.shift)
+            table.append([*map(self.image, form.factors), rest])
+            self.generators.append(Generator(0, form=tuple(zip(form.factors, primitives, strict=True)), shift=form.shift))
+        for node, value in zip(primitives, solved(table), strict=True):
+            self._images[node] = value
+            self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
 
     def register_part(self, left: int, right: int) -> None:
         """The next generator stands for either of two formulas that were proved equal."""
@@ -513,26 +538,30 @@ class Field:
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator."""
         if (place, variable) not in self._slopes:
-            generator = self.generators[place]
-            slope = self._atom_slope(generator, variable)
-            if generator.scale is not None:
-                scale = Element(self.ring, generator.scale)
-                slope = slope * scale + self._images[generator.node] * self.derivative(
-                    scale, variable
-                )
-            if generator.below is not None:
-                below = self.image(generator.below)
-                rest = self.derivative(below, variable) / below
-                slope = slope / below - self._images[generator.node] / below * rest
-            if generator.shift is not None:
-                slope = slope + self.derivative(self.image(generator.shift), variable)
-            self._slopes[place, variable] = slope
+            self._slopes[place, variable] = self._slope(self.generators[place], variable)
         return self._slopes[place, variable]
+
+    def _slope(self, generator: Generator, variable: int) -> Element:
+        if generator.form:
+            parts = [
+                self.image(factor) * self._atom_slope(node, variable)
+                for factor, node in generator.form
+            ]
+            return self._sum([self._rate(generator.shift, variable), *parts])
+        slope, image = self._atom_slope(generator.node, variable), self._images[generator.node]
+        if generator.scale is not None:
+            scale = Element(self.ring, generator.scale)
+            return slope * scale + image * self.derivative(scale, variable)
+        if generator.below is not None:
+            below = self.image(generator.below)
+            return (slope - image * self._rate(generator.below, variable) / below) / below
+        return slope
 
     def derivative(self, element: Element, variable: int) -> Element:
         """The chain rule, for the arguments of generators."""
         result = self.zero
-        for place, name in enumerate(self.ring.names):
+        for place in sorted(element.places):
+            name = self.ring.names[place]
             partial = element.numerator.derivative(name)
             if not partial.is_zero():
                 part = Element(self.ring, partial, element.powers).cancelled()
@@ -544,10 +573,9 @@ class Field:
                     result = result - element * rate * self.slope(place, variable)
         return result
 
-    def _atom_slope(self, generator: Generator, variable: int) -> Element:
+    def _atom_slope(self, node: int, variable: int) -> Element:
         """The axioms of differentiation."""
-        node = generator.node
-        image = self._images[node]
+        image = self.image(node)
         match self.nodes.all[node]:
             case ("symbol", *_):
                 return self.one if node == variable else self.zero
@@ -575,8 +603,32 @@ class Field:
                 return rate * self._jacobi_slope(name.removeprefix("jacobi_"), image, z, m)
         raise CertificateError("the derivative of a generator does not follow from the axioms")
 
-    def _rate(self, argument: int, variable: int) -> Element:
-        return self.derivative(self.image(argument), variable)
+    def _rate(self, node: int, variable: int) -> Element:
+        """The derivative of a formula, by its structure."""
+        if (node, variable) not in self._rates:
+            self._rates[node, variable] = self._made_rate(node, variable)
+        return self._rates[node, variable]
+
+    def _made_rate(self, node: int, variable: int) -> Element:
+        if not self._moves(node):
+            return self.zero
+        match self.nodes.all[node]:
+            case ("Add", *terms):
+                return self._sum([self._rate(term, variable) for term in terms])
+            case ("Mul", *factors):
+                parts = []
+                for i, factor in enumerate(factors):
+                    rate = self._rate(factor, variable)
+                    if not rate.is_zero:
+                        others = (self.image(f) for j, f in enumerate(factors) if j != i)
+                        parts.append(self._product([rate, *others]))
+                return self._sum([self.zero, *parts])
+            case ("Pow", base, exponent) if exponent.q == 1:
+                outer = self.ring.number(exponent) * self.image(base) ** (int(exponent.p) - 1)
+                return outer * self._rate(base, variable)
+            case (name, *_) if name in AXIOMS:
+                return self._atom_slope(node, variable)
+        return self.derivative(self.image(node), variable)
 
     def _jacobi_slope(self, name: str, image: Element, z: int, m: int) -> Element:
         if name == "theta":
@@ -595,16 +647,36 @@ class Field:
         """The values of the generators at a point."""
         values: list[acb] = []
         for generator in self.generators:
+            if generator.form:
+                parts = (balls.ball(factor) * balls.ball(node) for factor, node in generator.form)
+                values.append(sum(parts, balls.ball(generator.shift)))
+                continue
             value = balls.ball(generator.node)
             if generator.scale is not None:
                 rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
                 value *= value_at(generator.scale, rest)
             if generator.below is not None:
                 value /= balls.ball(generator.below)
-            if generator.shift is not None:
-                value += balls.ball(generator.shift)
             values.append(value)
         return values
+
+
+def solved(table: list[list[Element]]) -> list[Element]:
+    """The solution of linear equations, each row with its right-hand side; by elimination."""
+    size = len(table)
+    for column in range(size):
+        pivot = next((i for i in range(column, size) if not table[i][column].is_zero), None)
+        if pivot is None:
+            raise CertificateError("linear forms must be independent")
+        table[column], table[pivot] = table[pivot], table[column]
+        unit = table[column][column].inverse()
+        table[column] = [entry * unit for entry in table[column]]
+        for i in range(size):
+            factor = table[i][column]
+            if i != column and not factor.is_zero:
+                pairs = zip(table[i], table[column], strict=True)
+                table[i] = [entry - factor * other for entry, other in pairs]
+    return [row[-1] for row in table]
 
 
 def _whole(element: Element) -> fmpq_mpoly:

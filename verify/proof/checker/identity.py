@@ -45,7 +45,10 @@ class Residual:
 
     def _derivation(self, variable: int) -> Derivation:
         if variable not in self._derivations:
-            places = range(len(self._field.generators))
-            slopes = {place: self._field.slope(place, variable) for place in places}
+            slopes: dict[int, Element] = {}
+            images = [self._field.image(formula) for formula in self._statement.formulas]
+            while new := {place for image in images for place in image.places} - slopes.keys():
+                slopes |= {place: self._field.slope(place, variable) for place in new}
+                images = [slopes[place] for place in new]
             self._derivations[variable] = Derivation(self._field.ring, slopes)
         return self._derivations[variable]

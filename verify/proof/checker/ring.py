@@ -64,6 +64,16 @@ class Ring:
                 polynomial = divmod(polynomial, modulus)[1]
         return polynomial
 
+    def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
+        """The generators with a relation among ``factors``: place there, degree and value."""
+        found = []
+        for index, degree, modulus in self.relations:
+            generator = self.context.gens()[index]
+            if generator in self.factors:
+                value = generator**degree - modulus
+                found.append((self.factors.index(generator), degree, value))
+        return found
+
     def spend(self, work: int) -> None:
         """Count work; raises CertificateError when it is too much."""
         self._work = within("the work of polynomial products", self._work + work, WORK)
@@ -110,6 +120,15 @@ class Element:
         """Whether the numerator's normal form is 0."""
         return bool(self.numerator.is_zero())
 
+    @property
+    def places(self) -> set[int]:
+        """The generators that occur."""
+        found: set[int] = set()
+        for polynomial in (self.numerator, *(self.ring.factors[i] for i in self.powers)):
+            degrees = reversed(polynomial.degrees())
+            found |= {place for place, degree in enumerate(degrees) if degree}
+        return found
+
     def over(self, powers: Powers) -> fmpq_mpoly:
         """The numerator over a multiple of the denominator."""
         rest = {i: power - self.powers.get(i, 0) for i, power in powers.items()}
@@ -150,7 +169,18 @@ class Element:
         if self.is_zero:
             raise CertificateError("a denominator vanishes identically")
         unit, powers = self.ring.split(self.numerator)
-        return Element(self.ring, self.denominator() / unit, powers).cancelled()
+        inverse = Element(self.ring, self.denominator() / unit, powers).cancelled()
+        for place, degree, value in self.ring.roots():
+            power = inverse.powers.get(place, 0)
+            if power:  # 1/g = g**(degree - 1)/value
+                factor = self.ring.factors[place]
+                rest = {i: n for i, n in inverse.powers.items() if i != place}
+                whole = Element(self.ring, inverse.numerator, rest)
+                other = Element(self.ring, factor ** (degree - 1)) * Element(
+                    self.ring, value
+                ).inverse()
+                inverse = whole * other**power
+        return inverse
 
     def cancelled(self) -> Element:
         """Common polynomial factors divided out."""
