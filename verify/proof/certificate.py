@@ -24,10 +24,11 @@ from solutions.special import (
 from solutions.special.function import JacobiFunction
 from verify.tree import distinct_nodes
 
-from .balls import Point, ball_value
+from .balls import BallEvaluator, Point, ball_value
 from .checker.check import FORMAT, FORMS, digest
 from .domain import Domains
 from .generator import Unsupported
+from .jet import Shape
 from .jets import coefficients
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
 from .lattice import ArgumentLattice, without_logarithms
@@ -35,6 +36,8 @@ from .linear import Form, linear_forms
 from .linear import _pivots as pivot_columns
 from .compilation import _with_one_integral as with_one_integral
 from .problem import Problem
+from .rewriting import Rewriting
+from .signs import Signs
 from .tree import NodeTable
 
 Data = dict[str, Any]
@@ -42,8 +45,11 @@ BITS = 160
 TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
 
 
-def equation_certificate(problem: Problem, point: Point) -> Data:
-    """The certificate that the formula of ``problem`` solves its equation."""
+def equation_certificate(problem: Problem) -> Data:
+    """The certificate that the formula of ``problem`` solves its equation.
+
+    Raises Unsupported for a function without an axiom, ValueError without a regular point.
+    """
     table = NodeTable()
     known = coefficients(problem.left, problem.unknown)
     statement = {
@@ -52,7 +58,9 @@ def equation_certificate(problem: Problem, point: Point) -> Data:
         "equations": [_terms(problem, table)],
         "domain": domain_data(problem.domains, table),
     }
-    plan = Plan(table, [problem.expression, *known], problem.variables)
+    expressions = [problem.expression, *known]
+    plan = Plan(table, expressions, problem.variables, _simpler(problem, expressions))
+    point = regular_point(expressions, problem.points)
     return signed(problem.name, table, statement, plan.proof(point))
 
 
@@ -61,7 +69,6 @@ def equality_certificate(
     left: sp.Expr,
     right: sp.Expr,
     variables: Sequence[sp.Symbol],
-    point: Point,
     parts: Iterable[tuple[sp.Expr, sp.Expr]] = (),
 ) -> Data:
     """The certificate that two formulas are equal, given ``parts`` of them that are equal."""
@@ -77,11 +84,49 @@ def equality_certificate(
         ],
         "domain": domain_data(problem.domains, table),
     }
-    plan = Plan(table, [left, right], variables, moving=False)
+    point, values = regular_point([left, right], problem.points), _simpler(problem, [left, right])
+    plan = Plan(table, [left, right], variables, values, moving=False)
     for own, other in parts:
-        proof = Plan(table, [own, other], variables, moving=False).proof(point)
+        proof = Plan(table, [own, other], variables, values, moving=False).proof(point)
         plan.equal_part(own, other, proof)
     return signed(problem.name, table, statement, plan.proof(point))
+
+
+def regular_point(expressions: Sequence[sp.Expr], points: Sequence[Point]) -> Point:
+    """A point at which all of ``expressions`` are finite; raises ValueError if there is none."""
+    with ctx.workprec(BITS):
+        for point in points:
+            balls = BallEvaluator(Shape([(0,)]), (), point)
+            try:
+                values = [balls.jet(expression).value for expression in expressions]
+            except ValueError as error:
+                reason = str(error)
+                continue
+            if all(value.is_finite() for value in values):
+                return point
+            reason = "no point was found at which every denominator is shown not to vanish"
+    raise ValueError(reason)
+
+
+def _simpler(problem: Problem, expressions: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
+    """The roots and absolute values in ``expressions`` that the domains simplify."""
+    rewriting = Rewriting(Signs(problem.domains))
+    for expression in expressions:
+        rewriting(expression)
+    return rewriting.found
+
+
+def generator_count(certificate: Data) -> int:
+    """How many generators a proof has."""
+    entries = certificate["proof"]["generators"]
+    return sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in entries)
+
+
+def point_text(certificate: Data) -> str:
+    """The point of a proof in words."""
+    nodes = certificate["nodes"]
+    found = (f"{nodes[place][1]} = {value}" for place, value in certificate["proof"]["point"])
+    return ", ".join(sorted(found))
 
 
 def signed(name: str, table: NodeTable, statement: Data, proof: Data) -> Data:
