@@ -207,7 +207,10 @@ class Plan:
         if node in self._done:
             return
         self._done.add(node)
-        if node in self._values:
+        if node in self._values and isinstance(node, sp.log):
+            self._logarithm(node, self._values[node])
+            return
+        if node in self._values and not isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign):
             self._hints["values"][self.table.place(node)] = self.table.place(self._values[node])
             self.need(self._values[node])
             return
@@ -318,6 +321,19 @@ class Plan:
             self.need(sp.Abs(z))
         else:
             raise Unsupported(f"no generator is known for {node.func.__name__}")
+
+    def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
+        """log of a product as a sum of logarithms, and of exponentials' arguments."""
+        self.need(node.args[0])
+        found = []
+        for term in sp.Add.make_args(value):
+            q, rest = term.as_coeff_Mul(rational=True)
+            factor = rest.args[0] if isinstance(rest, sp.log) else sp.exp(term)
+            q = q if isinstance(rest, sp.log) else sp.S.One
+            self.need(rest)
+            self.need(sp.Pow(factor, q))
+            found.append([str(q), self.table.place(factor)])
+        self._hints["logs"][self.table.place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = without_logarithms(z)
