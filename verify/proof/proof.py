@@ -57,7 +57,7 @@ def prove(
     """
     start = time.perf_counter()
     problem = make_problem(equation, expression, points, name, domains or {})
-    return _decide(problem).timed(time.perf_counter() - start)
+    return decide(problem).timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -83,7 +83,8 @@ def prove_equal(
     return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
 
 
-def _decide(problem: Problem) -> ProofVerdict:
+def decide(problem: Problem) -> ProofVerdict:
+    """The verdict on a problem; PROVED only if the checker accepts its certificate."""
     witness = find_witness(problem, QUICK_BITS)
     if witness is not None:
         return _refuted(problem, witness)

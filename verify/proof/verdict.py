@@ -7,17 +7,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from verify.verdict import Verdict
+from verify.verdict import Outcome, Verdict
 
 METHOD = "differential algebra"
 
 
 @dataclass(frozen=True)
 class ProofVerdict(Verdict):
-    """``assumptions`` in words; ``certificate`` for `checker.check_certificate`, if asked for."""
+    """``assumptions`` in words; a proof's ``certificate``, which `checker` has accepted.
+
+    Raises ValueError for a proof without a certificate.
+    """
 
     assumptions: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.outcome is Outcome.PROVED and self.certificate is None:
+            raise ValueError(
+                "certificate must be given with a proof, got none (prove only what is checked)"
+            )
 
     def certificate_text(self) -> str | None:
         """The certificate as JSON on one line; None where there is none."""
@@ -35,7 +45,7 @@ class ProofVerdict(Verdict):
 
     def json(self) -> dict[str, Any]:
         """The record as plain data, with the certificate's size (it is a file of its own)."""
-        record = replace(self, certificate=None).__dict__.copy()
+        record = self.__dict__.copy()
         record.pop("certificate")
         record["outcome"] = self.outcome.value
         record["assumptions"] = list(self.assumptions)
