@@ -58,6 +58,8 @@ class BallEvaluator:
             return constant(self._shape, acb(0, 1))
         if node is sp.pi:
             return constant(self._shape, acb.pi())
+        if node is sp.E:
+            return constant(self._shape, acb(1).exp())
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, map(self.jet, node.args))
         if node.is_Pow and node.exp.is_Rational:

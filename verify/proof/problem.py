@@ -88,7 +88,10 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
     Raises ValueError for an added point outside the domains.
     """
     found = sample(domains, POINTS)
-    extra = [{**found[0], **{s: v for s, v in point.items() if s in domains}} for point in added]
+    extra = [
+        {**found[0], **{s: sp.Rational(v) for s, v in point.items() if s in domains}}
+        for point in added
+    ]
     for point in extra:
         for symbol, value in point.items():
             if not domains[symbol].contains(value, point):

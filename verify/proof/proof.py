@@ -13,15 +13,14 @@ from verify.verdict import Outcome
 from .assumptions import assumptions
 from .balls import Point
 from .certificate import make_certificate
-from .compilation import Compilation, compile_expressions, regular_point
+from .compilation import Compilation, compile_expressions
+from .density import NO_REGULAR_POINT, Density
 from .jets import EquationImage, coefficients
 from .lemmas import equal_by_lemmas
 from .problem import Problem, Stated, make_equality, make_problem
 from .signs import Signs
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
-
-NO_REGULAR_POINT = "no point was found at which every denominator is shown not to vanish"
 
 
 def prove(
@@ -130,9 +129,11 @@ def _proved(
     certify: bool,
     parts: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> ProofVerdict:
-    point = regular_point(compiled.field, problem.points, parts)
-    if point is None:
-        return _undecided(problem, NO_REGULAR_POINT)
+    density = Density(compiled.field, problem.domains, problem.points, parts)
+    point = density.point()
+    obstacle = NO_REGULAR_POINT if point is None else density.obstacle()
+    if point is None or obstacle is not None:
+        return _undecided(problem, str(obstacle))
     detail = f"numerator 0 in {len(compiled.field.generators)} generators, all parameters symbolic"
     return ProofVerdict(
         problem.name,
