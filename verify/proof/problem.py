@@ -17,6 +17,9 @@ from .samples import sample
 POINTS = 8
 """Points at which a formula is looked at before anything is proved."""
 
+MORE_POINTS = 40
+"""Further points at which a formula is looked at that could not be proved."""
+
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 
@@ -100,3 +103,8 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
                     f"({domains[symbol].text(symbol)})"
                 )
     return (*found, *extra)
+
+
+def more_points(problem: Problem) -> tuple[Point, ...]:
+    """Further points of a problem's domains, of all sizes and near the ends."""
+    return sample(problem.domains, POINTS + MORE_POINTS)[POINTS:]

@@ -17,10 +17,10 @@ from .compilation import Compilation, compile_expressions
 from .density import NO_REGULAR_POINT, Density
 from .jets import EquationImage, coefficients
 from .lemmas import equal_by_lemmas
-from .problem import Problem, Stated, make_equality, make_problem
+from .problem import Problem, Stated, make_equality, make_problem, more_points
 from .signs import Signs
 from .verdict import METHOD, ProofVerdict
-from .witness import QUICK_BITS, Witness, find_difference, find_witness
+from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
 
 
 def prove(
@@ -80,8 +80,14 @@ def prove_equal(
     return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
 
 
+def _first_look(problem: Problem) -> Witness | None:
+    """A witness that costs less than the reduction: all points coarsely, one to many digits."""
+    found = find_witness(problem, problem.points, QUICK_BITS)
+    return found or find_witness(problem, problem.points[:1], LONG_BITS)
+
+
 def _decide(problem: Problem, certify: bool) -> ProofVerdict:
-    witness = find_witness(problem, QUICK_BITS)
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
     known = coefficients(problem.left, problem.unknown)
@@ -94,7 +100,7 @@ def _decide(problem: Problem, certify: bool) -> ProofVerdict:
         return _undecided(problem, str(error))
     if residual.is_zero:
         return _proved(problem, compiled, certify)
-    witness = find_witness(problem)
+    witness = find_witness(problem, [*problem.points, *more_points(problem)])
     if witness is not None:
         return _refuted(problem, witness)
     return _undecided(problem, f"{len(residual.numerator)} terms are left of the numerator")
@@ -103,7 +109,7 @@ def _decide(problem: Problem, certify: bool) -> ProofVerdict:
 def _decide_equal(
     problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
 ) -> ProofVerdict:
-    witness = find_difference(problem.expression, problem.points, QUICK_BITS)
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
     signs, point = Signs(problem.domains), problem.points[0]
@@ -117,7 +123,7 @@ def _decide_equal(
         return _undecided(problem, str(error))
     if difference.is_zero:
         return _proved(problem, compiled, certify=False)
-    witness = find_difference(problem.expression, problem.points)
+    witness = find_witness(problem, [*problem.points, *more_points(problem)])
     if witness is not None:
         return _refuted(problem, witness)
     return _undecided(problem, f"{len(difference.numerator)} terms are left of the difference")
