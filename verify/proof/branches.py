@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import sympy as sp
 
+from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.special.function import JacobiFunction
 from verify.tree import distinct_nodes
 
@@ -48,6 +49,8 @@ class Branches:
             return self._has_a_sign(node.args[0])
         if isinstance(node, INVERSE):
             return self._is_inside(node)
+        if isinstance(node, jacobi_sn | jacobi_cn | jacobi_dn | jacobi_epsilon):
+            return True  # meromorphic in the argument and the parameter
         if isinstance(node, JacobiFunction | sp.elliptic_k | sp.elliptic_e):
             parameter = self._signs.range(node.args[-1])
             return parameter is not None and _is_below_one(parameter)
