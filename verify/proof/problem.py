@@ -66,10 +66,24 @@ def make_problem(
             f"equation must contain one unknown function, got {len(unknowns)} "
             "(write it with sympy.Function('u')(x, t))"
         )
-    (unknown,) = unknowns
+    real = real_symbols(left.free_symbols | expression.free_symbols)
+    left, expression = left.xreplace(real), expression.xreplace(real)
+    (unknown,) = left.atoms(AppliedUndef)
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)
+
+
+def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
+    """Real symbols in place of those of which SymPy knows nothing.
+
+    Raises ValueError as `domain.settled_domains` does.
+    """
+    return {
+        symbol: sp.Symbol(symbol.name, real=True)
+        for symbol in settled_domains(symbols, {})
+        if symbol.is_real is None
+    }
 
 
 def make_equality(
@@ -91,9 +105,10 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
     Raises ValueError for an added point outside the domains.
     """
     found = sample(domains, POINTS)
+    by_name = {symbol.name: symbol for symbol in domains}
     extra = [
-        {**found[0], **{s: sp.Rational(v) for s, v in point.items() if s in domains}}
-        for point in added
+        found[0] | {by_name[s.name]: sp.Rational(v) for s, v in p.items() if s.name in by_name}
+        for p in added
     ]
     for point in extra:
         for symbol, value in point.items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import sympy as sp
 
@@ -21,10 +22,11 @@ from .certificate import (
 )
 from .checker import check_certificate
 from .lemmas import find_lemmas
-from .problem import Problem, Stated, make_equality, make_problem, more_points
+from .jets import coefficients
+from .problem import Problem, Stated, make_equality, make_problem, more_points, real_symbols
+from .singularities import singularities
 from .verdict import METHOD, ProofVerdict
 from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
-
 
 
 def prove(
@@ -57,7 +59,9 @@ def prove(
     """
     start = time.perf_counter()
     problem = make_problem(equation, expression, points, name, domains or {})
-    return _decide(problem).timed(time.perf_counter() - start)
+    found = [problem.expression, *coefficients(problem.left, problem.unknown)]
+    verdict = _with_singularities(_decide(problem), found, problem)
+    return verdict.timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -79,8 +83,24 @@ def prove_equal(
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
+    real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
+    left, right = left.xreplace(real), right.xreplace(real)
+    variables = [real.get(variable, variable) for variable in variables]
     problem = make_equality(left, right, points, (name, equation_name), domains or {})
-    return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
+    verdict = _decide_equal(problem, left, right, variables)
+    verdict = _with_singularities(verdict, [left, right], problem)
+    return verdict.timed(time.perf_counter() - start)
+
+
+def _with_singularities(
+    verdict: ProofVerdict, expressions: Sequence[sp.Expr], problem: Problem
+) -> ProofVerdict:
+    """A proof with what it does not speak of: where ``expressions`` may fail to be smooth."""
+    if verdict.outcome is not Outcome.PROVED:
+        return verdict
+    found = singularities(expressions, problem.domains)
+    lines = tuple(f"holds where the formula is smooth, possibly not so: {line}" for line in found)
+    return replace(verdict, singularities=found, assumptions=(*verdict.assumptions, *lines))
 
 
 def _first_look(problem: Problem) -> Witness | None:
@@ -142,7 +162,10 @@ def proved(equation: str, method: str, certificate: Data) -> ProofVerdict:
         Outcome.PROVED,
         f"numerator 0 in {generator_count(certificate)} generators, accepted by the checker",
         residual=0.0,
-        assumptions=(reading, f"no denominator vanishes identically: see {point_text(certificate)}"),
+        assumptions=(
+            reading,
+            f"no denominator vanishes identically: see {point_text(certificate)}",
+        ),
         certificate=certificate,
     )
 

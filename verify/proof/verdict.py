@@ -14,9 +14,14 @@ METHOD = "differential algebra"
 
 @dataclass(frozen=True)
 class ProofVerdict(Verdict):
-    """``assumptions`` in words; ``certificate`` for `checker.check_certificate`, if asked for."""
+    """``assumptions`` and ``singularities`` in words; the certificate of a proof.
+
+    ``singularities`` names the poles, jumps and branch points that the formula may have inside
+    its domains; the verdict holds at the points at which it is smooth.
+    """
 
     assumptions: tuple[str, ...] = ()
+    singularities: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
     def certificate_text(self) -> str | None:
