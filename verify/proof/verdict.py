@@ -14,12 +14,16 @@ METHOD = "differential algebra"
 
 @dataclass(frozen=True)
 class ProofVerdict(Verdict):
-    """``assumptions`` in words; a proof's ``certificate``, which `checker` has accepted.
+    """``assumptions`` and ``singularities`` in words; a proof's ``certificate``, accepted.
+
+    ``singularities`` names the poles, jumps and branch points that the formula may have inside
+    its domains; the verdict holds at the points at which it is smooth.
 
     Raises ValueError for a proof without a certificate.
     """
 
     assumptions: tuple[str, ...] = ()
+    singularities: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -49,6 +53,7 @@ class ProofVerdict(Verdict):
         record.pop("certificate")
         record["outcome"] = self.outcome.value
         record["assumptions"] = list(self.assumptions)
+        record["singularities"] = list(self.singularities)
         record["certificate_bytes"] = self.certificate_bytes
         record["witness"] = None if self.witness is None else dict(self.witness)
         return record
