@@ -491,7 +491,10 @@ class Plan:
             for argument in (variable, shift):
                 self.need(argument)
                 self._station(argument, m, None)
-            pair = [["1", self.table.place(variable)], ["-1", self.table.place(shift)]]
+            ends = [self.table.place(variable), self.table.place(shift)]
+            if sp.expand(z - variable + shift) != 0:
+                ends.reverse()
+            pair = [["1", ends[0]], ["-1", ends[1]]]
             node = self.table.made("jacobi_theta", self.table.place(z), self.table.place(m))
             self._hints["sums"][node] = pair
 
