@@ -21,8 +21,8 @@ from .certificate import (
     regular_point,
 )
 from .checker import check_certificate
-from .lemmas import find_lemmas
 from .jets import coefficients
+from .lemmas import find_lemmas
 from .problem import Problem, Stated, make_equality, make_problem, more_points, real_symbols
 from .singularities import singularities
 from .verdict import METHOD, ProofVerdict
