@@ -59,9 +59,7 @@ def prove(
     """
     start = time.perf_counter()
     problem = make_problem(equation, expression, points, name, domains or {})
-    found = [problem.expression, *coefficients(problem.left, problem.unknown)]
-    verdict = _with_singularities(_decide(problem), found, problem)
-    return verdict.timed(time.perf_counter() - start)
+    return decide(problem).timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -90,6 +88,12 @@ def prove_equal(
     verdict = _decide_equal(problem, left, right, variables)
     verdict = _with_singularities(verdict, [left, right], problem)
     return verdict.timed(time.perf_counter() - start)
+
+
+def decide(problem: Problem) -> ProofVerdict:
+    """The verdict on a problem; PROVED only if the checker accepts its certificate."""
+    found = [problem.expression, *coefficients(problem.left, problem.unknown)]
+    return _with_singularities(_decide(problem), found, problem)
 
 
 def _with_singularities(
