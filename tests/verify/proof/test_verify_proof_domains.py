@@ -154,3 +154,36 @@ def test_a_linear_form_of_the_equation_alone_is_no_zero() -> None:
     """t occurs in the equation and in the slope of exp(x t), not in the formula's own sums."""
     verdict: ProofVerdict = prove(u.diff(x) - u - t * (x - x + t - t + 1) * u * TINY, sp.exp(x))
     assert verdict.outcome is Outcome.REFUTED
+
+
+def test_bad_input_is_an_error_on_one_line() -> None:
+    field = sp.Function("u")
+    equation = field(x, t).diff(x)
+    for wrong in ("x", None, 0.5):
+        with pytest.raises(TypeError, match="must be a SymPy expression"):
+            prove(equation, wrong)
+    for unknown in (field(x + 1, t), field(x, x), field(sp.S.One)):
+        with pytest.raises(ValueError, match="function of different symbols"):
+            prove(unknown - x, x)
+    with pytest.raises(ValueError, match="rational numbers, got x = 0.5"):
+        prove(equation, t, points=[{x: 0.5}])
+    with pytest.raises(TypeError, match="equation must be"):
+        prove(sp.Eq(field(x, t), 1), x)
+    assert prove(equation, 3).outcome is Outcome.PROVED
+
+
+@pytest.mark.parametrize("odd", [sp.nan, sp.zoo, sp.Float("0.5") * x, sp.Function("f")(x)], ids=str)
+def test_what_is_no_formula_is_undecided(odd: sp.Expr) -> None:
+    assert prove_equal(odd, x, [x]).outcome is Outcome.UNDECIDED
+
+
+def test_a_false_equality_of_constants_is_refuted() -> None:
+    verdict = prove_equal(sp.I, -sp.I, [x])
+    assert verdict.outcome is Outcome.REFUTED
+    assert verdict.witness == {}
+
+
+def test_an_empty_domain_of_integers_is_refused() -> None:
+    n = sp.Symbol("n", integer=True)
+    with pytest.raises(ValueError, match="must hold rational points"):
+        prove_equal(n, n, [x], domains={n: sp.Interval.open(0, 1)})
