@@ -83,21 +83,33 @@ class Signs:
             case ("log", inner):
                 return self.positive(inner)
             case ("elliptic_k" | "elliptic_e", m):
-                return self.is_real(m)
+                return self._is_below_one(m)
+            case ("jacobi_zeta" | "jacobi_theta", z, m):
+                return self.is_real(z) and self._is_below_one(m)
             case ("jacobi_eta", z, m):
-                return self.is_real(z) and self.not_negative(m)
+                return self.is_real(z) and self.not_negative(m) and self._is_below_one(m)
             case ("poly", _, *inner) | (("Add" | "Mul"), *inner):
                 return all(map(self.is_real, inner))
             case (str(name), *inner) if name in REAL:
                 return all(map(self.is_real, inner))
         return False
 
+    def _is_below_one(self, m: int) -> bool:
+        """Whether 1 - m is shown to be positive: K, E, zeta and theta are real, dn positive."""
+        nodes = self._nodes
+        negative = nodes.made("Mul", nodes.rational(-1), m)
+        return self.positive(nodes.made("Add", nodes.rational(1), negative))
+
     def _sign(self, node: int) -> Sign:
         match self._nodes.all[node]:
             case ("number", value):
                 return Sign((int(value > 0) - int(value < 0),))
-            case ("pi",) | (("elliptic_k" | "elliptic_e"), _):
+            case ("pi",):
                 return POSITIVE
+            case ("elliptic_k" | "elliptic_e", m) if self._is_below_one(m):
+                return POSITIVE
+            case ("jacobi_dn", _, m) if not self._is_below_one(m):
+                return ANY
             case ("Add", *terms):
                 return _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
             case ("Mul", *factors):
@@ -105,8 +117,8 @@ class Signs:
             case ("Pow", base, exponent):
                 return self._of_power(self.sign(base), exponent.p, exponent.q)
             case ("Abs", inner):
-                return Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign(
-                    (0, 1)
+                return (
+                    Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign((0, 1))
                 )
             case (str(name), *_) if name in EVERYWHERE_POSITIVE and self.is_real(node):
                 return POSITIVE
