@@ -28,16 +28,12 @@ from .balls import BallEvaluator, Point, ball_value
 from .checker.check import FORMAT, FORMS, digest, registered
 from .checker.nodes import Nodes
 from .checker.statement import read_statement
-from .compilation import _with_one_integral as with_one_integral
 from .domain import Domains
-from .generator import Unsupported
 from .jet import Shape
-from .jets import coefficients
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
-from .lattice import ArgumentLattice, without_logarithms
-from .linear import Form, linear_forms
-from .linear import _pivots as pivot_columns
-from .problem import Problem
+from .lattice import without_logarithms
+from .linear import Form, linear_forms, pivot_columns, with_one_integral
+from .problem import Problem, coefficients
 from .radicals import Radicals
 from .rewriting import Rewriting
 from .signs import Signs
@@ -169,7 +165,7 @@ def point_text(certificate: Data) -> str:
 
 def signed(name: str, table: NodeTable, statement: Data, proof: Data) -> Data:
     """The certificate with its digest."""
-    body = {"format": FORMAT, "name": name, "nodes": table.nodes}
+    body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
     body |= {"statement": statement, "proof": proof}
     return body | {"digest": digest(body)}
 
@@ -185,6 +181,10 @@ def domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
             relation = "<" if domain.upper_open else "<="
             found.append([relation, table.place(symbol), table.place(domain.upper)])
     return found
+
+
+class Unsupported(ValueError):
+    """A formula contains something that no axiom speaks of."""
 
 
 class Plan:
@@ -606,13 +606,3 @@ def _orders(jet: sp.Expr, problem: Problem) -> list[int]:
     pairs = jet.variable_count if isinstance(jet, sp.Derivative) else ()
     counts = {symbol: int(count) for symbol, count in pairs}
     return [counts.get(variable, 0) for variable in problem.variables]
-
-
-__all__ = [
-    "ArgumentLattice",
-    "Plan",
-    "domain_data",
-    "equality_certificate",
-    "equation_certificate",
-    "signed",
-]
