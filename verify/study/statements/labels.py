@@ -1,0 +1,83 @@
+"""Whether a statement's label, or a witness, is right: by values at admissible points."""
+
+from __future__ import annotations
+
+import random
+
+from .record import Point, Statement, Truth
+from .values import ValueMissing, Values
+
+POINTS = 6
+DIGITS = (40, 240, 700)
+"""A residual counts as clear if it is so at one of these; they suit changes by 10**-200."""
+
+FALL = 1e-20
+"""Rounding falls at least by this from the first of the digits to the second."""
+
+
+def is_clear(residual: object, values: Values) -> bool:
+    """Whether a relative residual is more than rounding."""
+    found: bool = abs(residual) > values.context.mpf(10) ** (-values.digits / 2)  # type: ignore[arg-type]
+    return found
+
+
+def fails_at(statement: Statement, point: Point) -> bool:
+    """Whether the statement has a residual at ``point``; raises ValueMissing without a value."""
+    for digits in DIGITS:
+        values = Values(digits)
+        if is_clear(values.residual(statement, point), values):
+            return True
+    return False
+
+
+def label_fault(statement: Statement, points: int = POINTS) -> str | None:
+    """What speaks against the label, in words; None if nothing does.
+
+    A true statement's residual must be rounding at every point where it has a value, a false
+    one's must not be at its counterexample, and a void one must have no value anywhere.
+    """
+    if statement.truth is Truth.FALSE:
+        return _false_fault(statement)
+    draw = random.Random(f"{statement.seed}:{statement.index}")
+    find = _void_fault if statement.truth is Truth.VOID else _true_fault
+    for _ in range(points):
+        point = statement.point(draw)
+        try:
+            fault = find(statement, point)
+        except ValueMissing:
+            continue
+        if fault is not None:
+            return fault
+    return None
+
+
+def _true_fault(statement: Statement, point: Point) -> str | None:
+    """Rounding falls with the digits, what is no rounding stays."""
+    coarse, fine = (Values(digits) for digits in DIGITS[:2])
+    residual = coarse.residual(statement, point)
+    if not is_clear(residual, coarse):
+        return None
+    finer = fine.residual(statement, point)
+    if abs(finer) < abs(residual) * FALL:
+        return None
+    return f"the residual at {point} is {fine.context.nstr(finer, 5)}"
+
+
+def _void_fault(statement: Statement, point: Point) -> str | None:
+    """A division by 0 gives rounding, if it gives anything: another value at other digits."""
+    pair = [Values(digits).value(statement.right, point) for digits in DIGITS[:2]]
+    same = abs(pair[0] - pair[1]) < abs(pair[0]) / 1000
+    return f"there is a value at {point}" if same else None
+
+
+def _false_fault(statement: Statement) -> str | None:
+    point = statement.counterexample
+    if point is None:
+        return "there is no counterexample"
+    for made in statement.ranges:
+        if not made.holds(point[made.symbol]):
+            return f"{made.symbol} = {point[made.symbol]} is not in its range"
+    try:
+        return None if fails_at(statement, point) else f"the residual at {point} is rounding"
+    except ValueMissing as error:
+        return f"no value at the counterexample {point}: {error}"

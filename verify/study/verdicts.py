@@ -1,0 +1,160 @@
+"""The search for wrong verdicts: random statements of known truth, put to the prover.
+
+A verdict is wrong if something false or void is PROVED, something true or void is REFUTED, or the
+witness of a refutation lies outside the domain or leaves no residual.
+"""
+
+from __future__ import annotations
+
+import enum
+import signal
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+import sympy as sp
+
+from verify.proof import prove, prove_equal
+from verify.proof.table import TABLE
+from verify.proof.verdict import ProofVerdict
+from verify.study.statements import Statement, Truth, statement
+from verify.study.statements.labels import fails_at
+from verify.study.statements.values import ValueMissing
+from verify.tree import distinct_nodes
+from verify.verdict import Outcome
+
+LIMIT = 10.0
+"""Seconds that a verdict may take."""
+
+
+class Mark(enum.StrEnum):
+    """What became of one statement."""
+
+    RIGHT = "right"
+    WRONG = "wrong"
+    UNDECIDED = "undecided"
+    ERROR = "error"
+    SLOW = "slow"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The answer to one statement.
+
+    ``supported``: every function in it has an entry in the prover's table.  ``words``: the
+    verdict's reason, the fault of a wrong one, or the error.  ``seconds`` of processor time.
+    """
+
+    kind: str
+    truth: Truth
+    seed: int
+    index: int
+    mark: Mark
+    supported: bool
+    words: str
+    seconds: float
+
+
+class _TimeUp(BaseException):
+    """The limit has passed; nothing but the judge catches it."""
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Stop what runs inside after ``seconds``; only in a process's main thread."""
+
+    def stop(signum: int, frame: FrameType | None) -> None:
+        raise _TimeUp
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def ask(given: Statement) -> ProofVerdict:
+    """The prover's verdict."""
+    if given.unknown is None:
+        return prove_equal(given.left, given.right, given.variables, domains=given.domains)
+    return prove(given.left, given.right, domains=given.domains)
+
+
+def judge(given: Statement, limit: float = LIMIT) -> Judgement:
+    """Ask the prover and compare with the truth; every error is caught and told."""
+    start = time.process_time()
+    try:
+        with time_limit(limit):
+            verdict = ask(given)
+        mark, words = marked(given, verdict)
+    except _TimeUp:
+        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
+    except (ValueError, TypeError) as error:
+        refused = given.truth is Truth.VOID and "\n" not in str(error)
+        mark, words = Mark.RIGHT if refused else Mark.ERROR, f"{type(error).__name__}: {error}"
+    except Exception as error:  # a crash of the prover is a finding, not the end of the search
+        mark, words = Mark.ERROR, f"{type(error).__name__}: {error}"
+    seconds = time.process_time() - start
+    return Judgement(
+        given.kind, given.truth, given.seed, given.index, mark, is_supported(given), words, seconds
+    )
+
+
+def marked(given: Statement, verdict: ProofVerdict) -> tuple[Mark, str]:
+    """Whether a verdict is right, and why not."""
+    outcome = verdict.outcome
+    if outcome is Outcome.UNDECIDED:
+        right = given.truth is Truth.VOID
+        return (Mark.RIGHT if right else Mark.UNDECIDED), verdict.detail
+    if outcome is Outcome.PROVED:
+        return _wrong_unless(given.truth is Truth.TRUE, "PROVED")
+    if given.truth is not Truth.FALSE:
+        return Mark.WRONG, f"REFUTED at {verdict.witness}"
+    fault = witness_fault(given, verdict.witness or {})
+    return (Mark.RIGHT, "") if fault is None else (Mark.WRONG, fault)
+
+
+def witness_fault(given: Statement, witness: Mapping[str, str]) -> str | None:
+    """What is wrong with a witness against a false statement; None if nothing is."""
+    point = {}
+    for made in given.ranges:
+        text = witness.get(str(made.symbol))
+        if text is not None:
+            value = point[made.symbol] = sp.Rational(text)
+            if not made.holds(value):
+                return f"witness {made.symbol} = {value} is not in its range"
+    try:
+        shown = fails_at(given, point)
+    except (ValueMissing, KeyError) as error:
+        return f"witness {dict(witness)} has no residual: {error!r}"
+    return None if shown else f"witness {dict(witness)} leaves no residual"
+
+
+def is_supported(given: Statement) -> bool:
+    """Whether every function in the statement has an entry in the prover's table."""
+    nodes = (node for side in (given.left, given.right) for node in distinct_nodes(side))
+    return all(_is_known(node, given.unknown) for node in nodes)
+
+
+def _is_known(node: sp.Basic, unknown: sp.Expr | None) -> bool:
+    if node.is_Add or node.is_Mul or node.is_Rational or node == unknown:
+        return True
+    if isinstance(node, sp.Derivative | sp.Tuple):
+        return True
+    if node.is_Pow:
+        return bool(node.exp.is_Rational)
+    return node.func in TABLE
+
+
+def _wrong_unless(right: bool, words: str) -> tuple[Mark, str]:
+    return (Mark.RIGHT, "") if right else (Mark.WRONG, words)
+
+
+def judgements(seed: int, indices: range, limit: float = LIMIT) -> Iterator[Judgement]:
+    """The judgements of the statements with these numbers, one after the other."""
+    for index in indices:
+        yield judge(statement(seed, index), limit)
