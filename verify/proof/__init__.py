@@ -10,6 +10,7 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 from .bilinear import prove_bilinear
 from .checker import check_certificate
 from .closed_forms import prove_form, prove_stable
+from .domain import Domain, form_domains
 from .facts import RationalFacts, rational_facts
 from .meanings import CertificateError
 from .proof import prove, prove_equal
@@ -18,9 +19,11 @@ from .verdict import ProofVerdict
 
 __all__ = [
     "CertificateError",
+    "Domain",
     "ProofVerdict",
     "RationalFacts",
     "check_certificate",
+    "form_domains",
     "prove",
     "prove_bilinear",
     "prove_equal",

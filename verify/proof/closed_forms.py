@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-import random
-
-import sympy as sp
-
 from solutions.closed_form import ClosedForm
-from verify.sampling import sample_points
 
-from .balls import Point
+from .domain import form_domains
 from .lab import LabEquation, lab_frame
 from .proof import prove, prove_equal
 from .verdict import ProofVerdict
-
-POINTS = 4
-DENOMINATOR = 1009
 
 
 def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
@@ -35,7 +27,7 @@ def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
         equation,
         form.expression.xreplace(variables),
         name=form.name,
-        points=_lab_points(form, (equation.xi, equation.tau, *frame.generators)),
+        domains=form_domains(form),
         certify=certify,
     )
 
@@ -53,18 +45,5 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        points=sample_points(form, POINTS, 0),
+        domains=form_domains(form),
     )
-
-
-def _lab_points(form: ClosedForm, symbols: tuple[sp.Symbol, ...]) -> list[Point]:
-    """The form's own sample points, with X, T and the generators of K2, K4 between 1/2 and 3/2."""
-    draw = random.Random(form.name)
-    return [
-        {**point, **{symbol: _number(draw) for symbol in symbols}}
-        for point in sample_points(form, POINTS, 0)
-    ]
-
-
-def _number(draw: random.Random) -> sp.Rational:
-    return sp.Rational(1, 2) + sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -12,16 +11,21 @@ from sympy.core.function import AppliedUndef
 from verify.terms import FieldEquation
 
 from .balls import Point
+from .domain import Domain, Domains, settled_domains
+from .samples import sample
 
-POINTS = 4
-DENOMINATOR = 1009
+POINTS = 8
+"""Points at which a formula is looked at before anything is proved."""
+
+Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Does ``expression`` for ``unknown`` make ``left`` vanish?
+    """Does ``expression`` for ``unknown`` make ``left`` vanish on the domains?
 
-    ``points`` are admissible rational points, for witnesses and for denominators.
+    ``domains`` has every variable and parameter.  ``points`` are rational points of them, for
+    witnesses and for denominators: sampled ones, then those that the caller added.
     """
 
     left: sp.Expr
@@ -30,6 +34,7 @@ class Problem:
     points: tuple[Point, ...]
     name: str
     equation_name: str
+    domains: Domains
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -38,9 +43,16 @@ class Problem:
 
 
 def make_problem(
-    equation: FieldEquation | sp.Expr, expression: sp.Expr, points: Sequence[Point], name: str
+    equation: FieldEquation | sp.Expr,
+    expression: sp.Expr,
+    points: Sequence[Point],
+    name: str,
+    stated: Stated,
 ) -> Problem:
-    """The problem that `prove` is called with; raises ValueError without a single unknown."""
+    """The problem that `prove` is called with.
+
+    Raises ValueError without a single unknown, and as `domain.settled_domains` does.
+    """
     if isinstance(equation, sp.Expr):
         left, label = equation, f"{equation} = 0"
     else:
@@ -52,16 +64,36 @@ def make_problem(
             "(write it with sympy.Function('u')(x, t))"
         )
     (unknown,) = unknowns
-    symbols = left.free_symbols | expression.free_symbols
-    found = tuple(points) or random_points(symbols)
-    return Problem(left, unknown, expression, found, name, label)
+    domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
+    found = problem_points(domains, points)
+    return Problem(left, unknown, expression, found, name, label, domains)
 
 
-def random_points(symbols: Iterable[sp.Basic], seed: int = 0) -> tuple[Point, ...]:
-    """Points with every symbol strictly between 0 and 1, the same for the same seed."""
-    draw = random.Random(seed)
-    ordered = sorted(symbols, key=str)
-    return tuple(
-        {symbol: sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR) for symbol in ordered}
-        for _ in range(POINTS)
-    )
+def make_equality(
+    left: sp.Expr,
+    right: sp.Expr,
+    points: Sequence[Point],
+    names: tuple[str, str],
+    stated: Stated,
+) -> Problem:
+    """The problem that `prove_equal` is called with; ``names`` of the formulas and the equation."""
+    domains = settled_domains(left.free_symbols | right.free_symbols, stated)
+    found = problem_points(domains, points)
+    return Problem(sp.S.Zero, sp.S.Zero, left - right, found, *names, domains)
+
+
+def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...]:
+    """Sampled points, and the added ones with sampled values where they leave a symbol out.
+
+    Raises ValueError for an added point outside the domains.
+    """
+    found = sample(domains, POINTS)
+    extra = [{**found[0], **{s: v for s, v in point.items() if s in domains}} for point in added]
+    for point in extra:
+        for symbol, value in point.items():
+            if not domains[symbol].contains(value, point):
+                raise ValueError(
+                    f"points must lie in the domains, got {symbol} = {value} "
+                    f"({domains[symbol].text(symbol)})"
+                )
+    return (*found, *extra)

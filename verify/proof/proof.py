@@ -16,7 +16,7 @@ from .certificate import make_certificate
 from .compilation import Compilation, compile_expressions, regular_point
 from .jets import EquationImage, coefficients
 from .lemmas import equal_by_lemmas
-from .problem import Problem, make_problem, random_points
+from .problem import Problem, Stated, make_equality, make_problem
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
 
@@ -29,17 +29,20 @@ def prove(
     *,
     name: str = "expression",
     points: Sequence[Point] = (),
+    domains: Stated | None = None,
     certify: bool = False,
 ) -> ProofVerdict:
-    """Decide whether ``expression`` solves ``equation`` for all values of its parameters.
+    """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
 
     ``equation`` is an object with a residual (as `solutions.equation.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
-    ``points`` are admissible rational points to look for a witness at, and where denominators
-    are shown not to vanish; without them, points in (0, 1) are taken.  With ``certify``, a proof
-    carries a certificate for `checker.check_certificate`.
+    ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
+    beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
+    points of the domains to look for a witness at, besides sampled ones.  With ``certify``, a
+    proof carries a certificate for `checker.check_certificate`.
 
-    Raises ValueError for an equation without exactly one unknown function.
+    Raises ValueError for an equation without exactly one unknown function, for domains that are
+    none and for points outside them.
 
     >>> x, t, c = sp.symbols("x t c")
     >>> u = sp.Function("u")(x, t)
@@ -50,7 +53,7 @@ def prove(
     <Outcome.REFUTED: 'REFUTED'>
     """
     start = time.perf_counter()
-    problem = make_problem(equation, expression, points, name)
+    problem = make_problem(equation, expression, points, name, domains or {})
     return _decide(problem, certify).timed(time.perf_counter() - start)
 
 
@@ -62,16 +65,18 @@ def prove_equal(
     name: str = "expressions",
     equation_name: str = "equality",
     points: Sequence[Point] = (),
+    domains: Stated | None = None,
 ) -> ProofVerdict:
     """Decide whether two formulas are the same function of ``variables`` and all parameters.
+
+    ``domains`` and ``points`` are those of `prove`.
 
     >>> x = sp.Symbol("x")
     >>> prove_equal(sp.tanh(x) ** 2, 1 - sp.sech(x) ** 2, [x]).outcome
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    found = tuple(points) or random_points(left.free_symbols | right.free_symbols)
-    problem = Problem(sp.S.Zero, sp.S.Zero, left - right, found, name, equation_name)
+    problem = make_equality(left, right, points, (name, equation_name), domains or {})
     return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
 
 

@@ -10,7 +10,7 @@ from mpmath import MPContext
 from solutions import CATALOGUE, ClosedForm
 from solutions.special.mp import mp_module
 from solutions.straight_line import StraightLine
-from verify.proof import check_certificate, prove, prove_form, prove_stable
+from verify.proof import check_certificate, form_domains, prove, prove_form, prove_stable
 from verify.proof.compilation import compile_expressions, generator_balls, polynomial_ball
 from verify.sampling import Point, sample_points
 from verify.verdict import Outcome
@@ -21,8 +21,8 @@ TOLERANCE = 1e-48
 
 @ALL
 def test_every_form_is_proved_with_a_certificate(form: ClosedForm) -> None:
-    points = sample_points(form, 4, 0)
-    verdict = prove(form.equation, form.expression, name=form.name, points=points, certify=True)
+    domains = form_domains(form)
+    verdict = prove(form.equation, form.expression, name=form.name, domains=domains, certify=True)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
     assert verdict.certificate is not None
     assert verdict.assumptions
