@@ -27,7 +27,13 @@ def fails_at(statement: Statement, point: Point) -> bool:
         values = Values(digits)
         if is_clear(values.residual(statement, point), values):
             return True
-    return False
+    return statement.change is not None and _is_value(statement.change, point)
+
+
+def _is_value(term: sp.Expr, point: Point) -> bool:
+    """Whether ``term`` has a value other than 0, however small."""
+    coarse, fine = (Values(digits).value(term, point) for digits in DIGITS[1:])
+    return bool(abs(coarse - fine) < abs(fine) / 1000)
 
 
 def label_fault(statement: Statement, points: int = POINTS) -> str | None:

@@ -30,6 +30,7 @@ def perturbed(kind: str, setting: Setting, statement: Statement, term: sp.Expr) 
         kind=kind,
         truth=Truth.FALSE,
         left=statement.left + term,
+        change=term,
         ranges=tuple(setting.ranges.values()),
         counterexample=point,
     )

@@ -75,7 +75,7 @@ class Statement:
 
     In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
     is put for ``unknown``.  ``ranges`` has every symbol.  ``counterexample`` is an admissible
-    point at which a false statement fails.
+    point at which a false statement fails; ``change`` is its residual, where that is one term.
     """
 
     kind: str
@@ -86,6 +86,7 @@ class Statement:
     ranges: tuple[Range, ...]
     unknown: sp.Expr | None = None
     counterexample: Point | None = None
+    change: sp.Expr | None = None
     seed: int = 0
     index: int = 0
 

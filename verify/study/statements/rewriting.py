@@ -17,15 +17,23 @@ from verify.tree import distinct_nodes, replaced
 Identity = Callable[[sp.Expr, random.Random], sp.Expr]
 
 LONGEST = 40
-"""Nodes of a sum that is multiplied out."""
+"""Operations of a sum that is multiplied out."""
+
+SHORT = 8
+"""Operations of what stands in a logarithm or under a root that is written out longer."""
+
+WITHIN = 0.1
+"""How often an identity may fall into the argument of a function."""
 
 
 def rewritten(formula: sp.Expr, draw: random.Random, changes: int) -> sp.Expr:
     """``formula`` after up to ``changes`` random identities."""
     for _ in range(changes):
-        places = [node for node in distinct_nodes(formula) if node.func in IDENTITIES]
+        within = draw.random() < WITHIN
+        nodes = distinct_nodes(formula) if within else _outer_nodes(formula)
+        places = [node for node in nodes if node.func in IDENTITIES]
         if not places:
-            return formula
+            continue
         node = draw.choice(places)
         image = draw.choice(IDENTITIES[node.func])(node, draw)
         if image != node:
@@ -33,6 +41,19 @@ def rewritten(formula: sp.Expr, draw: random.Random, changes: int) -> sp.Expr:
             if not changed.has(sp.nan, sp.zoo, sp.oo):
                 formula = changed
     return formula
+
+
+def _outer_nodes(formula: sp.Expr) -> list[sp.Expr]:
+    """The subexpressions that do not stand in a function's argument or under a root."""
+    found: dict[sp.Expr, None] = {}
+    waiting = [formula]
+    while waiting:
+        node = waiting.pop()
+        if node not in found:
+            found[node] = None
+            inside = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
+            waiting += reversed(node.args) if inside else ()
+    return list(found)
 
 
 def _split(z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
@@ -96,7 +117,7 @@ def _log(node: sp.Expr, _: random.Random) -> sp.Expr:
     z = node.args[0]
     if z.is_Mul and all(factor.is_positive for factor in z.args):
         return sp.Add(*map(sp.log, z.args))
-    if z.is_positive:
+    if z.is_positive and z.count_ops() < SHORT:
         return sp.log(z**2 + z, evaluate=False) - sp.log(1 + z)
     return node
 
@@ -115,7 +136,7 @@ def _square(node: sp.Expr, draw: random.Random) -> sp.Expr:
 
 def _root(node: sp.Expr, draw: random.Random) -> sp.Expr:
     base, exponent = node.base, node.exp
-    if exponent.is_Rational and draw.random() < 0.5:
+    if exponent.is_Rational and base.count_ops() < SHORT and draw.random() < 0.5:
         return sp.expand(base * (1 + base) ** 2) ** exponent / (1 + base) ** (2 * exponent)
     return sp.exp(exponent * sp.log(base), evaluate=False)
 
