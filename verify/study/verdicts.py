@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import enum
 import signal
+import statistics
 import time
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -158,3 +160,57 @@ def judgements(seed: int, indices: range, limit: float = LIMIT) -> Iterator[Judg
     """The judgements of the statements with these numbers, one after the other."""
     for index in indices:
         yield judge(statement(seed, index), limit)
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What became of the statements of one kind; ``seconds`` of each, in the order asked."""
+
+    kind: str
+    counts: Mapping[Mark, int]
+    supported: int
+    undecided_supported: int
+    seconds: tuple[float, ...]
+
+    @property
+    def total(self) -> int:
+        """How many statements there were."""
+        return len(self.seconds)
+
+    def cells(self) -> list[str]:
+        """The row of the table that goes with `HEADINGS`."""
+        counts = [str(self.counts.get(mark, 0)) for mark in Mark]
+        share = 100 * self.undecided_supported / self.supported if self.supported else 0.0
+        times = [f"{1000 * f(self.seconds):.0f}" for f in (statistics.median, max)]
+        return [self.kind, str(self.total), *counts, f"{share:.1f}", *times]
+
+
+HEADINGS = (
+    "kind",
+    "count",
+    *(mark.value for mark in Mark),
+    "% undecided of supported",
+    "median ms",
+    "max ms",
+)
+
+
+def tally(kind: str, found: Sequence[Judgement]) -> Tally:
+    """The counts of some judgements."""
+    supported = [judgement for judgement in found if judgement.supported]
+    return Tally(
+        kind,
+        Counter(judgement.mark for judgement in found),
+        len(supported),
+        sum(judgement.mark is Mark.UNDECIDED for judgement in supported),
+        tuple(judgement.seconds for judgement in found),
+    )
+
+
+def tallies(found: Sequence[Judgement]) -> list[Tally]:
+    """One a kind (branches and complex formulas together), and one of all."""
+    by_kind: dict[str, list[Judgement]] = {}
+    for judgement in found:
+        kind = judgement.kind.partition(":")[0]
+        by_kind.setdefault(kind, []).append(judgement)
+    return [*(tally(kind, own) for kind, own in sorted(by_kind.items())), tally("all", found)]

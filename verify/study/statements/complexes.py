@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import sympy as sp
@@ -13,40 +14,57 @@ from .record import Statement, Truth
 from .rewriting import rewritten
 from .setting import Setting
 
+Sides = Callable[[sp.Expr, sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 
-def _pairs(setting: Setting) -> dict[str, tuple[sp.Expr, sp.Expr, bool]]:
-    """Two formulas each, and whether they are equal."""
-    s, p, f = phase(setting), positive(setting), formula(setting, 1)
-    e, z = sp.exp(sp.I * s), f + sp.I * s
-    return {
-        "re of a phase": (sp.re(f * e), f * sp.cos(s), True),
-        "im of a phase": (sp.im(f * e), f * sp.sin(s), True),
-        "im, wrong": (sp.im(f * e), f * sp.cos(s), False),
-        "conjugate": (sp.conjugate(f * e), f / e, True),
-        "conjugate, forgotten": (sp.conjugate(f * e), f * e, False),
-        "square of a modulus": (sp.Abs(z) ** 2, f**2 + s**2, True),
-        "square of a modulus, wrong": (sp.Abs(z) ** 2, sp.expand(z**2), False),
-        "modulus": (sp.Abs(p * e), p, True),
-        "modulus, wrong": (sp.Abs(p * (1 + e)), 2 * p, False),
-        "product with the conjugate": (z * sp.conjugate(z), f**2 + s**2, True),
-        "polar": (sp.sqrt(p) * sp.sqrt(-p), sp.I * p, True),
-        "polar, wrong": (sp.sqrt(-p) * sp.sqrt(-p), p, False),
-        "hyperbolic": (
+
+def _turned(s: sp.Expr) -> sp.Expr:
+    return sp.exp(sp.I * s)
+
+
+PAIRS: dict[str, tuple[Sides, bool]] = {
+    "re of a phase": (lambda s, p, f: (sp.re(f * _turned(s)), f * sp.cos(s)), True),
+    "im of a phase": (lambda s, p, f: (sp.im(f * _turned(s)), f * sp.sin(s)), True),
+    "im, wrong": (lambda s, p, f: (sp.im(f * _turned(s)), f * sp.cos(s)), False),
+    "conjugate": (lambda s, p, f: (sp.conjugate(f * _turned(s)), f / _turned(s)), True),
+    "conjugate, forgotten": (
+        lambda s, p, f: (sp.conjugate(f * _turned(s)), f * _turned(s)),
+        False,
+    ),
+    "square of a modulus": (lambda s, p, f: (sp.Abs(f + sp.I * s) ** 2, f**2 + s**2), True),
+    "square of a modulus, wrong": (
+        lambda s, p, f: (sp.Abs(f + sp.I * s) ** 2, sp.expand((f + sp.I * s) ** 2)),
+        False,
+    ),
+    "modulus": (lambda s, p, f: (sp.Abs(p * _turned(s)), p), True),
+    "modulus, wrong": (lambda s, p, f: (sp.Abs(p * (1 + _turned(s))), 2 * p), False),
+    "product with the conjugate": (
+        lambda s, p, f: ((f + sp.I * s) * sp.conjugate(f + sp.I * s), f**2 + s**2),
+        True,
+    ),
+    "polar": (lambda s, p, f: (sp.sqrt(p) * sp.sqrt(-p), sp.I * p), True),
+    "polar, wrong": (lambda s, p, f: (sp.sqrt(-p) * sp.sqrt(-p), p), False),
+    "hyperbolic": (
+        lambda s, p, f: (
             sp.cosh(sp.I * s + p),
             sp.cosh(p) * sp.cos(s) + sp.I * sp.sinh(p) * sp.sin(s),
-            True,
         ),
-        "Moebius": ((1 + sp.I * s) / (1 - sp.I * s), sp.exp(2 * sp.I * sp.atan(s)), True),
-        "log of a phase": (sp.re(sp.log(p * e)), sp.log(p), True),
-    }
+        True,
+    ),
+    "Moebius": (
+        lambda s, p, f: ((1 + sp.I * s) / (1 - sp.I * s), sp.exp(2 * sp.I * sp.atan(s))),
+        True,
+    ),
+    "log of a phase": (lambda s, p, f: (sp.re(sp.log(p * _turned(s))), sp.log(p)), True),
+}
+"""Two formulas each of a real s, a positive p and a real f, and whether they are equal."""
 
 
 def conjugates(setting: Setting) -> Statement | None:
     """An identity of complex-valued formulas, true or false."""
     draw = setting.draw
-    pairs = _pairs(setting)
-    name = draw.choice(list(pairs))
-    left, right, holds = pairs[name]
+    name = draw.choice(list(PAIRS))
+    sides, holds = PAIRS[name]
+    left, right = sides(phase(setting), positive(setting), formula(setting, 1))
     if left == right or (left - right).has(sp.nan, sp.zoo, sp.oo):
         return None
     point = None if holds else shown_at(left - right, setting, 40)

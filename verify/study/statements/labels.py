@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
+from itertools import pairwise
+
+import sympy as sp
 
 from .record import Point, Statement, Truth
-from .values import ValueMissing, Values
+from .values import ValueMissing, Values, values_at
 
 POINTS = 6
 DIGITS = (40, 240, 700)
@@ -22,18 +26,26 @@ def is_clear(residual: object, values: Values) -> bool:
 
 
 def fails_at(statement: Statement, point: Point) -> bool:
-    """Whether the statement has a residual at ``point``; raises ValueMissing without a value."""
-    for digits in DIGITS:
-        values = Values(digits)
-        if is_clear(values.residual(statement, point), values):
-            return True
-    return statement.change is not None and _is_value(statement.change, point)
+    """Whether the statement has a residual at ``point``; raises ValueMissing without a value.
+
+    A residual that is one term by construction is taken from that term where it is small.
+    """
+    if _has_residual(statement, point, DIGITS[:1]):
+        return True
+    if statement.change is not None:
+        return _is_value(statement.change, point)
+    return _has_residual(statement, point, DIGITS[1:])
+
+
+def _has_residual(statement: Statement, point: Point, digits: Sequence[int]) -> bool:
+    every = (values_at(number) for number in digits)
+    return any(is_clear(values.residual(statement, point), values) for values in every)
 
 
 def _is_value(term: sp.Expr, point: Point) -> bool:
     """Whether ``term`` has a value other than 0, however small."""
-    coarse, fine = (Values(digits).value(term, point) for digits in DIGITS[1:])
-    return bool(abs(coarse - fine) < abs(fine) / 1000)
+    found = [values_at(digits).value(term, point) for digits in DIGITS]
+    return any(abs(a - b) < abs(b) / 1000 for a, b in pairwise(found))
 
 
 def label_fault(statement: Statement, points: int = POINTS) -> str | None:
@@ -59,7 +71,7 @@ def label_fault(statement: Statement, points: int = POINTS) -> str | None:
 
 def _true_fault(statement: Statement, point: Point) -> str | None:
     """Rounding falls with the digits, what is no rounding stays."""
-    coarse, fine = (Values(digits) for digits in DIGITS[:2])
+    coarse, fine = (values_at(digits) for digits in DIGITS[:2])
     residual = coarse.residual(statement, point)
     if not is_clear(residual, coarse):
         return None
@@ -71,7 +83,7 @@ def _true_fault(statement: Statement, point: Point) -> str | None:
 
 def _void_fault(statement: Statement, point: Point) -> str | None:
     """A division by 0 gives rounding, if it gives anything: another value at other digits."""
-    pair = [Values(digits).value(statement.right, point) for digits in DIGITS[:2]]
+    pair = [values_at(digits).value(statement.right, point) for digits in DIGITS[:2]]
     same = abs(pair[0] - pair[1]) < abs(pair[0]) / 1000
     return f"there is a value at {point}" if same else None
 
@@ -84,6 +96,9 @@ def _false_fault(statement: Statement) -> str | None:
         if not made.holds(point[made.symbol]):
             return f"{made.symbol} = {point[made.symbol]} is not in its range"
     try:
-        return None if fails_at(statement, point) else f"the residual at {point} is rounding"
+        shown = _has_residual(statement, point, DIGITS)
+        if not shown and statement.change is not None:
+            shown = _is_value(statement.change, point)
+        return None if shown else f"the residual at {point} is rounding"
     except ValueMissing as error:
         return f"no value at the counterexample {point}: {error}"

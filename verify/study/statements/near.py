@@ -10,7 +10,7 @@ from .equations import identity, logarithmic, travelling_wave, with_annihilator,
 from .formulas import constant, phase
 from .record import Point, Statement, Truth
 from .setting import Setting
-from .values import ValueMissing, Values
+from .values import ValueMissing, values_at
 
 TINY = (20, 60, 200)
 TRUE = (with_source, with_source, with_annihilator, travelling_wave, logarithmic, identity)
@@ -38,7 +38,7 @@ def perturbed(kind: str, setting: Setting, statement: Statement, term: sp.Expr) 
 
 def shown_at(term: sp.Expr, setting: Setting, digits: int) -> Point | None:
     """An admissible point at which ``term`` is clearly not 0."""
-    values = Values(digits)
+    values = values_at(digits)
     for _ in range(TRIES):
         point = setting.point()
         try:
@@ -70,6 +70,7 @@ def tiny_change(setting: Setting) -> Statement | None:
         truth=Truth.FALSE,
         left=sp.Add(*terms, change * term),
         counterexample=point,
+        change=change * value,
         ranges=tuple(setting.ranges.values()),
     )
 

@@ -143,12 +143,12 @@ def _root(node: sp.Expr, draw: random.Random) -> sp.Expr:
 
 def _difference_of_squares(node: sp.Expr, _: random.Random) -> sp.Expr:
     a, b = node.args[0], sp.Add(*node.args[1:])
-    return (a**2 - b**2) / (a - b) if a != b else node
+    return (a**2 - b**2) / (a - b) if a != b and node.count_ops() < LONGEST else node
 
 
 def _over_a_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
     squares = [symbol**2 for symbol in sorted(node.free_symbols, key=str) if symbol.is_real]
-    if not squares or len(node.args) > 6:
+    if not squares or node.count_ops() > LONGEST:
         return node
     return sp.Add(*(part * (1 + squares[0]) for part in node.args)) / (1 + squares[0])
 

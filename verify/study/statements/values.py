@@ -6,6 +6,7 @@ high precision.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,6 +39,12 @@ CUT = {sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh, sp.sign}
 GUARD = 10
 DUST = 0.75
 """An imaginary part below 10 to the minus this share of the digits is rounding, before a cut."""
+
+
+@functools.cache
+def values_at(digits: int) -> Values:
+    """The `Values` with ``digits`` decimals; a context takes a millisecond to make."""
+    return Values(digits)
 
 
 class ValueMissing(ArithmeticError):

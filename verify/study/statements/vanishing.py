@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import sympy as sp
@@ -13,27 +14,29 @@ from .formulas import formula, phase, polynomial, positive
 from .record import Statement, Truth
 from .setting import Setting
 
+Zero = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
+sn, cn = special.jacobi_sn, special.jacobi_cn
+m = sp.Rational(1, 3)
+
+ZEROS: tuple[Zero, ...] = (
+    lambda s, p, v: sp.sin(s) ** 2 + sp.cos(s) ** 2 - 1,
+    lambda s, p, v: sp.cosh(s) ** 2 - sp.sinh(s) ** 2 - 1,
+    lambda s, p, v: sp.sqrt(sp.expand(p**2)) - p,
+    lambda s, p, v: sp.expand((s + 1) ** 2) - (s + 1) ** 2,
+    lambda s, p, v: sp.tanh(s) - sp.sinh(s) / sp.cosh(s),
+    lambda s, p, v: sp.exp(s) - sp.cosh(s) - sp.sinh(s),
+    lambda s, p, v: sn(v, m) ** 2 + cn(v, m) ** 2 - 1,
+    lambda s, p, v: sp.sqrt(p) ** 2 - p + sp.tan(s) - sp.sin(s) / sp.cos(s),
+    lambda s, p, v: sp.sqrt(3 + 2 * sp.sqrt(2)) - 1 - sp.sqrt(2),
+    lambda s, p, v: sp.Abs(sp.expand(p * (1 + p))) - p - p**2,
+)
+"""0 in other words, of a real s, a positive p and a variable v."""
+
 
 def _zero(setting: Setting) -> sp.Expr:
-    """0 in other words."""
-    draw = setting.draw
-    s, p = phase(setting), positive(setting)
-    m = sp.Rational(1, 3)
-    sn, cn = special.jacobi_sn(setting.variables[0], m), special.jacobi_cn(setting.variables[0], m)
-    forms = [
-        sp.sin(s) ** 2 + sp.cos(s) ** 2 - 1,
-        sp.cosh(s) ** 2 - sp.sinh(s) ** 2 - 1,
-        sp.sqrt(sp.expand(p**2)) - p,
-        sp.expand((s + 1) ** 2) - (s + 1) ** 2,
-        sp.tanh(s) - sp.sinh(s) / sp.cosh(s),
-        sp.exp(s) - sp.cosh(s) - sp.sinh(s),
-        sn**2 + cn**2 - 1,
-        sp.sqrt(p) ** 2 - p + sp.tan(s) - sp.sin(s) / sp.cos(s),
-        sp.sqrt(3 + 2 * sp.sqrt(2)) - 1 - sp.sqrt(2),
-        sp.Abs(p) - p,
-    ]
-    found = [form for form in forms if form != 0]
-    return draw.choice(found)
+    made = setting.draw.choice(ZEROS)
+    found = made(phase(setting), positive(setting), setting.variables[0])
+    return found if found != 0 else _zero(setting)
 
 
 def nowhere_defined(setting: Setting) -> Statement | None:
