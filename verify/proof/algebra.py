@@ -7,25 +7,24 @@ from dataclasses import replace
 import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
-from .balls import Point
 from .derivation import Derivation
 from .field import PolynomialRing
 from .fraction import Fraction
-from .generator import Generator, Unsupported
-from .roots import RootTable, sign_at
+from .generator import Generator
+from .roots import RootTable
 from .translation import Translation
 
 
 class DifferentialField:
     """Fractions in the generators of ``translation``, with a derivation for each variable.
 
-    All images must have been made before: a polynomial ring cannot grow.  ``point`` tells the
-    signs of square roots that depend on others.  Raises Unsupported if a root is of something
-    that is no polynomial in the generators.
+    All images must have been made before: a polynomial ring cannot grow.  ``identified`` says
+    for a square root that is rational in others what it is equal to.
     """
 
-    def __init__(self, translation: Translation, point: Point) -> None:
+    def __init__(self, translation: Translation) -> None:
         self.translation = translation
+        self.identified: dict[sp.Expr, sp.Expr] = {}
         self.generators = tuple(translation.generators)
         self.ring = PolynomialRing([g.symbol.name for g in self.generators])
         self._symbols = {
@@ -34,12 +33,12 @@ class DifferentialField:
         }
         self._values: dict[sp.Expr, Fraction] = {}
         self._scales: dict[sp.Symbol, Fraction] = {}
-        self._relate(point)
+        self._relate()
         self.derivations = {v: self._derivation(v) for v in translation.variables}
 
     def element(self, expression: sp.Expr) -> Fraction:
         """The image of a formula in the variables and parameters."""
-        return self.fraction(self.translation.image(expression))
+        return self.fraction(self.translation.image(self.translation.rewriting(expression)))
 
     def fraction(self, image: sp.Expr) -> Fraction:
         """An expression that is rational in the generators, as a fraction."""
@@ -51,11 +50,23 @@ class DifferentialField:
         """The derivative of a generator of the ring."""
         slope = self.fraction(generator.slopes.get(variable, sp.S.Zero))
         scale = self._scales.get(generator.symbol)
-        return slope if scale is None else slope * scale.inverse()
+        if scale is None:
+            return slope
+        moved = self._slope_of_polynomial(scale.denominator(), variable)
+        return slope * scale.inverse() + self._symbols[generator.symbol] * moved
 
     def number(self, value: sp.Rational) -> Fraction:
         """A rational number as an element of the field."""
         return Fraction(self.ring, self.ring.constant(fmpq(int(value.p), int(value.q))))
+
+    def _slope_of_polynomial(self, polynomial: fmpq_mpoly, variable: sp.Symbol) -> Fraction:
+        total = Fraction(self.ring, self.ring.constant(0))
+        for generator in self.generators:
+            partial = polynomial.derivative(generator.symbol.name)
+            if not partial.is_zero():
+                slope = self.slope(generator, variable)
+                total = total + Fraction(self.ring, self.ring.reduce(partial)) * slope
+        return total
 
     def _fraction(self, image: sp.Expr) -> Fraction:
         if image.is_Symbol:
@@ -70,13 +81,13 @@ class DifferentialField:
             total = total + part if image.is_Add else total * part
         return total
 
-    def _relate(self, point: Point) -> None:
+    def _relate(self) -> None:
         """Set up the relations: of roots of polynomials first, then of those of quotients."""
         roots = RootTable()
         algebraic = [g for g in self.generators if g.degree]
         for generator in sorted(algebraic, key=self._is_quotient):
             value = self.fraction(generator.value)
-            if generator.degree > 2 or not self._depends(generator, value, roots, point):
+            if generator.degree > 2 or not self._depends(generator, value, roots):
                 self._add_relation(generator, value)
                 self._values.clear()
 
@@ -92,13 +103,11 @@ class DifferentialField:
         return not any(degree and generator.slopes for generator, degree in used)
 
     def _add_relation(self, generator: Generator, value: Fraction) -> None:
-        """The relation of an independent root; a constant denominator is moved into the root."""
+        """The relation of an independent root; a denominator is moved into the root."""
         place = self.generators.index(generator)
         if not value.powers:
             self.ring.relate(place, generator.degree, value.numerator)
             return
-        if self._is_quotient(generator) == 2:
-            raise Unsupported(f"{generator.meaning} is the root of a quotient")
         powers = {i: -(-power // generator.degree) for i, power in value.powers.items()}
         scale = Fraction(self.ring, self.ring.constant(1), powers)
         whole = value * scale.inverse() ** generator.degree
@@ -109,20 +118,30 @@ class DifferentialField:
         moved = replace(generator, meaning=meaning)
         self.generators = (*self.generators[:place], moved, *self.generators[place + 1 :])
 
-    def _depends(
-        self, generator: Generator, square: Fraction, roots: RootTable, point: Point
-    ) -> bool:
-        """Whether a square root is rational in others; if so, its symbol then stands for that."""
-        if not isinstance(generator.meaning, sp.Pow):
+    def _depends(self, generator: Generator, square: Fraction, roots: RootTable) -> bool:
+        """Whether a square root is rational in others; if so, its symbol then stands for that.
+
+        Only where it and these are shown not to be negative and the sign of the rational part is
+        known: then the equation of the squares is one of the roots on the whole of the domains.
+        """
+        signs = self.translation.rewriting.signs
+        if not isinstance(generator.meaning, sp.Pow | sp.Abs):
+            return False
+        if not signs.is_nonnegative(generator.meaning):
             return False
         companions = roots.companions(generator.symbol, square)
         if companions is None:
             return False
         value = roots.rational_part(square, companions)
+        written = self._meaning(value)
+        if signs.is_nonpositive(written):
+            value = -value
+        elif not signs.is_nonnegative(written):
+            return False
         for symbol in companions:
             value = value * self._symbols[symbol]
-        sign = sign_at(generator.meaning, self._meaning(value), point)
-        self._symbols[generator.symbol] = value.scaled(fmpq(sign))
+        self._symbols[generator.symbol] = value
+        self.identified[generator.meaning] = self._meaning(value)
         self._values.clear()
         return True
 

@@ -1,4 +1,4 @@
-"""Symbols, the imaginary unit, roots, and conjugates."""
+"""Symbols, the imaginary unit, roots, absolute values and conjugates."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ def imaginary_unit(translation: Translation, expression: sp.Expr) -> sp.Expr:
 def power(translation: Translation, expression: sp.Expr) -> sp.Expr:
     """A root: a generator whose power is known.  abs(f)**2 is f times its conjugate."""
     base, exponent = expression.base, expression.exp
-    if isinstance(base, sp.Abs) and exponent.is_Integer and exponent % 2 == 0:
-        inner = base.args[0]
-        square = translation.image(inner) * translation.image(sp.conjugate(inner))
-        return square ** (exponent / 2)
+    if isinstance(base, sp.Abs) and exponent.is_Integer:
+        if exponent % 2:
+            return translation.image(base) ** exponent
+        return _square(translation, base.args[0]) ** (exponent / 2)
     if not exponent.is_Rational:
         raise Unsupported(f"no generator is known for the power {expression}")
     if base.is_Integer:
@@ -50,7 +50,34 @@ def power(translation: Translation, expression: sp.Expr) -> sp.Expr:
         if len(primes) > 1 or set(primes.values()) != {1}:
             roots = (translation.image(sp.Integer(p) ** exponent) ** n for p, n in primes.items())
             return sp.Mul(*roots)
-    return _root(translation, base, int(exponent.q)) ** int(exponent.p)
+    degree = translation.kernels.degrees.get(base, 1)
+    degree *= int(exponent.q) // sp.igcd(degree, exponent.q)
+    return _root(translation, base, degree) ** int(exponent * degree)
+
+
+def absolute(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """abs(f), a generator whose square is f times its conjugate."""
+    square = _square(translation, expression.args[0])
+    return _registered_root(translation, "abs", expression, square, 2)
+
+
+def sign(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """f/abs(f)."""
+    inner = expression.args[0]
+    return translation.image(inner) / translation.image(sp.Abs(inner))
+
+
+def conjugate(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """What `rewriting` leaves of conjugates: those of roots and logarithms of unknown sign."""
+    raise Unsupported(
+        f"{expression} is not simplified on the domain: a root or logarithm in it may be of a "
+        "negative number"
+    )
+
+
+def _square(translation: Translation, inner: sp.Expr) -> sp.Expr:
+    other = translation.rewriting(sp.conjugate(inner))
+    return translation.image(inner) * translation.image(other)
 
 
 def _root(translation: Translation, base: sp.Expr, degree: int) -> sp.Expr:
@@ -61,21 +88,20 @@ def _root(translation: Translation, base: sp.Expr, degree: int) -> sp.Expr:
     known = translation.generators.known(meaning)
     if known is not None:
         return known
-    value = translation.image(base)
-    own = translation.generators.symbol("root")
-    rates = translation.derivatives(base)
+    return _registered_root(translation, "root", meaning, translation.image(base), degree)
+
+
+def _registered_root(
+    translation: Translation, name: str, meaning: sp.Expr, value: sp.Expr, degree: int
+) -> sp.Expr:
+    """The generator of a root of ``value``; w' = v'/(n v) w holds for every branch."""
+    known = translation.generators.known(meaning)
+    if known is not None:
+        return known
+    own = translation.generators.symbol(name)
+    if isinstance(meaning, sp.Pow):
+        rates = translation.derivatives(meaning.base)
+    else:
+        rates = translation.derivatives_of_image(value)
     slopes = {v: rate * own / (degree * value) for v, rate in rates.items()}
     return translation.register(own, meaning, slopes, degree, value)
-
-
-def conjugate(translation: Translation, expression: sp.Expr) -> sp.Expr:
-    """A conjugate, real or imaginary part: I becomes -I, everything else must be real."""
-    inner = expression.args[0]
-    if not all(free.is_real for free in inner.free_symbols):
-        raise Unsupported(f"the conjugate of {inner} needs real symbols (declare them real)")
-    value, other = translation.image(inner), translation.image(inner.xreplace({sp.I: -sp.I}))
-    if expression.func is sp.conjugate:
-        return other
-    if expression.func is sp.re:
-        return (value + other) / 2
-    return (value - other) / (2 * translation.image(sp.I))

@@ -16,11 +16,15 @@ from .balls import BallEvaluator, Point
 from .dependence import Dependence
 from .fraction import Fraction
 from .jet import Shape
-from .linear import LinearForms, linear_forms
+from .linear import LinearForms, MissingForm, linear_forms
+from .rewriting import Rewriting
+from .signs import Signs
 from .table import TABLE
 from .translation import Translation
 
 BITS = 320
+GATHERINGS = 6
+"""How often a linear form that slopes or arguments bring is added before all are given up."""
 
 
 @dataclass(frozen=True)
@@ -37,19 +41,28 @@ def compile_expressions(
     coefficients: Sequence[sp.Expr],
     variables: Sequence[sp.Symbol],
     point: Point,
+    signs: Signs,
 ) -> Compilation:
     """The images of ``expressions`` in a field that also contains ``coefficients``.
 
-    Raises Unsupported for a function without an entry in the table of generators, and
-    ZeroDivisionError if a denominator vanishes identically.
+    ``signs`` says what may be simplified; ``point`` is one of their domains.  Raises Unsupported
+    for a function without an entry in the table of generators, and ZeroDivisionError if a
+    denominator vanishes identically.
     """
     dependence = Dependence(variables)
-    written = _with_one_integral(expressions, dependence)
-    forms = LinearForms(linear_forms(written, dependence), point)
-    try:
-        return _compile(written, coefficients, variables, forms, point)
-    except _InconsistentForms:
-        return _compile(written, coefficients, variables, None, point)
+    rewriting = Rewriting(signs)
+    written = _with_one_integral([rewriting(e) for e in expressions], dependence)
+    known = [rewriting(coefficient) for coefficient in coefficients]
+    found = linear_forms([*written, *known], dependence)
+    for _ in range(GATHERINGS):
+        forms = LinearForms(found, point)
+        try:
+            return _compile(written, known, variables, rewriting, forms)
+        except MissingForm as missing:
+            found = [*found, missing.form]
+        except _InconsistentForms:
+            break
+    return _compile(written, known, variables, rewriting, None)
 
 
 def _with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
@@ -88,15 +101,15 @@ def _compile(
     expressions: Sequence[sp.Expr],
     coefficients: Sequence[sp.Expr],
     variables: Sequence[sp.Symbol],
+    rewriting: Rewriting,
     forms: LinearForms | None,
-    point: Point,
 ) -> Compilation:
-    translation = Translation([*expressions, *coefficients], variables, TABLE, forms)
+    translation = Translation([*expressions, *coefficients], variables, TABLE, rewriting, forms)
     images = [translation.image(expression) for expression in expressions]
     for coefficient in coefficients:
         translation.image(coefficient)
     obligations = [translation.image(o) for o in forms.obligations] if forms else []
-    field = DifferentialField(translation, point)
+    field = DifferentialField(translation)
     if not all(field.fraction(obligation).is_zero for obligation in obligations):
         raise _InconsistentForms
     return Compilation(field, tuple(expressions), tuple(field.fraction(image) for image in images))

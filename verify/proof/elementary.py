@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from .generator import Unsupported
 from .lattice import without_logarithms
 
 if TYPE_CHECKING:
@@ -68,11 +69,21 @@ def _generator(translation: Translation, argument: sp.Expr) -> sp.Symbol:
     return translation.register(symbol, meaning, {v: r * symbol for v, r in rates.items()})
 
 
-def arctangent(translation: Translation, expression: sp.Expr) -> sp.Expr:
-    """atan f, a primitive with derivative f'/(1 + f**2)."""
-    return translation.primitive("atan", expression)
+def base_of_logarithms(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """The number e."""
+    return power_of_e(translation, sp.S.One)
 
 
-def logarithm(translation: Translation, expression: sp.Expr) -> sp.Expr:
-    """log f, a primitive with derivative f'/f."""
-    return translation.primitive("log", expression)
+def primitive(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """A function whose derivative is that of SymPy off its cuts, such as f'/(1 + f**2) of atan f."""
+    return translation.primitive(expression.func.__name__, expression)
+
+
+def primitive_of_the_real_line(translation: Translation, expression: sp.Expr) -> sp.Expr:
+    """asin, acos, acosh or asinh, off whose cuts the argument must be shown to lie.
+
+    On a cut, the root in SymPy's derivative and the function may belong to different sides.
+    """
+    if not translation.rewriting.signs.is_real(expression):
+        raise Unsupported(f"{expression} is not shown to be real on the domain")
+    return primitive(translation, expression)

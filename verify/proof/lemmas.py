@@ -19,6 +19,7 @@ from .balls import BallEvaluator, Point
 from .compilation import BITS, Compilation, compile_expressions
 from .dependence import Dependence
 from .jet import Shape
+from .signs import Signs
 
 DIGITS = 40
 
@@ -40,7 +41,7 @@ class Lemma:
 
 
 def find_lemmas(
-    left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
+    left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point, signs: Signs
 ) -> list[Lemma]:
     """The largest proper sums that differ as formulas and agree at ``point``.
 
@@ -49,7 +50,7 @@ def find_lemmas(
     """
     with ctx.workprec(BITS):
         balls = BallEvaluator(Shape([(0,)]), (), point)
-        sums = [_values(formula, variables, balls) for formula in (left, right)]
+        sums = [_values(formula, variables, balls, signs) for formula in (left, right)]
         pairs = [
             (own, other, value)
             for own, value in sums[0].items()
@@ -70,16 +71,16 @@ def find_lemmas(
 
 
 def equal_by_lemmas(
-    left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
+    left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point, signs: Signs
 ) -> tuple[Compilation, Mapping[sp.Expr, sp.Expr]] | None:
     """A compilation in which both formulas have the same image, and what its symbols stand for.
 
     None if there are no lemmas, if one is false, or if the formulas are not equal without what
     is known of the parts.  Raises as `compile_expressions` does.
     """
-    lemmas = find_lemmas(left, right, variables, point)
+    lemmas = find_lemmas(left, right, variables, point, signs)
     for lemma in lemmas:
-        compiled = compile_expressions([lemma.left, lemma.right], [], variables, point)
+        compiled = compile_expressions([lemma.left, lemma.right], [], variables, point, signs)
         if not agree(compiled):
             return None
         left = replaced(left, lemma.left, lemma.symbol)
@@ -87,7 +88,7 @@ def equal_by_lemmas(
     if not lemmas:
         return None
     near = {**point, **{lemma.symbol: lemma.value for lemma in lemmas}}
-    compiled = compile_expressions([left, right], [], variables, near)
+    compiled = compile_expressions([left, right], [], variables, near, signs)
     return (compiled, {part.symbol: part.left for part in lemmas}) if agree(compiled) else None
 
 
@@ -97,13 +98,16 @@ def agree(compiled: Compilation) -> bool:
 
 
 def _values(
-    formula: sp.Expr, variables: Sequence[sp.Symbol], balls: BallEvaluator
+    formula: sp.Expr, variables: Sequence[sp.Symbol], balls: BallEvaluator, signs: Signs
 ) -> dict[sp.Expr, acb]:
-    """The values of the proper sums in ``formula`` that contain a variable and are real."""
+    """The values of the proper sums in ``formula`` that contain a variable and are real.
+
+    A real symbol will stand for them, so they must be real on the whole of the domains.
+    """
     dependence = Dependence(variables)
     sums = [node for node in distinct_nodes(formula)[1:] if node.is_Add and dependence.moves(node)]
     values = {node: balls.jet(node).value for node in sums}
-    return {n: v for n, v in values.items() if v.is_finite() and v.imag.contains(0)}
+    return {n: v for n, v in values.items() if v.is_finite() and signs.is_real(n)}
 
 
 def _occurs(pairs: Sequence[Pair], left: Sequence[sp.Expr], right: Sequence[sp.Expr]) -> bool:

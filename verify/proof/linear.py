@@ -17,6 +17,7 @@ from solutions.special import jacobi_epsilon
 
 from .balls import Point, ball_value
 from .dependence import Dependence
+from .generator import Unsupported
 
 if TYPE_CHECKING:
     from .translation import Translation
@@ -25,6 +26,14 @@ Form = dict[sp.Expr, sp.Expr]
 """The constant coefficients of primitives."""
 
 BITS = 160
+
+
+class MissingForm(Unsupported):
+    """A linear form with a primitive that the basis was not made for: ``form``."""
+
+    def __init__(self, form: Form) -> None:
+        super().__init__(f"no basis was made for the linear form {form}")
+        self.form = form
 
 
 def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, list[sp.Expr]]:
@@ -91,7 +100,12 @@ class LinearForms:
             self._pivots = [self.primitives[place] for place in _pivots(rows)]
 
     def image(self, translation: Translation, form: Form) -> sp.Expr:
-        """``form`` as a combination of the generators that stand for the basis."""
+        """``form`` as a combination of the generators that stand for the basis.
+
+        Raises `MissingForm` for a primitive that no form of the basis was gathered with.
+        """
+        if not form.keys() <= set(self.primitives):
+            raise MissingForm(form)
         parts = []
         for coefficient, basis_form in zip(self._coordinates(form), self.basis, strict=True):
             if coefficient != 0:

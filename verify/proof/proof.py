@@ -17,6 +17,7 @@ from .compilation import Compilation, compile_expressions, regular_point
 from .jets import EquationImage, coefficients
 from .lemmas import equal_by_lemmas
 from .problem import Problem, Stated, make_equality, make_problem
+from .signs import Signs
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
 
@@ -85,10 +86,9 @@ def _decide(problem: Problem, certify: bool) -> ProofVerdict:
     if witness is not None:
         return _refuted(problem, witness)
     known = coefficients(problem.left, problem.unknown)
+    signs, point = Signs(problem.domains), problem.points[0]
     try:
-        compiled = compile_expressions(
-            [problem.expression], known, problem.variables, problem.points[0]
-        )
+        compiled = compile_expressions([problem.expression], known, problem.variables, point, signs)
         image = EquationImage(compiled.field, problem.unknown, compiled.elements[0])
         residual = image.residual(problem.left)
     except (ValueError, ZeroDivisionError) as error:
@@ -107,11 +107,12 @@ def _decide_equal(
     witness = find_difference(problem.expression, problem.points, QUICK_BITS)
     if witness is not None:
         return _refuted(problem, witness)
+    signs, point = Signs(problem.domains), problem.points[0]
     try:
-        by_parts = equal_by_lemmas(left, right, variables, problem.points[0])
+        by_parts = equal_by_lemmas(left, right, variables, point, signs)
         if by_parts is not None:
             return _proved(problem, by_parts[0], certify=False, parts=by_parts[1])
-        compiled = compile_expressions([left, right], [], variables, problem.points[0])
+        compiled = compile_expressions([left, right], [], variables, point, signs)
         difference = compiled.elements[0] - compiled.elements[1]
     except (ValueError, ZeroDivisionError) as error:
         return _undecided(problem, str(error))

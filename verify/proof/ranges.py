@@ -91,9 +91,7 @@ class Range:
             ends = [(value**exponent) for value in (self.lower, self.upper)]
             return Range(ends[0], ends[1], self.lower_open, self.upper_open)
         size = self.absolute()
-        return Range(
-            size.lower**exponent, size.upper**exponent, size.lower_open, size.upper_open
-        )
+        return Range(size.lower**exponent, size.upper**exponent, size.lower_open, size.upper_open)
 
     def _sign_of_power(self, exponent: int) -> Range:
         if exponent % 2 == 0 or self.is_nonnegative:

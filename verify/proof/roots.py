@@ -1,7 +1,7 @@
 """Square roots that depend on each other: sqrt(6) = sqrt(2) sqrt(3), up to a sign.
 
-A square root whose square, times those of some others, is a square is no generator of its own: it
-is plus or minus a known element, and balls at a point tell which.
+A square root whose square, times those of some others, is a square is plus or minus a known
+element; where the domains tell which, it is no generator of its own.
 """
 
 from __future__ import annotations
@@ -9,13 +9,10 @@ from __future__ import annotations
 from collections import Counter
 
 import sympy as sp
-from flint import acb, ctx, fmpq
+from flint import fmpq
 
-from .balls import Point, ball_value
 from .fraction import Fraction
 from .generator import Unsupported
-
-BITS = 200
 
 Key = tuple[str, int]
 """An irreducible factor: a prime or -1, or the place of a polynomial in the ring's list."""
@@ -68,13 +65,3 @@ class RootTable:
         if not (halves * halves - quotient).is_zero:
             raise Unsupported("a product of square roots is no rational element")
         return halves
-
-
-def sign_at(left: sp.Expr, right: sp.Expr, point: Point) -> int:
-    """+1 or -1, whichever makes ``left`` that times ``right`` at ``point``, known to be one."""
-    with ctx.workprec(BITS):
-        ratio: acb = ball_value(left, point, BITS) / ball_value(right, point, BITS)
-        for sign in (1, -1):
-            if ratio.contains(sign) and not ratio.contains(-sign):
-                return sign
-    raise Unsupported(f"the sign of {left} is not clear at a point")

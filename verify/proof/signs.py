@@ -10,22 +10,37 @@ from collections.abc import Callable
 from fractions import Fraction
 
 import sympy as sp
-from sympy.polys.polyerrors import PolynomialError
 
 from solutions.special import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
 from solutions.special.function import JacobiFunction
+from verify.tree import distinct_nodes
 
 from .domain import Domain, Domains
 from .ranges import INFINITY, Number, Range
 
-FACTORABLE_TERMS = 12
-"""Longer sums are not factored to find their sign."""
+FACTORABLE_NODES = 40
+FACTORABLE_POWER = 8
+"""Polynomials with more subexpressions or higher powers are not factored."""
 
 REAL = Range()
 ZERO, ONE = Fraction(0), Fraction(1)
 POSITIVE = Range(ZERO, INFINITY, True)
 NONNEGATIVE = Range(ZERO, INFINITY)
 UNIT = Range(-ONE, ONE)
+
+
+def is_small_polynomial(expression: sp.Expr) -> bool:
+    """Whether ``expression`` is a polynomial in symbols, short enough to factor."""
+    if not expression.free_symbols:
+        return False
+    nodes = distinct_nodes(expression)
+    return len(nodes) <= FACTORABLE_NODES and all(map(_is_polynomial_node, nodes))
+
+
+def _is_polynomial_node(node: sp.Expr) -> bool:
+    if node.is_Pow:
+        return bool(node.exp.is_Integer and 0 < node.exp <= FACTORABLE_POWER)
+    return bool(node.is_Add or node.is_Mul or node.is_Symbol or node.is_Rational)
 
 
 class Signs:
@@ -123,31 +138,27 @@ class Signs:
             if inner is None:
                 return None
             total = total + inner
-        if total.excludes_zero or len(node.args) > FACTORABLE_TERMS:
+        if total.excludes_zero or not is_small_polynomial(node):
             return total
         return self._factored(node) or total
 
     def _factored(self, node: sp.Expr) -> Range | None:
         """The range of a polynomial's factors; that of a sum without real root in the domain."""
-        symbols = node.free_symbols
-        try:
-            polynomial = sp.Poly(node, *sorted(symbols, key=str), domain="QQ") if symbols else None
-        except PolynomialError:
-            return None
-        if polynomial is None:
-            return None
         factored = sp.factor(node)
         if not factored.is_Add and factored != node:
             return self.range(factored)
-        return self._without_root(polynomial) if len(symbols) == 1 else None
+        symbols = node.free_symbols
+        return self._without_root(node, symbols.pop()) if len(symbols) == 1 else None
 
-    def _without_root(self, polynomial: sp.Poly) -> Range | None:
-        (symbol,) = polynomial.gens
+    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> Range | None:
+        polynomial = sp.Poly(node, symbol, domain="QQ")
         found = self.range(symbol)
         if found is None:
             return None
         low, high = (_sympy(end) for end in (found.lower, found.upper))
-        inner = polynomial.count_roots(None if low == -sp.oo else low, None if high == sp.oo else high)
+        inner = polynomial.count_roots(
+            None if low == -sp.oo else low, None if high == sp.oo else high
+        )
         for end, is_open in ((low, found.lower_open), (high, found.upper_open)):
             if is_open and end.is_finite and polynomial.eval(end) == 0:
                 inner -= 1

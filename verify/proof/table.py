@@ -22,8 +22,15 @@ from solutions.special import (
 )
 
 from . import secondkind
-from .algebraic import conjugate, imaginary_unit, power, symbol
-from .elementary import arctangent, exponential, hyperbolic, logarithm, trigonometric
+from .algebraic import absolute, conjugate, imaginary_unit, power, sign, symbol
+from .elementary import (
+    base_of_logarithms,
+    exponential,
+    hyperbolic,
+    primitive,
+    primitive_of_the_real_line,
+    trigonometric,
+)
 from .elliptic import point
 from .kernels import HYPERBOLIC, TRIGONOMETRIC
 from .translation import Handler
@@ -50,17 +57,20 @@ TABLE: Mapping[type, Handler] = {
     sp.Dummy: symbol,
     type(sp.I): imaginary_unit,
     type(sp.pi): _constant_function,
+    type(sp.E): base_of_logarithms,
     sp.elliptic_k: _constant_function,
     sp.elliptic_e: _constant_function,
     sp.Pow: power,
+    sp.Abs: absolute,
+    sp.sign: sign,
     sp.conjugate: conjugate,
     sp.re: conjugate,
     sp.im: conjugate,
     sp.exp: exponential,
     **dict.fromkeys(HYPERBOLIC, hyperbolic),
     **dict.fromkeys(TRIGONOMETRIC, trigonometric),
-    sp.atan: arctangent,
-    sp.log: logarithm,
+    **dict.fromkeys((sp.log, sp.atan, sp.atanh), primitive),
+    **dict.fromkeys((sp.asin, sp.acos, sp.asinh, sp.acosh), primitive_of_the_real_line),
     jacobi_sn: _jacobi("sn"),
     jacobi_cn: _jacobi("cn"),
     jacobi_dn: _jacobi("dn"),

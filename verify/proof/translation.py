@@ -14,6 +14,10 @@ import sympy as sp
 from .generator import Generator, GeneratorList, Unsupported
 from .kernels import Kernels
 from .linear import LinearForms, split_linear
+from .rewriting import Rewriting
+
+NOT_ANALYTIC = (sp.Abs, sp.sign, sp.conjugate, sp.re, sp.im)
+"""Functions whose derivatives are made by rules of their own and not by SymPy."""
 
 Handler = Callable[["Translation", sp.Expr], sp.Expr]
 
@@ -26,11 +30,13 @@ class Translation:
         expressions: Iterable[sp.Expr],
         variables: Sequence[sp.Symbol],
         table: Mapping[type, Handler],
+        rewriting: Rewriting,
         forms: LinearForms | None = None,
     ) -> None:
         self.variables = tuple(variables)
         self.generators = GeneratorList()
         self.kernels = Kernels(expressions, self.variables)
+        self.rewriting = rewriting
         self.forms = forms
         self._table = table
         self._images: dict[sp.Expr, sp.Expr] = {}
@@ -47,8 +53,20 @@ class Translation:
 
     def derivatives(self, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
         """The images of the derivatives that are not 0, by variable."""
-        slopes = {v: sp.diff(expression, v) for v in self.variables}
+        if expression.has(*NOT_ANALYTIC):
+            return self.derivatives_of_image(self.image(expression))
+        slopes = {v: self.rewriting(sp.diff(expression, v)) for v in self.variables}
         return {v: self.image(slope) for v, slope in slopes.items() if slope != 0}
+
+    def derivatives_of_image(self, image: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+        """By the chain rule from the slopes of the generators in ``image``."""
+        totals = dict.fromkeys(self.variables, sp.S.Zero)
+        for generator in self.generators:
+            if image.has(generator.symbol):
+                partial = sp.diff(image, generator.symbol)
+                for variable, slope in generator.slopes.items():
+                    totals[variable] += partial * slope
+        return {v: total for v, total in totals.items() if total != 0}
 
     def primitive(self, name: str, meaning: sp.Expr) -> sp.Symbol:
         """The generator for ``meaning``; if it is new, its slopes are SymPy's derivatives."""
