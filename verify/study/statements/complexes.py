@@ -9,6 +9,7 @@ import sympy as sp
 
 from .equations import true_equality, true_equation
 from .formulas import constant, formula, phase, positive
+from .labels import with_counterexample
 from .near import shown_at
 from .record import Statement, Truth
 from .rewriting import rewritten
@@ -78,7 +79,7 @@ def conjugates(setting: Setting) -> Statement | None:
     return made if holds else replace(made, truth=Truth.FALSE, counterexample=point)
 
 
-def plane_wave(setting: Setting) -> Statement:
+def plane_wave(setting: Setting) -> Statement | None:
     """A linear equation with complex coefficients and its plane wave."""
     draw, unknown = setting.draw, setting.unknown
     v, w = draw.choice(setting.variables), setting.variables[-1]
@@ -93,6 +94,11 @@ def plane_wave(setting: Setting) -> Statement:
     made = true_equation("plane wave", setting, left, rewritten(solution, draw, 1))
     if holds:
         return made
-    term = (1 + sp.I) * constant(setting) * unknown / 10 ** draw.choice((0, 0, 40))
-    point = setting.point()
-    return replace(made, truth=Truth.FALSE, left=left + term, counterexample=point)
+    factor = (1 + sp.I) * constant(setting) / 10 ** draw.choice((0, 0, 40))
+    changed = replace(
+        made,
+        truth=Truth.FALSE,
+        left=left + factor * unknown,
+        change=factor * solution,
+    )
+    return with_counterexample(changed, draw)

@@ -62,19 +62,22 @@ def positive(setting: Setting) -> sp.Expr:
 def argument(setting: Setting, depth: int) -> sp.Expr:
     """What stands in a function: mostly a phase."""
     kind = setting.draw.random()
-    if kind < 0.75 or depth <= 0:
+    if kind < 0.75:
         return phase(setting)
-    return polynomial(setting) if kind < 0.9 else formula(setting, depth - 1)
+    return polynomial(setting) if kind < 0.9 or depth <= 0 else formula(setting, depth - 1)
 
 
 ENTIRE = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan)
+BOUNDED = (sp.sin, sp.cos, sp.atan)
 SINGULAR = (sp.tan, sp.cot, sp.sec, sp.csc, sp.coth, sp.csch)
 ELLIPTIC = (special.jacobi_sn, special.jacobi_cn, special.jacobi_dn)
 SECOND = (special.jacobi_zeta, special.jacobi_epsilon)
 
 
 def _entire(setting: Setting, depth: int) -> sp.Expr:
-    return setting.draw.choice(ENTIRE)(argument(setting, depth))
+    """No growing function of another: no precision would do to check its values."""
+    chosen = setting.draw.choice(ENTIRE)
+    return chosen(argument(setting, depth if chosen in BOUNDED else 0))
 
 
 def _singular(setting: Setting, depth: int) -> sp.Expr:

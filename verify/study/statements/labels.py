@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import sympy as sp
@@ -12,6 +13,7 @@ from .record import Point, Statement, Truth
 from .values import ValueMissing, Values, values_at
 
 POINTS = 6
+TRIES = 10
 DIGITS = (40, 240, 700)
 """A residual counts as clear if it is so at one of these; they suit changes by 10**-200."""
 
@@ -35,6 +37,18 @@ def fails_at(statement: Statement, point: Point) -> bool:
     if statement.change is not None:
         return _is_value(statement.change, point)
     return _has_residual(statement, point, DIGITS[1:])
+
+
+def with_counterexample(statement: Statement, draw: random.Random) -> Statement | None:
+    """A false statement with an admissible point that shows it; None if some tries find none."""
+    for _ in range(TRIES):
+        point = statement.point(draw)
+        try:
+            if fails_at(statement, point):
+                return replace(statement, counterexample=point)
+        except ValueMissing:
+            continue
+    return None
 
 
 def _has_residual(statement: Statement, point: Point, digits: Sequence[int]) -> bool:

@@ -14,7 +14,7 @@ Point = Mapping[sp.Symbol, sp.Rational]
 SPAN = 4
 """How far beyond the end of a half line, and beyond 0 on the whole line, numbers are drawn."""
 
-LARGEST_DENOMINATOR = 60
+LARGEST_DENOMINATOR = 200
 
 
 class Truth(enum.StrEnum):

@@ -141,9 +141,12 @@ def _root(node: sp.Expr, draw: random.Random) -> sp.Expr:
     return sp.exp(exponent * sp.log(base), evaluate=False)
 
 
-def _difference_of_squares(node: sp.Expr, _: random.Random) -> sp.Expr:
-    a, b = node.args[0], sp.Add(*node.args[1:])
-    return (a**2 - b**2) / (a - b) if a != b and node.count_ops() < LONGEST else node
+def _difference_of_squares(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    """The other factor is an odd number, which no sum here is minus everywhere."""
+    shift = sp.Rational(draw.choice((7, 11, 13)), 17)
+    if node.count_ops() > LONGEST or not node.free_symbols:
+        return node
+    return (node**2 - shift**2) / (node + shift) + shift
 
 
 def _over_a_sum(node: sp.Expr, _: random.Random) -> sp.Expr:

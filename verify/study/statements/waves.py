@@ -11,6 +11,7 @@ from solutions.closed_form import ClosedForm
 from solutions.symbols import tau, xi
 
 from .formulas import number
+from .labels import with_counterexample
 from .record import Range, Statement, Truth
 from .setting import Setting
 
@@ -40,7 +41,7 @@ def catalogue_form(setting: Setting) -> Statement | None:
         (*variables, *ranges),
         unknown=unknown,
     )
-    return made if holds else replace(made, counterexample=made.point(draw))
+    return made if holds else with_counterexample(made, draw)
 
 
 def _ranges(form: ClosedForm) -> list[Range] | None:
@@ -57,7 +58,7 @@ def _ranges(form: ClosedForm) -> list[Range] | None:
     return found
 
 
-def known_solution(setting: Setting) -> Statement:
+def known_solution(setting: Setting) -> Statement | None:
     """A textbook solution of a textbook equation, or the same with one number changed."""
     draw = setting.draw
     x, t = sp.symbols("x t", real=True)
@@ -81,7 +82,8 @@ def known_solution(setting: Setting) -> Statement:
     )
     if rate == 1:
         return made
-    return replace(made, truth=Truth.FALSE, counterexample=made.point(draw))
+    change = (rate - 1) * solution
+    return with_counterexample(replace(made, truth=Truth.FALSE, change=change), draw)
 
 
 def _textbook(
