@@ -10,7 +10,7 @@ from .proof import prove, prove_equal
 from .verdict import ProofVerdict
 
 
-def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
+def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
@@ -28,7 +28,6 @@ def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
         form.expression.xreplace(variables),
         name=form.name,
         domains=form_domains(form),
-        certify=certify,
     )
 
 

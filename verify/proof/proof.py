@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import sympy as sp
 
 from verify.terms import FieldEquation
 from verify.verdict import Outcome
 
-from .assumptions import assumptions
 from .balls import Point
-from .certificate import make_certificate
-from .compilation import Compilation, compile_expressions, regular_point
-from .jets import EquationImage, coefficients
-from .lemmas import equal_by_lemmas
+from .certificate import (
+    Data,
+    equality_certificate,
+    equation_certificate,
+    generator_count,
+    point_text,
+    regular_point,
+)
+from .checker import check_certificate
+from .lemmas import find_lemmas
 from .problem import Problem, Stated, make_equality, make_problem
 from .signs import Signs
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
 
-NO_REGULAR_POINT = "no point was found at which every denominator is shown not to vanish"
 
 
 def prove(
@@ -31,7 +35,6 @@ def prove(
     name: str = "expression",
     points: Sequence[Point] = (),
     domains: Stated | None = None,
-    certify: bool = False,
 ) -> ProofVerdict:
     """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
 
@@ -39,8 +42,8 @@ def prove(
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
     ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
-    points of the domains to look for a witness at, besides sampled ones.  With ``certify``, a
-    proof carries a certificate for `checker.check_certificate`.
+    points of the domains to look for a witness at, besides sampled ones.  PROVED means that
+    `checker.check_certificate` has accepted the certificate that the verdict carries.
 
     Raises ValueError for an equation without exactly one unknown function, for domains that are
     none and for points outside them.
@@ -55,7 +58,7 @@ def prove(
     """
     start = time.perf_counter()
     problem = make_problem(equation, expression, points, name, domains or {})
-    return _decide(problem, certify).timed(time.perf_counter() - start)
+    return _decide(problem).timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -81,24 +84,15 @@ def prove_equal(
     return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
 
 
-def _decide(problem: Problem, certify: bool) -> ProofVerdict:
+def _decide(problem: Problem) -> ProofVerdict:
     witness = find_witness(problem, QUICK_BITS)
     if witness is not None:
         return _refuted(problem, witness)
-    known = coefficients(problem.left, problem.unknown)
-    signs, point = Signs(problem.domains), problem.points[0]
     try:
-        compiled = compile_expressions([problem.expression], known, problem.variables, point, signs)
-        image = EquationImage(compiled.field, problem.unknown, compiled.elements[0])
-        residual = image.residual(problem.left)
-    except (ValueError, ZeroDivisionError) as error:
-        return _undecided(problem, str(error))
-    if residual.is_zero:
-        return _proved(problem, compiled, certify)
-    witness = find_witness(problem)
-    if witness is not None:
-        return _refuted(problem, witness)
-    return _undecided(problem, f"{len(residual.numerator)} terms are left of the numerator")
+        return proved(problem.equation_name, METHOD, equation_certificate(problem))
+    except ValueError as error:
+        witness = find_witness(problem)
+        return _refuted(problem, witness) if witness else _undecided(problem, str(error))
 
 
 def _decide_equal(
@@ -107,42 +101,44 @@ def _decide_equal(
     witness = find_difference(problem.expression, problem.points, QUICK_BITS)
     if witness is not None:
         return _refuted(problem, witness)
-    signs, point = Signs(problem.domains), problem.points[0]
-    try:
-        by_parts = equal_by_lemmas(left, right, variables, point, signs)
-        if by_parts is not None:
-            return _proved(problem, by_parts[0], certify=False, parts=by_parts[1])
-        compiled = compile_expressions([left, right], [], variables, point, signs)
-        difference = compiled.elements[0] - compiled.elements[1]
-    except (ValueError, ZeroDivisionError) as error:
-        return _undecided(problem, str(error))
-    if difference.is_zero:
-        return _proved(problem, compiled, certify=False)
+    reason = ""
+    for parts in _partitions(problem, left, right, variables):
+        try:
+            certificate = equality_certificate(problem, left, right, variables, parts)
+            return proved(problem.equation_name, METHOD, certificate)
+        except ValueError as error:
+            reason = str(error)
     witness = find_difference(problem.expression, problem.points)
-    if witness is not None:
-        return _refuted(problem, witness)
-    return _undecided(problem, f"{len(difference.numerator)} terms are left of the difference")
+    return _refuted(problem, witness) if witness else _undecided(problem, reason)
 
 
-def _proved(
-    problem: Problem,
-    compiled: Compilation,
-    certify: bool,
-    parts: Mapping[sp.Expr, sp.Expr] | None = None,
-) -> ProofVerdict:
-    point = regular_point(compiled.field, problem.points, parts)
-    if point is None:
-        return _undecided(problem, NO_REGULAR_POINT)
-    detail = f"numerator 0 in {len(compiled.field.generators)} generators, all parameters symbolic"
+def _partitions(
+    problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
+) -> Iterator[list[tuple[sp.Expr, sp.Expr]]]:
+    """Equal parts to prove first, and none."""
+    point = regular_point([left, right], problem.points)
+    lemmas = find_lemmas(left, right, variables, point, Signs(problem.domains))
+    if lemmas:
+        yield [(lemma.left, lemma.right) for lemma in lemmas]
+    yield []
+
+
+def proved(equation: str, method: str, certificate: Data) -> ProofVerdict:
+    """The verdict PROVED, if the checker accepts ``certificate``.
+
+    Raises CertificateError if it does not.
+    """
+    statement = check_certificate(certificate)
+    *_, reading = statement.splitlines()
     return ProofVerdict(
-        problem.name,
-        problem.equation_name,
-        METHOD,
+        certificate["name"],
+        equation,
+        method,
         Outcome.PROVED,
-        detail,
+        f"numerator 0 in {generator_count(certificate)} generators, accepted by the checker",
         residual=0.0,
-        assumptions=assumptions(compiled, point),
-        certificate=make_certificate(problem, compiled, point) if certify else None,
+        assumptions=(reading, f"no denominator vanishes identically: see {point_text(certificate)}"),
+        certificate=certificate,
     )
 
 
