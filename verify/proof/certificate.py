@@ -25,7 +25,9 @@ from solutions.special.function import JacobiFunction
 from verify.tree import distinct_nodes
 
 from .balls import BallEvaluator, Point, ball_value
-from .checker.check import FORMAT, FORMS, digest
+from .checker.check import FORMAT, FORMS, digest, registered
+from .checker.nodes import Nodes
+from .checker.statement import read_statement
 from .domain import Domains
 from .generator import Unsupported
 from .jet import Shape
@@ -36,6 +38,7 @@ from .linear import Form, linear_forms
 from .linear import _pivots as pivot_columns
 from .compilation import _with_one_integral as with_one_integral
 from .problem import Problem
+from .radicals import Radicals
 from .rewriting import Rewriting
 from .signs import Signs
 from .tree import NodeTable
@@ -61,7 +64,8 @@ def equation_certificate(problem: Problem) -> Data:
     expressions = [problem.expression, *known]
     plan = Plan(table, expressions, problem.variables, _simpler(problem, expressions))
     point = regular_point(expressions, problem.points)
-    return signed(problem.name, table, statement, plan.proof(point))
+    proof = with_radicals(table, statement, plan.proof(point))
+    return signed(problem.name, table, statement, proof)
 
 
 def equality_certificate(
@@ -88,8 +92,39 @@ def equality_certificate(
     plan = Plan(table, [left, right], variables, values, moving=False)
     for own, other in parts:
         proof = Plan(table, [own, other], variables, values, moving=False).proof(point)
+        proof = with_radicals(table, statement, proof)
         plan.equal_part(own, other, proof)
-    return signed(problem.name, table, statement, plan.proof(point))
+    return signed(problem.name, table, statement, with_radicals(table, statement, plan.proof(point)))
+
+
+def with_radicals(table: NodeTable, statement: Data, proof: Data) -> Data:
+    """The proof with each square root that depends on earlier ones named, not a generator."""
+    roots = {
+        entry[1]
+        for entry in proof["generators"]
+        if entry[0] == "atom" and table.nodes[entry[1]][0] == "Pow"
+        and table.nodes[entry[1]][2] == "1/2"
+    }
+    if not roots:
+        return proof
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    radicals = Radicals(field, table, {node: place for place, node in enumerate(nodes.places)})
+    dependent: dict[int, int] = {}
+    for entry in proof["generators"]:
+        if entry[0] == "atom" and entry[1] in roots:
+            value = radicals.value(nodes.places[entry[1]])
+            if value is not None and _is_not_negative(table, statement, proof, value):
+                dependent[entry[1]] = value
+    kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
+    values = [*proof["values"], *([root, value] for root, value in dependent.items())]
+    return {**proof, "generators": kept, "values": values}
+
+
+def _is_not_negative(table: NodeTable, statement: Data, proof: Data, value: int) -> bool:
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    return field.signs.not_negative(nodes.places[value])
 
 
 def regular_point(expressions: Sequence[sp.Expr], points: Sequence[Point]) -> Point:
@@ -207,7 +242,10 @@ class Plan:
         if node in self._done:
             return
         self._done.add(node)
-        if node in self._values:
+        if node in self._values and isinstance(node, sp.log):
+            self._logarithm(node, self._values[node])
+            return
+        if node in self._values and not isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign):
             self._hints["values"][self.table.place(node)] = self.table.place(self._values[node])
             self.need(self._values[node])
             return
@@ -318,6 +356,19 @@ class Plan:
             self.need(sp.Abs(z))
         else:
             raise Unsupported(f"no generator is known for {node.func.__name__}")
+
+    def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
+        """log of a product as a sum of logarithms, and of exponentials' arguments."""
+        self.need(node.args[0])
+        found = []
+        for term in sp.Add.make_args(value):
+            q, rest = term.as_coeff_Mul(rational=True)
+            factor = rest.args[0] if isinstance(rest, sp.log) else sp.exp(term)
+            q = q if isinstance(rest, sp.log) else sp.S.One
+            self.need(rest)
+            self.need(sp.Pow(factor, q))
+            found.append([str(q), self.table.place(factor)])
+        self._hints["logs"][self.table.place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = without_logarithms(z)

@@ -22,7 +22,6 @@ from .certificate import (
 from .checker import check_certificate
 from .lemmas import find_lemmas
 from .problem import Problem, Stated, make_equality, make_problem
-from .signs import Signs
 from .verdict import METHOD, ProofVerdict
 from .witness import QUICK_BITS, Witness, find_difference, find_witness
 
@@ -117,9 +116,9 @@ def _partitions(
 ) -> Iterator[list[tuple[sp.Expr, sp.Expr]]]:
     """Equal parts to prove first, and none."""
     point = regular_point([left, right], problem.points)
-    lemmas = find_lemmas(left, right, variables, point, Signs(problem.domains))
+    lemmas = find_lemmas(left, right, variables, point)
     if lemmas:
-        yield [(lemma.left, lemma.right) for lemma in lemmas]
+        yield lemmas
     yield []
 
 

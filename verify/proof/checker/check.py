@@ -64,6 +64,21 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
     Raises CertificateError if they do not, if the point of the proof is outside the domain or a
     denominator is not shown to be other than 0 there.  A part is an equality used in a proof.
     """
+    field = registered(nodes, statement, proof, part)
+    field.walk(statement.roots)
+    residual = Residual(field, statement)
+    for terms in statement.equations:
+        if not residual.vanishes(terms):
+            raise CertificateError("the numerator of the residual is not 0")
+    point = {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
+    _check_point(field, statement, point)
+    return field
+
+
+def registered(
+    nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bool = False
+) -> Field:
+    """The field of a proof with its generators."""
     hints = Hints(
         sums={nodes.place(z): _sum(nodes, terms) for z, terms in _pairs(proof["sums"])},
         values={nodes.place(f): nodes.place(value) for f, value in _pairs(proof["values"])},
@@ -78,13 +93,6 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:
         _register(field, nodes, entry, parts, statement)
-    field.walk(statement.roots)
-    residual = Residual(field, statement)
-    for terms in statement.equations:
-        if not residual.vanishes(terms):
-            raise CertificateError("the numerator of the residual is not 0")
-    point = {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
-    _check_point(field, statement, point)
     return field
 
 

@@ -95,7 +95,15 @@ class Field:
     # Generators.
 
     def register(self, node: int) -> None:
-        """The next generator stands for ``node``, a function or a symbol."""
+        """The next generator stands for ``node``, a function or a symbol.
+
+        It is not used where another one stands for the same function of equal arguments.
+        """
+        known = self._known(node)
+        if known is not None and node not in self._images:
+            self.generators.append(Generator(node))
+            self._images[node] = known
+            return
         match self.nodes.all[node]:
             case ("symbol", *_) if node in self._circles:
                 self._algebraic(node, 2, self.one - self.image(self._circles[node]) ** 2)
@@ -280,10 +288,16 @@ class Field:
         raise CertificateError("a node has no image")
 
     def _sum(self, parts: list[Element]) -> Element:
-        total = parts[0]
-        for part in parts[1:]:
-            total = total + part
-        return total
+        """The sum; polynomials are added first."""
+        whole = self.zero.numerator
+        for part in parts:
+            if not part.powers:
+                whole += part.numerator
+        result = Element(self.ring, whole)
+        for part in parts:
+            if part.powers:
+                result = result + part
+        return result
 
     def _product(self, parts: list[Element]) -> Element:
         total = parts[0]
@@ -294,11 +308,11 @@ class Field:
     def _polynomial(
         self, terms: Sequence[tuple[fmpq, tuple[int, ...]]], values: list[Element]
     ) -> Element:
-        total = self.zero
+        parts = []
         for coefficient, exponents in terms:
             powers = (v**n for v, n in zip(values, exponents, strict=True) if n)
-            total = total + self._product([self.ring.number(coefficient), *powers])
-        return total
+            parts.append(self._product([self.ring.number(coefficient), *powers]))
+        return self._sum(parts)
 
     def _power(self, node: int, base: int, p: int, q: int) -> Element:
         if q != 1:
@@ -310,11 +324,24 @@ class Field:
             return self._squared(inner[1]) ** (p // 2)
         return self.image(base) ** p
 
-    def _root(self, node: int, base: int, q: int) -> Element:
-        for atom in self._atoms.get("Pow", []):
-            _, other, exponent = self.nodes.all[atom]
-            if exponent.q == q and self.equal(base, other):
+    def _known(self, node: int) -> Element | None:
+        """The image of the same function of equal arguments, if that is a generator."""
+        name, *arguments = self.nodes.all[node]
+        if not arguments or name == "symbol":
+            return None
+        for atom in self._atoms.get(name, []):
+            others = self.nodes.all[atom][1:]
+            if name == "Pow" and arguments[1] != others[1]:
+                continue
+            inner = zip(children(self.nodes.all[node]), children(self.nodes.all[atom]), strict=True)
+            if all(self.equal(a, b) for a, b in inner):
                 return self._images[atom]
+        return None
+
+    def _root(self, node: int, base: int, q: int) -> Element:
+        known = self._known(node)
+        if known is not None:
+            return known
         value = self._hinted(node, self.hints.values)
         if not (self.image(value) ** q - self.image(base)).is_zero:
             raise CertificateError(f"the power {q} of what a root is said to be is not its radicand")
@@ -323,9 +350,6 @@ class Field:
         return self.image(value)
 
     def _absolute(self, node: int, inner: int) -> Element:
-        for atom in self._atoms.get("Abs", []):
-            if self.equal(inner, self.nodes.all[atom][1]):
-                return self._images[atom]
         value = self._hinted(node, self.hints.values)
         if not (self.image(value) ** 2 - self._squared(inner)).is_zero:
             raise CertificateError("what an absolute value is said to be has another square")
@@ -345,10 +369,9 @@ class Field:
         return hints[node]
 
     def _function(self, node: int, name: str, arguments: Sequence[int]) -> Element:
-        for atom in self._atoms.get(name, []):
-            others = self.nodes.all[atom][1:]
-            if all(self.equal(a, b) for a, b in zip(arguments, others, strict=True)):
-                return self._images[atom]
+        known = self._known(node)
+        if known is not None:
+            return known
         first = arguments[0]
         if name in axioms.HYPERBOLIC:
             return axioms.HYPERBOLIC[name](self._made("exp", first), self.one)

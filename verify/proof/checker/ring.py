@@ -159,6 +159,9 @@ class Element:
 
     def __pow__(self, exponent: int) -> Element:
         base = self if exponent >= 0 else self.inverse()
+        if len(base.numerator) == 1 and not base.powers and not self.ring.relations:
+            within("degrees", int(base.numerator.total_degree()) * abs(exponent), DEGREE)
+            return Element(self.ring, base.numerator ** abs(exponent))
         result = self.ring.number(1)
         for _ in range(abs(exponent)):
             result = result * base
