@@ -8,8 +8,8 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 """
 
 from .bilinear import prove_bilinear
-from .checker import CertificateError, check_certificate
-from .closed_forms import prove_form, prove_stable
+from .checker import CertificateError
+from .closed_forms import check_certificate, prove_form, prove_stable
 from .domain import Domain, form_domains
 from .facts import RationalFacts, rational_facts
 from .proof import prove, prove_equal

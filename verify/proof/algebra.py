@@ -111,7 +111,7 @@ class DifferentialField:
         powers = {i: -(-power // generator.degree) for i, power in value.powers.items()}
         scale = Fraction(self.ring, self.ring.constant(1), powers)
         whole = value * scale.inverse() ** generator.degree
-        meaning = generator.meaning * self._written(scale.denominator())
+        meaning = generator.meaning * self.written(scale.denominator())
         self.ring.relate(place, generator.degree, whole.numerator)
         self._symbols[generator.symbol] = self._symbols[generator.symbol] * scale
         self._scales[generator.symbol] = scale
@@ -147,9 +147,10 @@ class DifferentialField:
 
     def _meaning(self, element: Fraction) -> sp.Expr:
         """An element in the variables and parameters of the formula."""
-        return self._written(element.numerator) / self._written(element.denominator())
+        return self.written(element.numerator) / self.written(element.denominator())
 
-    def _written(self, polynomial: fmpq_mpoly) -> sp.Expr:
+    def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
+        """A polynomial in the generators as a formula in the variables and parameters."""
         meanings = [generator.meaning for generator in self.generators[::-1]]
         terms = []
         for exponents, coefficient in polynomial.terms():

@@ -28,6 +28,7 @@ from .balls import BallEvaluator, Point, ball_value
 from .checker.check import FORMAT, FORMS, digest, registered
 from .checker.nodes import Nodes
 from .checker.statement import read_statement
+from .compilation import _with_one_integral as with_one_integral
 from .domain import Domains
 from .generator import Unsupported
 from .jet import Shape
@@ -36,7 +37,6 @@ from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
 from .lattice import ArgumentLattice, without_logarithms
 from .linear import Form, linear_forms
 from .linear import _pivots as pivot_columns
-from .compilation import _with_one_integral as with_one_integral
 from .problem import Problem
 from .radicals import Radicals
 from .rewriting import Rewriting
@@ -94,7 +94,9 @@ def equality_certificate(
         proof = Plan(table, [own, other], variables, values, moving=False).proof(point)
         proof = with_radicals(table, statement, proof)
         plan.equal_part(own, other, proof)
-    return signed(problem.name, table, statement, with_radicals(table, statement, plan.proof(point)))
+    return signed(
+        problem.name, table, statement, with_radicals(table, statement, plan.proof(point))
+    )
 
 
 def with_radicals(table: NodeTable, statement: Data, proof: Data) -> Data:
@@ -102,7 +104,8 @@ def with_radicals(table: NodeTable, statement: Data, proof: Data) -> Data:
     roots = {
         entry[1]
         for entry in proof["generators"]
-        if entry[0] == "atom" and table.nodes[entry[1]][0] == "Pow"
+        if entry[0] == "atom"
+        and table.nodes[entry[1]][0] == "Pow"
         and table.nodes[entry[1]][2] == "1/2"
     }
     if not roots:

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from solutions.closed_form import ClosedForm
+import time
+from collections.abc import Iterator
+from typing import Any
 
+from solutions.catalogue import CATALOGUE, closed_form
+from solutions.closed_form import ClosedForm
+from solutions.rational import rational_tau
+
+from .certificate import Data, equality_certificate, equation_certificate
+from .checker import CertificateError, same_statement
+from .checker import check_certificate as check_content
 from .domain import form_domains
 from .lab import LabEquation, lab_frame
-from .proof import prove, prove_equal
+from .problem import Problem, make_equality, make_problem
+from .proof import decide, prove_equal
+from .rational_orders import rational_certificate
 from .verdict import ProofVerdict
 
 
@@ -20,15 +31,16 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
+    start = time.perf_counter()
+    return decide(lab_problem(form)).timed(time.perf_counter() - start)
+
+
+def lab_problem(form: ClosedForm) -> Problem:
+    """The statement that ``form`` solves the equation in the lab variables."""
     frame = lab_frame(form.equation.s)
-    equation = LabEquation(frame)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
-    return prove(
-        equation,
-        form.expression.xreplace(variables),
-        name=form.name,
-        domains=form_domains(form),
-    )
+    expression = form.expression.xreplace(variables)
+    return make_problem(LabEquation(frame), expression, (), form.name, form_domains(form))
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -46,3 +58,36 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
         equation_name="stable form = canonical form",
         domains=form_domains(form),
     )
+
+
+def check_certificate(data: Any) -> str:
+    """Repeat the proof in ``data`` and return its statement in words.
+
+    Raises CertificateError if the proof fails, or if it has the name of a closed form and states
+    something else.
+    """
+    statement = check_content(data)
+    name = data["name"]
+    try:
+        form = closed_form(name)
+    except ValueError:
+        return statement
+    if not any(same_statement(data, other) for other in _named(form)):
+        raise CertificateError(f"{name} is a closed form of the catalogue, and not the one stated")
+    return statement
+
+
+def _named(form: ClosedForm) -> Iterator[Data]:
+    """What a certificate with the name of ``form`` may state."""
+    family = form.name.removeprefix("rational_")
+    if family.isdigit() and form not in CATALOGUE:
+        tau = rational_tau(int(family))
+        yield rational_certificate(int(family), tau.A, tau.B)
+    yield equation_certificate(lab_problem(form))
+    domains, variables = form_domains(form), (form.equation.xi, form.equation.tau)
+    own = make_problem(form.equation, form.expression, (), form.name, domains)
+    yield equation_certificate(own)
+    names = (form.name, "stable form = canonical form")
+    equality = make_equality(form.expression, form.stable, (), names, domains)
+    yield equality_certificate(equality, form.expression, form.stable, variables)
+

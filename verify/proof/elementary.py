@@ -75,7 +75,7 @@ def base_of_logarithms(translation: Translation, expression: sp.Expr) -> sp.Expr
 
 
 def primitive(translation: Translation, expression: sp.Expr) -> sp.Expr:
-    """A function whose derivative is that of SymPy off its cuts, such as f'/(1 + f**2) of atan f."""
+    """A function with SymPy's derivative off its cuts, such as f'/(1 + f**2) of atan f."""
     return translation.primitive(expression.func.__name__, expression)
 
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from solutions.special import jacobi_cn, jacobi_dn, jacobi_sn
 
-from .generator import Generator
+from .generator import Generator, Unsupported
 
 if TYPE_CHECKING:
     from .translation import Translation
@@ -65,10 +65,17 @@ def base_point(translation: Translation, argument: sp.Expr, m: sp.Expr) -> Point
     """
     parameter = translation.image(m)
     if argument == sp.elliptic_k(m):
+        check_parameter(translation, argument, m)
         return Point(parameter, sp.S.One, sp.S.Zero, translation.image(sp.sqrt(1 - m)))
     modulus = translation.image(sp.sqrt(m))
     S, C, D = _generators(translation, argument, m, modulus, parameter)
     return Point(parameter, S / modulus, C / modulus, D)
+
+
+def check_parameter(translation: Translation, expression: sp.Expr, m: sp.Expr) -> None:
+    """Raise Unsupported unless m < 1 is shown: above, sqrt(1 - m) and K may belong to two branches."""
+    if not translation.rewriting.signs.is_positive(1 - m):
+        raise Unsupported(f"{m} is not shown to be below 1 on the domain, which {expression} needs")
 
 
 def _generators(

@@ -17,6 +17,9 @@ from .samples import sample
 POINTS = 8
 """Points at which a formula is looked at before anything is proved."""
 
+MORE_POINTS = 40
+"""Further points at which a formula is looked at that could not be proved."""
+
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 
@@ -63,10 +66,24 @@ def make_problem(
             f"equation must contain one unknown function, got {len(unknowns)} "
             "(write it with sympy.Function('u')(x, t))"
         )
-    (unknown,) = unknowns
+    real = real_symbols(left.free_symbols | expression.free_symbols)
+    left, expression = left.xreplace(real), expression.xreplace(real)
+    (unknown,) = left.atoms(AppliedUndef)
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)
+
+
+def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
+    """Real symbols in place of those of which SymPy knows nothing.
+
+    Raises ValueError as `domain.settled_domains` does.
+    """
+    return {
+        symbol: sp.Symbol(symbol.name, real=True)
+        for symbol in settled_domains(symbols, {})
+        if symbol.is_real is None
+    }
 
 
 def make_equality(
@@ -88,7 +105,11 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
     Raises ValueError for an added point outside the domains.
     """
     found = sample(domains, POINTS)
-    extra = [{**found[0], **{s: v for s, v in point.items() if s in domains}} for point in added]
+    by_name = {symbol.name: symbol for symbol in domains}
+    extra = [
+        found[0] | {by_name[s.name]: sp.Rational(v) for s, v in p.items() if s.name in by_name}
+        for p in added
+    ]
     for point in extra:
         for symbol, value in point.items():
             if not domains[symbol].contains(value, point):
@@ -97,3 +118,8 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
                     f"({domains[symbol].text(symbol)})"
                 )
     return (*found, *extra)
+
+
+def more_points(problem: Problem) -> tuple[Point, ...]:
+    """Further points of a problem's domains, of all sizes and near the ends."""
+    return sample(problem.domains, POINTS + MORE_POINTS)[POINTS:]

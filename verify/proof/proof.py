@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import sympy as sp
 
@@ -21,10 +22,11 @@ from .certificate import (
 )
 from .checker import check_certificate
 from .lemmas import find_lemmas
-from .problem import Problem, Stated, make_equality, make_problem
+from .jets import coefficients
+from .problem import Problem, Stated, make_equality, make_problem, more_points, real_symbols
+from .singularities import singularities
 from .verdict import METHOD, ProofVerdict
-from .witness import QUICK_BITS, Witness, find_difference, find_witness
-
+from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
 
 
 def prove(
@@ -57,7 +59,7 @@ def prove(
     """
     start = time.perf_counter()
     problem = make_problem(equation, expression, points, name, domains or {})
-    return _decide(problem).timed(time.perf_counter() - start)
+    return decide(problem).timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -79,25 +81,53 @@ def prove_equal(
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
+    real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
+    left, right = left.xreplace(real), right.xreplace(real)
+    variables = [real.get(variable, variable) for variable in variables]
     problem = make_equality(left, right, points, (name, equation_name), domains or {})
-    return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
+    verdict = _decide_equal(problem, left, right, variables)
+    verdict = _with_singularities(verdict, [left, right], problem)
+    return verdict.timed(time.perf_counter() - start)
+
+
+def decide(problem: Problem) -> ProofVerdict:
+    """The verdict on a problem; PROVED only if the checker accepts its certificate."""
+    found = [problem.expression, *coefficients(problem.left, problem.unknown)]
+    return _with_singularities(_decide(problem), found, problem)
+
+
+def _with_singularities(
+    verdict: ProofVerdict, expressions: Sequence[sp.Expr], problem: Problem
+) -> ProofVerdict:
+    """A proof with what it does not speak of: where ``expressions`` may fail to be smooth."""
+    if verdict.outcome is not Outcome.PROVED:
+        return verdict
+    found = singularities(expressions, problem.domains)
+    lines = tuple(f"holds where the formula is smooth, possibly not so: {line}" for line in found)
+    return replace(verdict, singularities=found, assumptions=(*verdict.assumptions, *lines))
+
+
+def _first_look(problem: Problem) -> Witness | None:
+    """A witness that costs less than a proof: all points coarsely, one to many digits."""
+    found = find_witness(problem, problem.points, QUICK_BITS)
+    return found or find_witness(problem, problem.points[:1], LONG_BITS)
 
 
 def _decide(problem: Problem) -> ProofVerdict:
-    witness = find_witness(problem, QUICK_BITS)
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
     try:
         return proved(problem.equation_name, METHOD, equation_certificate(problem))
     except ValueError as error:
-        witness = find_witness(problem)
+        witness = find_witness(problem, [*problem.points, *more_points(problem)])
         return _refuted(problem, witness) if witness else _undecided(problem, str(error))
 
 
 def _decide_equal(
     problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
 ) -> ProofVerdict:
-    witness = find_difference(problem.expression, problem.points, QUICK_BITS)
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
     reason = ""
@@ -107,7 +137,7 @@ def _decide_equal(
             return proved(problem.equation_name, METHOD, certificate)
         except ValueError as error:
             reason = str(error)
-    witness = find_difference(problem.expression, problem.points)
+    witness = find_witness(problem, [*problem.points, *more_points(problem)])
     return _refuted(problem, witness) if witness else _undecided(problem, reason)
 
 
@@ -136,7 +166,10 @@ def proved(equation: str, method: str, certificate: Data) -> ProofVerdict:
         Outcome.PROVED,
         f"numerator 0 in {generator_count(certificate)} generators, accepted by the checker",
         residual=0.0,
-        assumptions=(reading, f"no denominator vanishes identically: see {point_text(certificate)}"),
+        assumptions=(
+            reading,
+            f"no denominator vanishes identically: see {point_text(certificate)}",
+        ),
         certificate=certificate,
     )
 

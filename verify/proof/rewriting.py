@@ -69,7 +69,7 @@ class Rewriting:
         return None if value == node else value
 
     def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
-        factors = self._factors(base, int(exponent.q))
+        factors = self._factors(base, 2)
         if len(factors) > 1:
             outside, inside = self._known_factors(factors)
             if not outside or (len(outside) == 1 and inside == 1):
@@ -162,7 +162,7 @@ class Rewriting:
 
 
 def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:
-    """``node`` with other arguments; SymPy would ask for the signs of all parts of a sum's power."""
+    """``node`` with other arguments; of a sum's power SymPy would ask for all signs."""
     plain = node.is_Pow and arguments[0].is_Add and not arguments[0].is_number
     return node.func(*arguments, evaluate=False) if plain else node.func(*arguments)
 

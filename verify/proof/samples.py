@@ -11,8 +11,8 @@ import sympy as sp
 from .balls import Point
 from .domain import Domain, Domains, in_order
 
-DENOMINATOR = 1009
-"""A prime, so that no drawn value is a common fraction."""
+DENOMINATORS = (1009, 2147483647, 65537, 1009)
+"""Primes, so that no drawn value is a common fraction, and no one multiple of all is whole."""
 
 SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 """Scales of what is drawn from a domain without end; most are moderate, where balls stay narrow."""
@@ -67,7 +67,8 @@ def _value(
 ) -> sp.Rational:
     """A value of the domain: a share of a bounded one, a length from the end of another."""
     lower, upper = (_rational(end) for end in domain.ends(known))
-    share = sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
+    prime = draw.choice(DENOMINATORS)
+    share = sp.Rational(draw.randint(1, prime - 1), prime)
     if lower is None:
         value = size * share if upper is None else upper - _length(-upper, size) * share
     elif upper is None:

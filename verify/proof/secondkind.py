@@ -8,7 +8,7 @@ import sympy as sp
 
 from solutions.special import jacobi_sn, jacobi_theta, jacobi_zeta
 
-from .elliptic import point
+from .elliptic import check_parameter, point
 from .generator import Unsupported
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def _generator(translation: Translation, kind: type, argument: sp.Expr, m: sp.Ex
     if argument.could_extract_minus_sign():
         return -_generator(translation, kind, -argument, m)
     if argument == sp.elliptic_k(m):
+        check_parameter(translation, argument, m)
         return sp.S.Zero if kind is jacobi_zeta else translation.image(sp.elliptic_e(m))
     meaning = kind(argument, m)
     return translation.primitive(kind.__name__.removeprefix("jacobi_"), meaning)
@@ -85,6 +86,11 @@ def _quotient_behind(translation: Translation, u: sp.Expr, d: sp.Expr, m: sp.Exp
 def eta(translation: Translation, expression: sp.Expr) -> sp.Expr:
     """H = sqrt(k) sn Theta."""
     argument, m = expression.args
+    check_parameter(translation, expression, m)
+    if not translation.rewriting.signs.is_nonnegative(m):
+        raise Unsupported(
+            f"{m} is not shown to be positive on the domain, which {expression} needs"
+        )
     root = translation.image(sp.sqrt(sp.sqrt(m)))
     sine = point(translation, argument, m).sn
     return root * sine * theta(translation, jacobi_theta(argument, m))

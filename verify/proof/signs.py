@@ -78,9 +78,8 @@ class Signs:
 
     def is_nonzero(self, expression: sp.Expr) -> bool:
         """Whether ``expression``, real or not, is shown to be nowhere 0."""
-        if expression.is_Symbol and expression in self._domains:
-            if self._domains[expression].nonzero:
-                return True
+        if expression in self._domains and self._domains[expression].nonzero:
+            return True
         if expression.is_Mul:
             return all(map(self.is_nonzero, expression.args))
         if expression.is_Pow and expression.exp.is_Rational:

@@ -6,9 +6,11 @@ arguments, which stand earlier in the table.  Equal subexpressions share one nod
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
+from flint import fmpq_mpoly
 
 from solutions import special
 
@@ -73,3 +75,8 @@ class NodeTable:
                 f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
             )
         return [name, *map(self.place, expression.args)]
+
+    def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
+        """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
+        terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
+        return self.made("poly", terms, *places)

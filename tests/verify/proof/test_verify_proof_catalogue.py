@@ -12,6 +12,7 @@ from solutions.special.mp import mp_module
 from solutions.straight_line import StraightLine
 from verify.proof import check_certificate, form_domains, prove, prove_form, prove_stable
 from verify.proof.compilation import compile_expressions, generator_balls, polynomial_ball
+from verify.proof.signs import Signs
 from verify.sampling import Point, sample_points
 from verify.verdict import Outcome
 
@@ -40,7 +41,9 @@ def test_every_form_is_proved_in_lab_variables_with_symbolic_constants(form: Clo
 def test_the_image_is_the_expression_to_fifty_digits(form: ClosedForm) -> None:
     (point,) = sample_points(form, 1, 5)
     variables = (form.equation.xi, form.equation.tau)
-    compiled = compile_expressions([form.expression], [], variables, point)
+    compiled = compile_expressions(
+        [form.expression], [], variables, point, Signs(form_domains(form))
+    )
     with ctx.workprec(400):
         values = generator_balls(compiled.field, point)
         image = polynomial_ball(compiled.elements[0].numerator, values)

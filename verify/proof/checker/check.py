@@ -11,7 +11,7 @@ from flint import fmpq
 
 from .field import Field, Form, Hints, Sum
 from .identity import Residual
-from .limits import GENERATORS, NODES, CertificateError, within
+from .limits import GENERATORS, NAME, NODES, CertificateError, within
 from .nodes import Nodes, listed, number
 from .points import Balls, excludes_zero
 from .statement import Statement, read_statement, statement_text
@@ -45,11 +45,25 @@ def check_certificate(data: object) -> str:
         raise CertificateError(f"the certificate cannot be read: {reason}") from error
 
 
+def same_statement(data: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Whether two certificates that can be read state the same, node for node."""
+    nodes = Nodes(data["nodes"])
+    own = read_statement(nodes, data["statement"]).content()
+    try:
+        nodes.read(other["nodes"])
+        return own == read_statement(nodes, other["statement"]).content()
+    except CertificateError:
+        return False
+
+
 def _check(data: object) -> str:
     if not isinstance(data, Mapping):
         raise CertificateError(f"a certificate is an object, got {type(data).__name__}")
     if data["format"] != FORMAT:
         raise CertificateError(f"format must be {FORMAT!r}, got {ascii(data['format'])[:60]}")
+    name = data["name"]
+    if not isinstance(name, str) or len(name) > NAME or not name.isprintable():
+        raise CertificateError("the name must be a short printable text")
     if digest(data) != data["digest"]:
         raise CertificateError("the digest does not match the content")
     nodes = Nodes(data["nodes"])

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .field import Field
+from .quotients import Quotient, constant_rates
 from .ring import Derivation, Element, total
 from .statement import Jet, Statement, Term
+
+LONG = 20
+"""Terms of a numerator from which a quotient in two generators is evaluated, not multiplied out."""
 
 
 class Residual:
@@ -19,8 +23,24 @@ class Residual:
 
     def vanishes(self, terms: Sequence[Term]) -> bool:
         """Whether the numerator of an equation reduces to 0."""
+        quick = self._at_enough_values(terms)
+        if quick is not None:
+            return quick
         parts = [self._term(term) for term in terms]
         return total(self._field.ring, parts).is_zero
+
+    def _at_enough_values(self, terms: Sequence[Term]) -> bool | None:
+        """The answer for a long quotient of polynomials in two generators; None for any other."""
+        field = self._field
+        if field.ring.relations or len(field.generators) != 2 or len(self._statement.formulas) > 1:
+            return None
+        image = field.image(self._statement.formulas[0])
+        if len(image.numerator) < LONG or any(known for _, known, _ in terms):
+            return None
+        t, x = sorted(range(2), key=lambda place: image.numerator.degrees()[1 - place])
+        slopes = [(field.slope(x, v), field.slope(t, v)) for v in self._statement.variables]
+        rates = constant_rates(slopes)
+        return None if rates is None else Quotient(image, x, t).vanishes(terms, rates)
 
     def _term(self, term: Term) -> Element:
         value, known, jets = term

@@ -78,6 +78,11 @@ class Nodes:
         self.depth: list[int] = []
         self._known: dict[Node, int] = {}
         self.places: list[int] = []
+        self.read(table)
+
+    def read(self, table: object) -> None:
+        """Make ``table`` the one that `place` reads from; equal nodes of both are one."""
+        self.places = []
         for entry in listed(table, NODES, "nodes"):
             self.places.append(self._read(entry))
         symbols = [node[1] for node in self.all if node[0] == "symbol"]

@@ -188,8 +188,13 @@ class _Writer:
         uses = Counter(c for node in nodes.below(roots) for c in set(children(nodes.all[node])))
         uses.update(roots)
         for node in nodes.below(roots):
+            if nodes.all[node][0] == "poly":
+                uses.update(dict.fromkeys(nodes.all[node][2:], LONG))
+        for node in nodes.below(roots):
             text = self._text(node)
-            if (uses[node] > 1 and len(text) > LONG) or len(text) > 100 * LONG:
+            if uses[node] > 1 < len(text) - 8 and uses[node] * len(text) > 2 * LONG or (
+                len(text) > 100 * LONG
+            ):
                 name = f"f{len(self.named) + 1}"
                 while name in taken:
                     name += "_"
