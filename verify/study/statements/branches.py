@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -110,6 +110,26 @@ INTERVALS = {
 """Two sides, and the ends between which they are equal (a little within, where they are
 irrational)."""
 
+SLIVERS: tuple[
+    tuple[Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]], sp.Rational | None, sp.Rational | None], ...
+] = (
+    (lambda s: (sp.sqrt(sp.expand(s**2)), s), sp.S.Zero, None),
+    (lambda s: (sp.Abs(s) * (1 + s**2), s * (1 + s**2)), sp.S.Zero, None),
+    (lambda s: (sp.sqrt(sp.expand((1 - s) ** 2)), 1 - s), None, sp.S.One),
+    (lambda s: (sp.sqrt(sp.expand((1 - s**2) ** 2)), 1 - s**2), -sp.S.One, sp.S.One),
+    (lambda s: (sp.log(sp.expand((s - 2) ** 2)) / 2, sp.log(s - 2)), sp.Integer(2), None),
+    (
+        lambda s: (sp.Abs(sp.expand((s - 1) * (s - 2))), sp.expand((s - 1) * (s - 2))),
+        sp.Integer(2),
+        None,
+    ),
+    (lambda s: (sp.conjugate(sp.elliptic_k(s)), sp.elliptic_k(s)), None, sp.S.One),
+    (lambda s: (sp.Abs(sp.elliptic_k(s)), sp.elliptic_k(s)), None, sp.S.One),
+    (lambda s: (sp.sqrt(1 - s) * sp.sqrt(-s), sp.sqrt(sp.expand(s**2 - s))), None, sp.S.One),
+    (lambda s: (sp.atan(s) + sp.atan(1 / s), sp.pi / 2), sp.S.Zero, None),
+)
+"""Identities between the two ends, and false right beyond either of them."""
+
 
 def by_sign(setting: Setting) -> Statement | None:
     """An identity of `BRANCHES` for formulas whose signs are known."""
@@ -141,6 +161,23 @@ def by_interval(setting: Setting) -> Statement | None:
     return _labelled(name, setting, left, right, within)
 
 
+def by_sliver(setting: Setting) -> Statement | None:
+    """An identity that fails on a part of the domain that no sample meets."""
+    draw = setting.draw
+    sides, low, high = draw.choice(SLIVERS)
+    width = sp.Rational(1, 10 ** draw.choice((12, 30)))
+    place = setting.variables[0]
+    above = low is None or (high is not None and draw.random() < 0.5)
+    ends = (low, high + width) if above else (low - width, high)
+    made = ranged(place.name, *ends)
+    del setting.ranges[place]
+    setting.ranges[made.symbol] = made
+    setting.variables = (made.symbol, *setting.variables[1:])
+    left, right = sides(made.symbol)
+    beyond = ends[1] - width / 3 if above else ends[0] + width / 3
+    return _labelled("sliver", setting, left, right, False, {made.symbol: beyond})
+
+
 def _signed(setting: Setting) -> tuple[sp.Expr, int]:
     """A formula with its sign; 0 if it has both."""
     draw = setting.draw
@@ -162,13 +199,21 @@ def _mixed(setting: Setting) -> sp.Expr:
 
 
 def _labelled(
-    name: str, setting: Setting, left: sp.Expr, right: sp.Expr, holds: bool
+    name: str,
+    setting: Setting,
+    left: sp.Expr,
+    right: sp.Expr,
+    holds: bool,
+    beyond: Mapping[sp.Symbol, sp.Rational] | None = None,
 ) -> Statement | None:
     """The identity as an equality or as an equation; None if a false one shows at no point."""
     draw = setting.draw
     if left == right or (left - right).has(sp.nan, sp.zoo, sp.oo):
         return None
-    point = None if holds else shown_at(left - right, setting, 60)
+    if beyond is None:
+        point = None if holds else shown_at(left - right, setting, 60)
+    else:
+        point = {**setting.point(), **beyond}
     if not holds and point is None:
         return None
     factor = draw.choice(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Mapping
 
-from . import branches, complexes, constants, equations, near, vanishing, waves
+from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
 from .record import Statement
 from .setting import Setting, random_setting
 
@@ -21,11 +21,14 @@ KINDS: Mapping[str, tuple[Maker, float]] = {
     "hidden term": (near.hidden_term, 14),
     "by sign": (branches.by_sign, 14),
     "by interval": (branches.by_interval, 5),
+    "sliver": (branches.by_sliver, 2),
     "nested roots": (constants.nested_roots, 4),
     "nowhere defined": (vanishing.nowhere_defined, 4),
     "nearly nowhere": (vanishing.nearly_nowhere, 2),
     "conjugates": (complexes.conjugates, 4),
     "plane wave": (complexes.plane_wave, 2),
+    "wrapped": (wrapped.wrapped, 2),
+    "opaque": (wrapped.opaque, 0.5),
     "catalogue": (waves.catalogue_form, 2),
     "textbook": (waves.known_solution, 2),
 }

@@ -28,6 +28,7 @@ UNARY = {
             *("exp", "log", "sin", "cos", "tan", "cot", "sec", "csc"),
             *("sinh", "cosh", "tanh", "coth", "sech", "csch"),
             *("asin", "acos", "atan", "asinh", "acosh", "atanh", "sign", "re", "im"),
+            *("gamma", "floor"),
         )
     },
     sp.Abs: "fabs",
@@ -98,12 +99,17 @@ class Values:
         else:
             images: dict[sp.Expr, Any] = {statement.unknown: statement.right}
             values = dict(point)
-            for node in distinct_nodes(statement.left):
-                if isinstance(node, sp.Derivative):
+            left = statement.left if statement.left.has(sp.Subs) else statement.left.doit()
+            for node in distinct_nodes(left):
+                if isinstance(node, sp.Subs) and node.expr == statement.unknown:
+                    moved = {**point, **dict(zip(node.variables, node.point, strict=True))}
+                    symbol = images[node] = sp.Dummy()
+                    values[symbol] = self.value(statement.right, moved)
+                elif isinstance(node, sp.Derivative):
                     symbol = images[node] = sp.Dummy()
                     orders = {v: int(n) for v, n in node.variable_count}
                     values[symbol] = self.derivative(statement.right, orders, point)
-            flat = statement.left.xreplace(images)
+            flat = left.xreplace(images)
             terms = [self.value(term, values) for term in sp.Add.make_args(flat)]
         return self.context.fsum(terms) / (1 + max(abs(term) for term in terms))
 
