@@ -23,7 +23,7 @@ TOLERANCE = 1e-48
 @ALL
 def test_every_form_is_proved_with_a_certificate(form: ClosedForm) -> None:
     domains = form_domains(form)
-    verdict = prove(form.equation, form.expression, name=form.name, domains=domains, certify=True)
+    verdict = prove(form.equation, form.expression, name=form.name, domains=domains)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
     assert verdict.certificate is not None
     assert verdict.assumptions
@@ -31,7 +31,7 @@ def test_every_form_is_proved_with_a_certificate(form: ClosedForm) -> None:
 
 @ALL
 def test_every_form_is_proved_in_lab_variables_with_symbolic_constants(form: ClosedForm) -> None:
-    verdict = prove_form(form, certify=True)
+    verdict = prove_form(form)
     assert verdict.outcome is Outcome.PROVED, verdict.detail
     assert verdict.certificate is not None
     check_certificate(json.loads(json.dumps(verdict.certificate)))
