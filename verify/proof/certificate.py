@@ -261,6 +261,8 @@ class Plan:
             self._power(node)
         elif node.is_Symbol or node in (sp.I, sp.pi):
             self._primitive(node)
+        elif node is sp.E:
+            self._exponential(sp.S.One, self.table.place(sp.S.One))
         else:
             self._function(node)
 

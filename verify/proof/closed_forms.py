@@ -90,4 +90,3 @@ def _named(form: ClosedForm) -> Iterator[Data]:
     names = (form.name, "stable form = canonical form")
     equality = make_equality(form.expression, form.stable, (), names, domains)
     yield equality_certificate(equality, form.expression, form.stable, variables)
-

@@ -19,7 +19,6 @@ from flint import fmpq, fmpq_mpoly, fmpz
 
 from solutions.rational import rational_tau
 from solutions.tau_polynomials import RationalTau
-
 from verify.verdict import Outcome
 
 from .bilinear import bilinear_verdict

@@ -56,8 +56,14 @@ def make_problem(
 
     Raises ValueError without a single unknown, and as `domain.settled_domains` does.
     """
+    expression = formula("expression", expression)
     if isinstance(equation, sp.Expr):
         left, label = equation, f"{equation} = 0"
+    elif not hasattr(equation, "residual"):
+        raise TypeError(
+            f"equation must be a SymPy expression, got {equation!r} (its left-hand side, '= 0' "
+            "understood)"
+        )
     else:
         left, label = equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
     unknowns = left.atoms(AppliedUndef)
@@ -66,12 +72,27 @@ def make_problem(
             f"equation must contain one unknown function, got {len(unknowns)} "
             "(write it with sympy.Function('u')(x, t))"
         )
+    (unknown,) = unknowns
+    if len(set(unknown.args)) < len(unknown.args) or not all(a.is_Symbol for a in unknown.args):
+        raise ValueError(
+            f"the unknown must be a function of different symbols, got {unknown} "
+            "(write it with sympy.Function('u')(x, t))"
+        )
     real = real_symbols(left.free_symbols | expression.free_symbols)
     left, expression = left.xreplace(real), expression.xreplace(real)
     (unknown,) = left.atoms(AppliedUndef)
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)
+
+
+def formula(name: str, given: object) -> sp.Expr:
+    """A formula as a SymPy expression; raises TypeError for what is none."""
+    if isinstance(given, sp.Expr):
+        return given
+    if isinstance(given, int) and not isinstance(given, bool):
+        return sp.Integer(given)
+    raise TypeError(f"{name} must be a SymPy expression, got {given!r} (sympy.sympify makes one)")
 
 
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
@@ -107,7 +128,7 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
     found = sample(domains, POINTS)
     by_name = {symbol.name: symbol for symbol in domains}
     extra = [
-        found[0] | {by_name[s.name]: sp.Rational(v) for s, v in p.items() if s.name in by_name}
+        {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
         for p in added
     ]
     for point in extra:
@@ -123,3 +144,12 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
 def more_points(problem: Problem) -> tuple[Point, ...]:
     """Further points of a problem's domains, of all sizes and near the ends."""
     return sample(problem.domains, POINTS + MORE_POINTS)[POINTS:]
+
+
+def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
+    found = sp.Integer(value) if isinstance(value, int) else value
+    if not (isinstance(found, sp.Expr) and found.is_Rational):
+        raise ValueError(
+            f"points must have rational numbers, got {symbol} = {value!r} (sympy.Rational(1, 2))"
+        )
+    return found

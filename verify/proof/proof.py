@@ -21,9 +21,17 @@ from .certificate import (
     regular_point,
 )
 from .checker import check_certificate
-from .lemmas import find_lemmas
 from .jets import coefficients
-from .problem import Problem, Stated, make_equality, make_problem, more_points, real_symbols
+from .lemmas import find_lemmas
+from .problem import (
+    Problem,
+    Stated,
+    formula,
+    make_equality,
+    make_problem,
+    more_points,
+    real_symbols,
+)
 from .singularities import singularities
 from .verdict import METHOD, ProofVerdict
 from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
@@ -81,6 +89,7 @@ def prove_equal(
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
+    left, right = formula("left", left), formula("right", right)
     real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
     left, right = left.xreplace(real), right.xreplace(real)
     variables = [real.get(variable, variable) for variable in variables]
@@ -130,15 +139,26 @@ def _decide_equal(
     witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
-    reason = ""
+    try:
+        return _proved_equal(problem, left, right, variables)
+    except ValueError as error:
+        reason = str(error)
+    witness = find_witness(problem, [*problem.points, *more_points(problem)])
+    return _refuted(problem, witness) if witness else _undecided(problem, reason)
+
+
+def _proved_equal(
+    problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
+) -> ProofVerdict:
+    """The proof by equal parts, or else at once; raises ValueError if neither is accepted."""
+    reason = ValueError("there is no proof")
     for parts in _partitions(problem, left, right, variables):
         try:
             certificate = equality_certificate(problem, left, right, variables, parts)
             return proved(problem.equation_name, METHOD, certificate)
         except ValueError as error:
-            reason = str(error)
-    witness = find_witness(problem, [*problem.points, *more_points(problem)])
-    return _refuted(problem, witness) if witness else _undecided(problem, reason)
+            reason = error
+    raise reason
 
 
 def _partitions(

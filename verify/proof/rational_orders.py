@@ -74,8 +74,7 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
     shift = table.place(-6 * tau)
     x = table.made("Add", space, shift)
     a, b, a_x, b_x = (
-        table.polynomial(part, [x, time_])
-        for part in (A, B, A.derivative("x"), B.derivative("x"))
+        table.polynomial(part, [x, time_]) for part in (A, B, A.derivative("x"), B.derivative("x"))
     )
     one = table.made("number", "1")
     slope = table.made(

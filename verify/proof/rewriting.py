@@ -69,7 +69,10 @@ class Rewriting:
         return None if value == node else value
 
     def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
-        factors = self._factors(base, 2)
+        if not base.free_symbols and exponent == sp.S.Half:
+            denested = sp.sqrtdenest(sp.sqrt(base))
+            return None if denested.is_Pow else denested
+        factors = self._factors(_squared_function(base) or base, 2)
         if len(factors) > 1:
             outside, inside = self._known_factors(factors)
             if not outside or (len(outside) == 1 and inside == 1):
@@ -127,12 +130,15 @@ class Rewriting:
         """The factors of a product, or of a polynomial that has one to at least ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
-        if not (product.is_Add and is_small_polynomial(product)):
+        if not product.is_Add:
             return (product,)
-        unit, powers = sp.factor_list(product)
+        plain, roots = _in_square_roots(product)
+        if not is_small_polynomial(plain):
+            return (product,)
+        unit, powers = sp.factor_list(plain)
         if not any(power >= degree for _, power in powers):
             return (product,)
-        found = [sp.Pow(base, power) for base, power in powers]
+        found = [sp.Pow(base.xreplace(roots), power) for base, power in powers]
         return found if unit == 1 else [unit, *found]
 
     def _absolute(self, inner: sp.Expr) -> sp.Expr:
@@ -142,14 +148,16 @@ class Rewriting:
 
     def _signed(self, node: sp.Expr) -> sp.Expr | None:
         inner = node.args[0]
-        if isinstance(node, sp.Abs) and inner.is_Mul:
-            outside, rest = self._known_factors(inner.args)
-            return sp.Mul(*outside) * sp.Abs(rest)
+        factors = self._factors(inner, 1)
+        if isinstance(node, sp.Abs) and len(factors) > 1:
+            outside, rest = self._known_factors(factors)
+            return sp.Mul(*outside) * sp.Abs(rest) if outside else None
         if isinstance(node, sp.Abs):
             return self._absolute(inner)
-        if self.signs.is_positive(inner):
-            return sp.S.One
-        return sp.S.NegativeOne if self.signs.is_positive(-inner) else None
+        if not (self.signs.is_positive(inner) or self.signs.is_positive(-inner)):
+            return None
+        self.found[sp.Abs(inner)] = self._absolute(inner)
+        return sp.S.One if self.signs.is_positive(inner) else sp.S.NegativeOne
 
     def _real_part(self, node: sp.Expr) -> sp.Expr | None:
         inner = node.args[0]
@@ -159,6 +167,50 @@ class Rewriting:
         if isinstance(node, sp.conjugate):
             return other
         return (inner + other) / 2 if isinstance(node, sp.re) else (inner - other) / (2 * sp.I)
+
+
+SQUARES = {
+    sp.cosh: lambda f, z: {f**2 - 1: sp.sinh(z)},
+    sp.sinh: lambda f, z: {f**2 + 1: sp.cosh(z)},
+    sp.tanh: lambda f, z: {1 - f**2: sp.sech(z)},
+    sp.sech: lambda f, z: {1 - f**2: sp.tanh(z)},
+    sp.coth: lambda f, z: {f**2 - 1: sp.csch(z)},
+    sp.csch: lambda f, z: {f**2 + 1: sp.coth(z)},
+    sp.sin: lambda f, z: {1 - f**2: sp.cos(z)},
+    sp.cos: lambda f, z: {1 - f**2: sp.sin(z)},
+    sp.tan: lambda f, z: {f**2 + 1: sp.sec(z)},
+    sp.sec: lambda f, z: {f**2 - 1: sp.tan(z)},
+}
+"""Sums that are the square of another function."""
+
+
+def _squared_function(total: sp.Expr) -> sp.Expr | None:
+    """The square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
+    if not (total.is_Add and len(total.args) == 2):
+        return None
+    for node in total.atoms(*SQUARES):
+        root = SQUARES[node.func](node, node.args[0]).get(total)
+        if root is not None:
+            return root**2
+    return None
+
+
+def _in_square_roots(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """A formula in symbols for the square roots of symbols in it, and what these stand for."""
+    found = {node.base: sp.Dummy() for node in total.atoms(sp.Pow) if _is_root_of_symbol(node)}
+    powers = {
+        node: root ** (2 * node.exp)
+        for node in total.atoms(sp.Pow)
+        for base, root in found.items()
+        if node.base == base
+    }
+    squares = {base: root**2 for base, root in found.items()}
+    written = total.xreplace(powers).xreplace(squares)
+    return written, {root: sp.sqrt(base) for base, root in found.items()}
+
+
+def _is_root_of_symbol(node: sp.Expr) -> bool:
+    return bool(node.base.is_Symbol and node.exp.is_Rational and node.exp.q == 2)
 
 
 def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:

@@ -20,6 +20,9 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
 """Shares of a bounded domain that are left out at its ends."""
 
+REJECTIONS = 1000
+"""Points in a row outside the domains, after which these are taken to be empty."""
+
 SIGN_PATTERNS = 5
 """Symbols whose signs are combined in all ways before they are drawn."""
 
@@ -33,12 +36,12 @@ def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
 
 
 def points(domains: Domains, seed: int = 0) -> Iterator[Point]:
-    """Points of the domains without end."""
+    """Points of the domains without end; raises ValueError if none is found in them."""
     draw = random.Random(seed)
     ordered = in_order(domains)
     signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
-    number = 0
-    while True:
+    number = rejected = 0
+    while rejected < REJECTIONS:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
@@ -49,7 +52,12 @@ def points(domains: Domains, seed: int = 0) -> Iterator[Point]:
             point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
         number += 1
         if all(domains[s].contains(value, point) for s, value in point.items()):
+            rejected = 0
             yield point
+        else:
+            rejected += 1
+    words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
+    raise ValueError(f"domains must hold rational points, got {words} (none was found)")
 
 
 def _has_both_signs(domain: Domain) -> bool:
@@ -76,6 +84,9 @@ def _value(
     else:
         edge = margin * (upper - lower)
         value = lower + edge + (upper - lower - 2 * edge) * share
+        if margin < MARGINS[0]:
+            near = edge * (1 + share)
+            value = draw.choice((value, lower + near, upper - near))
     if not domain.integer:
         return sp.Rational(value)
     return sp.Integer(draw.randint(-9, 9) + int(value) if abs(value) <= 9 else int(value))

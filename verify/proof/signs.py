@@ -18,9 +18,12 @@ from verify.tree import distinct_nodes
 from .domain import Domain, Domains
 from .ranges import INFINITY, Number, Range
 
-FACTORABLE_NODES = 40
+FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
 """Polynomials with more subexpressions or higher powers are not factored."""
+
+FACTORABLE_SYMBOLS = 2
+"""Polynomials in more symbols are not factored to find their sign."""
 
 REAL = Range()
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -137,7 +140,8 @@ class Signs:
             if inner is None:
                 return None
             total = total + inner
-        if total.excludes_zero or not is_small_polynomial(node):
+        small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
+        if total.excludes_zero or not small:
             return total
         return self._factored(node) or total
 

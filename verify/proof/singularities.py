@@ -21,7 +21,7 @@ from .signs import Signs
 
 POLES = {sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin}
 HYPERBOLIC_POLES = (sp.coth, sp.csch)
-DEPTH = 6
+DEPTH = 3
 """Levels of a subexpression that a line shows."""
 
 

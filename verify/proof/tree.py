@@ -67,6 +67,8 @@ class NodeTable:
             return ["symbol", expression.name, "real"]
         if expression in CONSTANTS:
             return ["constant", CONSTANTS[expression]]
+        if expression is sp.E:
+            return ["exp", self.place(sp.S.One)]
         if expression.is_Pow and expression.exp.is_Rational:
             return ["Pow", self.place(expression.base), str(expression.exp)]
         name = expression.func.__name__

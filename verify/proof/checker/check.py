@@ -170,7 +170,7 @@ def _check_point(field: Field, statement: Statement, point: Mapping[int, fmpq]) 
         if field.nodes.all[symbol][0] != "symbol":
             raise CertificateError("the point must give symbols their values")
     factors = [factor for factor in field.ring.factors if not factor.is_constant()]
-    if factors and field.ring.relations or any(
+    if (factors and field.ring.relations) or any(
         field.nodes.all[g.node][0] != "symbol" for g in field.generators
     ):
         values = field.balls(balls)

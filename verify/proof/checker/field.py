@@ -538,15 +538,21 @@ class Field:
         if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
         for bound, weak in self._positive.items():
-            sign = Sign((0, 1)) if weak else Sign((1,))
             try:
-                if self.equal(node, bound):
-                    return sign
-                if (self.image(node) + self.image(bound)).is_zero:
-                    return Sign(-s for s in sign)
+                above = self._constant(self.image(node) - self.image(bound))
+                below = self._constant(-self.image(node) - self.image(bound))
             except CertificateError:  # a formula of the domain that the proof has no generator for
                 continue
+            for gap, side in ((above, 1), (below, -1)):
+                if gap is not None and gap >= 0:
+                    return Sign((0, side)) if weak and gap == 0 else Sign((side,))
         return ANY
+
+    def _constant(self, element: Element) -> fmpq | None:
+        """The value of an element that is a rational number."""
+        if element.powers or not element.numerator.is_constant():
+            return None
+        return fmpq(0) if element.is_zero else element.numerator.leading_coefficient()
 
     def _witness(self, node: int) -> int | None:
         other = self.hints.signs.get(node)

@@ -131,7 +131,7 @@ class Nodes:
             case ["symbol", str(name), str(kind)] if kind in KINDS:
                 within("the length of a name", len(name), NAME)
                 if not SYMBOL.fullmatch(name):
-                    raise CertificateError(f"names must be letters and digits, got {ascii(name)}")
+                    raise CertificateError(f"names must be letters and digits, got {name!a}")
                 return self.made("symbol", name, kind)
             case ["constant", ("I" | "pi") as name]:
                 return self.made(name)
