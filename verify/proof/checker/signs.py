@@ -18,7 +18,10 @@ ANY, POSITIVE = Sign((-1, 0, 1)), Sign((1,))
 NOT_NEGATIVE = Sign((0, 1))
 
 EVERYWHERE_POSITIVE = ("exp", "cosh", "sech", "jacobi_dn", "jacobi_theta")
-"""For real arguments, and m < 1."""
+"""For real arguments, and m < 1 where there is one."""
+
+BELOW_ONE = ("elliptic_k", "elliptic_e", "jacobi_zeta", "jacobi_theta", "jacobi_eta")
+"""Functions that are taken for m < 1 only."""
 
 ODD = ("sinh", "tanh", "csch", "coth", "atan", "sign", "re", "conjugate")
 """Of the sign of their argument if that is real."""
@@ -70,6 +73,12 @@ class Signs:
         """Whether ``node`` is shown to be real and at least 0."""
         return self.is_real(node) and self.sign(node) <= NOT_NEGATIVE
 
+    def below_one(self, m: int) -> bool:
+        """Whether ``m`` is shown to be real and less than 1."""
+        made = self._nodes.made
+        negative = made("Mul", self._nodes.rational(-1), m)
+        return self.positive(made("Add", self._nodes.rational(1), negative))
+
     def _is_real(self, node: int) -> bool:
         match self._nodes.all[node]:
             case ("number", _) | ("pi",):
@@ -82,8 +91,10 @@ class Signs:
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("log", inner):
                 return self.positive(inner)
-            case ("elliptic_k" | "elliptic_e", m):
-                return self.is_real(m)
+            case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
+                return False
+            case ("elliptic_k" | "elliptic_e", _):
+                return True
             case ("jacobi_eta", z, m):
                 return self.is_real(z) and self.not_negative(m)
             case ("poly", _, *inner) | (("Add" | "Mul"), *inner):
@@ -96,7 +107,9 @@ class Signs:
         match self._nodes.all[node]:
             case ("number", value):
                 return Sign((int(value > 0) - int(value < 0),))
-            case ("pi",) | (("elliptic_k" | "elliptic_e"), _):
+            case ("pi",):
+                return POSITIVE
+            case (("elliptic_k" | "elliptic_e"), m) if self.below_one(m):
                 return POSITIVE
             case ("Add", *terms):
                 return _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
@@ -108,8 +121,8 @@ class Signs:
                 return Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign(
                     (0, 1)
                 )
-            case (str(name), *_) if name in EVERYWHERE_POSITIVE and self.is_real(node):
-                return POSITIVE
+            case (str(name), *inner) if name in EVERYWHERE_POSITIVE and self.is_real(node):
+                return POSITIVE if len(inner) == 1 or self.below_one(inner[1]) else ANY
             case (str(name), inner) if name in ODD and self.is_real(inner):
                 return self.sign(inner)
         return ANY
