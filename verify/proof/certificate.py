@@ -176,7 +176,7 @@ def point_text(certificate: Data) -> str:
 
 def signed(name: str, table: NodeTable, statement: Data, proof: Data) -> Data:
     """The certificate with its digest."""
-    body = {"format": FORMAT, "name": name, "nodes": table.nodes}
+    body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
     body |= {"statement": statement, "proof": proof}
     return body | {"digest": digest(body)}
 

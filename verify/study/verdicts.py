@@ -19,7 +19,7 @@ from types import FrameType
 import sympy as sp
 
 from verify.proof import prove, prove_equal
-from verify.proof.table import TABLE
+from verify.proof.tree import CONSTANTS, FUNCTIONS
 from verify.proof.verdict import ProofVerdict
 from verify.study.statements import Statement, Truth, statement
 from verify.study.statements.labels import fails_at
@@ -28,7 +28,7 @@ from verify.tree import distinct_nodes
 from verify.verdict import Outcome
 
 LIMIT = 10.0
-"""Seconds that a verdict may take."""
+"""Seconds of processor time that a verdict may take."""
 
 
 class Mark(enum.StrEnum):
@@ -45,8 +45,9 @@ class Mark(enum.StrEnum):
 class Judgement:
     """The answer to one statement.
 
-    ``supported``: every function in it has an entry in the prover's table.  ``words``: the
-    verdict's reason, the fault of a wrong one, or the error.  ``seconds`` of processor time.
+    ``supported``: certificates have a node for every function in it, and the equation is made of
+    jets.  ``words``: the verdict's reason, the fault of a wrong one, or the error.  ``seconds`` of
+    processor time.
     """
 
     kind: str
@@ -65,18 +66,18 @@ class _TimeUp(BaseException):
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
-    """Stop what runs inside after ``seconds``; only in a process's main thread."""
+    """Stop what runs inside after ``seconds`` of processor time; only in a main thread."""
 
     def stop(signum: int, frame: FrameType | None) -> None:
         raise _TimeUp
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def ask(given: Statement) -> ProofVerdict:
@@ -137,19 +138,23 @@ def witness_fault(given: Statement, witness: Mapping[str, str]) -> str | None:
 
 
 def is_supported(given: Statement) -> bool:
-    """Whether every function in the statement has an entry in the prover's table."""
+    """Whether certificates have a node for every function, and the equation is made of jets."""
     nodes = (node for side in (given.left, given.right) for node in distinct_nodes(side))
     return all(_is_known(node, given.unknown) for node in nodes)
 
 
 def _is_known(node: sp.Basic, unknown: sp.Expr | None) -> bool:
-    if node.is_Add or node.is_Mul or node.is_Rational or node == unknown:
+    if node.is_Add or node.is_Mul or node.is_Symbol or node.is_Rational or node == unknown:
         return True
-    if isinstance(node, sp.Derivative | sp.Tuple):
+    if node in CONSTANTS or isinstance(node, sp.Tuple):
         return True
+    if isinstance(node, sp.Derivative):
+        return bool(node.expr == unknown)
     if node.is_Pow:
-        return bool(node.exp.is_Rational)
-    return node.func in TABLE
+        whole = node.exp.is_Integer and node.exp > 0
+        return bool(node.exp.is_Rational and (whole or unknown is None or not node.has(unknown)))
+    of_unknown = unknown is not None and node.has(unknown)
+    return not of_unknown and node.func.__name__ in FUNCTIONS
 
 
 def _wrong_unless(right: bool, words: str) -> tuple[Mark, str]:

@@ -4,6 +4,7 @@ import pytest
 import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm
+from solutions.special import jacobi_dn
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domain import settled_domains
 from verify.proof.samples import sample
@@ -187,3 +188,19 @@ def test_an_empty_domain_of_integers_is_refused() -> None:
     n = sp.Symbol("n", integer=True)
     with pytest.raises(ValueError, match="must hold rational points"):
         prove_equal(n, n, [x], domains={n: sp.Interval.open(0, 1)})
+
+
+DN = jacobi_dn(x, sp.Symbol("m", real=True))
+BELOW_ONE = {
+    "K is real": (sp.conjugate(sp.elliptic_k(DN.args[1])), sp.elliptic_k(DN.args[1])),
+    "dn is positive": (sp.sqrt(sp.expand((DN + DN**3) ** 2)), DN + DN**3),
+}
+
+
+@pytest.mark.parametrize("name", BELOW_ONE)
+def test_what_needs_a_parameter_below_one_is_not_proved_just_beyond(name: str) -> None:
+    parameter = DN.args[1]
+    ends = {parameter: sp.Interval.open(0, 1)}
+    assert prove_equal(*BELOW_ONE[name], [x], domains=ends).outcome is Outcome.PROVED
+    beyond = {parameter: sp.Interval.open(sp.S.Half, 1 + TINY)}
+    assert prove_equal(*BELOW_ONE[name], [x], domains=beyond).outcome is not Outcome.PROVED

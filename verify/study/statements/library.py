@@ -21,7 +21,7 @@ KINDS: Mapping[str, tuple[Maker, float]] = {
     "hidden term": (near.hidden_term, 14),
     "by sign": (branches.by_sign, 14),
     "by interval": (branches.by_interval, 5),
-    "sliver": (branches.by_sliver, 2),
+    "sliver": (branches.by_sliver, 1),
     "nested roots": (constants.nested_roots, 4),
     "nowhere defined": (vanishing.nowhere_defined, 4),
     "nearly nowhere": (vanishing.nearly_nowhere, 2),
