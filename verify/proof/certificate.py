@@ -7,6 +7,7 @@ checker needs.  It decides nothing: what is wrong here is rejected there.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -26,6 +27,7 @@ from verify.tree import distinct_nodes
 
 from .balls import BallEvaluator, Point, ball_value
 from .checker.check import FORMAT, FORMS, digest, registered
+from .checker.limits import JETS
 from .checker.nodes import Nodes
 from .checker.statement import read_statement
 from .domain import Domains
@@ -53,7 +55,12 @@ def equation_certificate(problem: Problem) -> Data:
     known = coefficients(problem.left, problem.unknown)
     statement = {
         "variables": [table.place(variable) for variable in problem.variables],
-        "unknowns": [[problem.unknown.func.__name__, table.place(problem.expression)]],
+        "unknowns": [
+            [
+                _unknown_name(problem.unknown.func.__name__, problem.domains),
+                table.place(problem.expression),
+            ]
+        ],
         "equations": [_terms(problem, table)],
         "domain": domain_data(problem.domains, table),
     }
@@ -75,7 +82,7 @@ def equality_certificate(
     table = NodeTable()
     statement = {
         "variables": [table.place(variable) for variable in variables],
-        "unknowns": [["u", table.place(left)]],
+        "unknowns": [[_unknown_name("u", problem.domains), table.place(left)]],
         "equations": [
             [
                 ["1", [], [[0, [0] * len(variables)]]],
@@ -128,17 +135,17 @@ def _is_not_negative(table: NodeTable, statement: Data, proof: Data, value: int)
 
 def regular_point(expressions: Sequence[sp.Expr], points: Sequence[Point]) -> Point:
     """A point at which all of ``expressions`` are finite; raises ValueError if there is none."""
-    with ctx.workprec(BITS):
-        for point in points:
+    for bits, point in product((BITS, 2 * BITS), points):
+        with ctx.workprec(bits):
             balls = BallEvaluator(Shape([(0,)]), (), point)
             try:
                 values = [balls.jet(expression).value for expression in expressions]
             except ValueError as error:
                 reason = str(error)
                 continue
-            if all(value.is_finite() for value in values):
-                return point
-            reason = "no point was found at which every denominator is shown not to vanish"
+        if all(value.is_finite() for value in values):
+            return point
+        reason = "no point was found at which every denominator is shown not to vanish"
     raise ValueError(reason)
 
 
@@ -597,12 +604,28 @@ def _term(term: sp.Expr, problem: Problem, table: NodeTable) -> list[Any]:
         elif not factor.has(problem.unknown):
             known.append(table.place(factor))
         else:
-            base, power = factor.as_base_exp()
-            jets += [[0, _orders(base, problem)]] * int(power)
+            jets += _jets(factor, problem)
     return [str(number), known, jets]
 
 
-def _orders(jet: sp.Expr, problem: Problem) -> list[int]:
-    pairs = jet.variable_count if isinstance(jet, sp.Derivative) else ()
+def _jets(factor: sp.Expr, problem: Problem) -> list[list[Any]]:
+    """A power of the unknown or of one of its derivatives, as that many orders."""
+    base, power = factor.as_base_exp()
+    inner = base.expr if isinstance(base, sp.Derivative) else base
+    pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
     counts = {symbol: int(count) for symbol, count in pairs}
-    return [counts.get(variable, 0) for variable in problem.variables]
+    whole = power.is_Integer and 0 < power <= JETS
+    if inner != problem.unknown or not whole or counts.keys() - set(problem.variables):
+        raise Unsupported(
+            f"equations must be polynomials in {problem.unknown} and its derivatives in its own "
+            f"variables, got {factor} (multiply it out)"
+        )
+    return [[0, [counts.get(variable, 0) for variable in problem.variables]]] * int(power)
+
+
+def _unknown_name(name: str, domains: Domains) -> str:
+    """``name``, longer where a symbol is called so."""
+    taken = {symbol.name for symbol in domains}
+    while name in taken:
+        name += "_"
+    return name

@@ -81,9 +81,16 @@ def make_problem(
     real = real_symbols(left.free_symbols | expression.free_symbols)
     left, expression = left.xreplace(real), expression.xreplace(real)
     (unknown,) = left.atoms(AppliedUndef)
+    left = _written_out(left, unknown)
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)
+
+
+def _written_out(left: sp.Expr, unknown: sp.Expr) -> sp.Expr:
+    """The equation with the derivatives of products and powers of the unknown in jets."""
+    whole = [d for d in left.atoms(sp.Derivative) if d.expr != unknown and d.has(unknown)]
+    return left.xreplace({derivative: derivative.doit() for derivative in whole})
 
 
 def formula(name: str, given: object) -> sp.Expr:
