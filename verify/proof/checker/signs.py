@@ -97,8 +97,13 @@ class Signs:
     def _is_below_one(self, m: int) -> bool:
         """Whether 1 - m is shown to be positive: K, E, zeta and theta are real, dn positive."""
         nodes = self._nodes
-        negative = nodes.made("Mul", nodes.rational(-1), m)
-        return self.positive(nodes.made("Add", nodes.rational(1), negative))
+        one, negative = nodes.rational(1), nodes.made("Mul", nodes.rational(-1), m)
+        match nodes.all[m]:
+            case ("Pow", k, exponent) if exponent == 2:
+                other = nodes.made("Mul", nodes.rational(-1), k)
+                sides = (nodes.made("Add", one, k), nodes.made("Add", one, other))
+                return all(map(self.positive, sides))
+        return self.positive(nodes.made("Add", one, negative))
 
     def _sign(self, node: int) -> Sign:
         match self._nodes.all[node]:
