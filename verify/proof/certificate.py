@@ -349,7 +349,10 @@ class Plan:
             self.need(sp.I)
             place = self.table.made("Mul", self.table.place(sp.I), self.table.place(z))
             self._exponential(sp.I * z, place)
-        elif isinstance(node, sp.log | sp.atan | sp.elliptic_k | sp.elliptic_e):
+        elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
+            self._below_one(z)
+            self._atom(self.table.place(node))
+        elif isinstance(node, sp.log | sp.atan):
             self._atom(self.table.place(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
@@ -394,6 +397,7 @@ class Plan:
         z, m = node.args
         self.need(z)
         self.need(m)
+        self._below_one(m)
         if isinstance(node, jacobi_theta):
             self._theta(z, m)
         elif isinstance(node, jacobi_eta):
@@ -405,6 +409,14 @@ class Plan:
                 self.need(part)
         else:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
+
+    def _below_one(self, m: sp.Expr) -> None:
+        """Offer the factors of 1 - m as witness of its sign."""
+        one, minus = (self.table.place(sp.Integer(n)) for n in (1, -1))
+        rest = self.table.made("Add", one, self.table.made("Mul", minus, self.table.place(m)))
+        other = self.table.place(sp.factor(1 - m))
+        if other != rest:
+            self._signs[rest] = other
 
     def _root_of_parameter(self, base: sp.Expr, root: sp.Expr, exponent: str) -> None:
         """The root as SymPy writes it, of a node as the checker writes it."""

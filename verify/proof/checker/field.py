@@ -18,7 +18,7 @@ from .limits import EXPONENT, CertificateError, within
 from .nodes import ELLIPTIC, Nodes, children
 from .points import Balls, value_at
 from .ring import Element, Ring
-from .signs import ANY, Sign, Signs
+from .signs import ANY, BELOW_ONE, Sign, Signs
 
 Sum = tuple[tuple[fmpq, int], ...]
 """Coefficients and nodes."""
@@ -83,7 +83,6 @@ class Field:
         self.signs = Signs(nodes, self._stated, self._witness)
         self.one = self.ring.number(1)
         self.zero = self.ring.number(0)
-        self.parameters: dict[int, None] = {}
         self._positive = positive
         self._circles: dict[int, int] = {}
         self._images: dict[int, Element] = {}
@@ -116,11 +115,11 @@ class Field:
             case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m):
                 self._jacobi(node, z, m)
             case (str(name), z, m) if name in FREE_JACOBI:
-                self._parameter(m)
+                self._parameter(name, m)
                 self._add(node, self._next, Generator(node))
             case (str(name), *_) if name in FREE:
                 if name in ("elliptic_k", "elliptic_e"):
-                    self._parameter(self.nodes.all[node][1])
+                    self._parameter(name, self.nodes.all[node][1])
                 self._add(node, self._next, Generator(node))
             case (name, *_):
                 raise CertificateError(f"{name} is no generator")
@@ -150,6 +149,7 @@ class Field:
         for theta in (node, below):
             if self.nodes.all[theta][0] != "jacobi_theta":
                 raise CertificateError("a quotient must be of theta functions")
+            self._parameter("jacobi_theta", self.nodes.all[theta][2])
         self._add(node, self._next * self.image(below), Generator(node, below=below))
 
     def register_forms(self, primitives: Sequence[int], rows: Sequence[Form]) -> None:
@@ -161,6 +161,8 @@ class Field:
             name = self.nodes.all[node][0]
             if node in self._images or (name not in FREE and name not in FREE_JACOBI):
                 raise CertificateError(f"a {name} cannot be in a linear form, or is known")
+            if name in FREE_JACOBI or name in BELOW_ONE:
+                self._parameter(name, self.nodes.all[node][-1])
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, form in zip(places, rows, strict=True):
@@ -215,7 +217,7 @@ class Field:
             self._add(node, self._next / Element(self.ring, scale), Generator(node, scale=scale))
 
     def _jacobi(self, node: int, z: int, m: int, scale: Element | None = None) -> None:
-        self._parameter(m)
+        self._parameter(self.nodes.all[node][0], m)
         name = self.nodes.all[node][0].removeprefix("jacobi_")
         for other in ("sn", "cn", "dn"):
             companion = self._images.get(self.nodes.made(f"jacobi_{other}", z, m))
@@ -225,11 +227,14 @@ class Field:
                 return
         self._add_scaled(node, _whole(scale or self.one))
 
-    def _parameter(self, m: int) -> None:
-        """Elliptic functions are taken for a constant parameter."""
-        self.parameters[m] = None
+    def _parameter(self, name: str, m: int) -> None:
+        """Elliptic functions have a constant parameter; K and what is made with it, one below 1."""
         if self._moves(m):
             raise CertificateError("the parameter m of an elliptic function must be constant")
+        if name in BELOW_ONE and not self.signs.below_one(m):
+            raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
+        if name in ("jacobi_theta", "jacobi_eta") and not self.signs.positive(m):
+            raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
 
     def _moves(self, node: int) -> bool:
         return any(inner in self.variables for inner in self.nodes.below([node]))
@@ -449,7 +454,7 @@ class Field:
     # Elliptic functions.
 
     def _jacobi_value(self, name: str, z: int, m: int) -> Element:
-        self._parameter(m)
+        self._parameter(f"jacobi_{name}", m)
         if name == "theta":
             return self._theta(z, m)
         if name == "eta":

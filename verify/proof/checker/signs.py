@@ -18,7 +18,10 @@ ANY, POSITIVE = Sign((-1, 0, 1)), Sign((1,))
 NOT_NEGATIVE = Sign((0, 1))
 
 EVERYWHERE_POSITIVE = ("exp", "cosh", "sech", "jacobi_dn", "jacobi_theta")
-"""For real arguments, and m < 1."""
+"""For real arguments, and m < 1 where there is one."""
+
+BELOW_ONE = ("elliptic_k", "elliptic_e", "jacobi_zeta", "jacobi_theta", "jacobi_eta")
+"""Functions that are taken for m < 1 only."""
 
 ODD = ("sinh", "tanh", "csch", "coth", "atan", "sign", "re", "conjugate")
 """Of the sign of their argument if that is real."""
@@ -70,6 +73,12 @@ class Signs:
         """Whether ``node`` is shown to be real and at least 0."""
         return self.is_real(node) and self.sign(node) <= NOT_NEGATIVE
 
+    def below_one(self, m: int) -> bool:
+        """Whether ``m`` is shown to be real and less than 1."""
+        made = self._nodes.made
+        negative = made("Mul", self._nodes.rational(-1), m)
+        return self.positive(made("Add", self._nodes.rational(1), negative))
+
     def _is_real(self, node: int) -> bool:
         match self._nodes.all[node]:
             case ("number", _) | ("pi",):
@@ -82,28 +91,17 @@ class Signs:
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("log", inner):
                 return self.positive(inner)
-            case ("elliptic_k" | "elliptic_e", m):
-                return self._is_below_one(m)
-            case ("jacobi_zeta" | "jacobi_theta", z, m):
-                return self.is_real(z) and self._is_below_one(m)
+            case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
+                return False
+            case ("elliptic_k" | "elliptic_e", _):
+                return True
             case ("jacobi_eta", z, m):
-                return self.is_real(z) and self.not_negative(m) and self._is_below_one(m)
+                return self.is_real(z) and self.not_negative(m)
             case ("poly", _, *inner) | (("Add" | "Mul"), *inner):
                 return all(map(self.is_real, inner))
             case (str(name), *inner) if name in REAL:
                 return all(map(self.is_real, inner))
         return False
-
-    def _is_below_one(self, m: int) -> bool:
-        """Whether 1 - m is shown to be positive: K, E, zeta and theta are real, dn positive."""
-        nodes = self._nodes
-        one, negative = nodes.rational(1), nodes.made("Mul", nodes.rational(-1), m)
-        match nodes.all[m]:
-            case ("Pow", k, exponent) if exponent == 2:
-                other = nodes.made("Mul", nodes.rational(-1), k)
-                sides = (nodes.made("Add", one, k), nodes.made("Add", one, other))
-                return all(map(self.positive, sides))
-        return self.positive(nodes.made("Add", one, negative))
 
     def _sign(self, node: int) -> Sign:
         match self._nodes.all[node]:
@@ -111,10 +109,8 @@ class Signs:
                 return Sign((int(value > 0) - int(value < 0),))
             case ("pi",):
                 return POSITIVE
-            case ("elliptic_k" | "elliptic_e", m) if self._is_below_one(m):
+            case (("elliptic_k" | "elliptic_e"), m) if self.below_one(m):
                 return POSITIVE
-            case ("jacobi_dn", _, m) if not self._is_below_one(m):
-                return ANY
             case ("Add", *terms):
                 return _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
             case ("Mul", *factors):
@@ -122,11 +118,11 @@ class Signs:
             case ("Pow", base, exponent):
                 return self._of_power(self.sign(base), exponent.p, exponent.q)
             case ("Abs", inner):
-                return (
-                    Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign((0, 1))
+                return Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign(
+                    (0, 1)
                 )
-            case (str(name), *_) if name in EVERYWHERE_POSITIVE and self.is_real(node):
-                return POSITIVE
+            case (str(name), *inner) if name in EVERYWHERE_POSITIVE and self.is_real(node):
+                return POSITIVE if len(inner) == 1 or self.below_one(inner[1]) else ANY
             case (str(name), inner) if name in ODD and self.is_real(inner):
                 return self.sign(inner)
         return ANY

@@ -123,12 +123,9 @@ def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
     return relation == "<=", nodes.place(left), nodes.place(right)
 
 
-def statement_text(statement: Statement, parameters: Sequence[int] = ()) -> str:
-    """The statement in words, formulas in full; what occurs twice is named once.
-
-    ``parameters`` are the parameters m of elliptic functions, which are less than 1.
-    """
-    writer = _Writer(statement.nodes, [*statement.roots, *parameters])
+def statement_text(statement: Statement) -> str:
+    """The statement in words, formulas in full; what occurs twice is named once."""
+    writer = _Writer(statement.nodes, statement.roots)
     variables = [writer.text(v) for v in statement.variables]
     equations = [
         " + ".join(_term_text(term, statement, variables, writer) for term in terms) + " = 0"
@@ -142,7 +139,6 @@ def statement_text(statement: Statement, parameters: Sequence[int] = ()) -> str:
         f"{writer.text(left)} {'<=' if weak else '<'} {writer.text(right)}"
         for weak, left, right in statement.domain
     ]
-    below = [f"{writer.text(m)} < 1" for m in parameters]
     kinds = {
         kind: sorted(
             node[1]
@@ -158,7 +154,7 @@ def statement_text(statement: Statement, parameters: Sequence[int] = ()) -> str:
         f"solution: {'; '.join(formulas)}",
         *([f"where {'; '.join(where)}"] if where else []),
         f"for all {'; '.join(symbols)}"
-        + (f" with {', '.join(dict.fromkeys([*domain, *below]))}" if domain or below else "")
+        + (f" with {', '.join(domain)}" if domain else "")
         + ", wherever the formulas are smooth",
     ]
     return "\n".join(lines)
