@@ -22,7 +22,8 @@ def imports(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            found.add("." * node.level + (node.module or ""))
+            stem = "." * node.level + (node.module or "")
+            found |= {stem} if node.module else {f".{alias.name}" for alias in node.names}
     return found
 
 
