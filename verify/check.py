@@ -41,23 +41,17 @@ def named_form(name: str) -> ClosedForm:
     return closed_form(name) if order is None else rational(order)
 
 
-def check(name: str, *, certify: bool = False) -> ProofVerdict:
-    """The exact verdict on the form called ``name``.
-
-    A proof of a form of the catalogue carries a certificate.  A higher rational order is decided
-    by `prove_rational`, which makes none; with ``certify`` it is decided as the catalogue is,
-    which takes several times as long.  Raises ValueError as `higher_order` does.
+def check(name: str) -> ProofVerdict:
+    """The exact verdict on the form called ``name``; raises ValueError as `higher_order` does.
 
     >>> print(check("rational_2").outcome, check("rational_4").outcome)
     PROVED PROVED
     """
     order = higher_order(name)
-    if order is None or certify:
-        return prove_form(named_form(name), certify=True)
-    return prove_rational(order)
+    return prove_form(named_form(name)) if order is None else prove_rational(order)
 
 
-def check_all(names: Iterable[str] = NAMES, *, certify: bool = False) -> Iterator[ProofVerdict]:
+def check_all(names: Iterable[str] = NAMES) -> Iterator[ProofVerdict]:
     """The verdicts on the forms called ``names``, one after the other as they are reached."""
     for name in names:
-        yield check(name, certify=certify)
+        yield check(name)

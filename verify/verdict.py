@@ -54,7 +54,7 @@ class Verdict:
     seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.outcome is Outcome.REFUTED and not self.witness:
+        if self.outcome is Outcome.REFUTED and self.witness is None:
             raise ValueError(
                 "witness must name the point of a refutation, got none "
                 "(use UNDECIDED where there is no such point)"

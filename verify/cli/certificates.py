@@ -6,27 +6,32 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
+from verify.cli.limited import limited
 from verify.cli.parser import OneLineParser, fail
-from verify.proof.checker import check_certificate
-from verify.proof.meanings import CertificateError
+from verify.proof import CertificateError, check_certificate
+from verify.proof.checker.limits import FILE_BYTES
+
+CERTIFICATES = 100
+"""Most certificates in a file."""
 
 
 def certificate_command(argv: list[str]) -> int:
-    """Check every certificate of a file: one line each, 1 at the first that fails.
+    """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
     2 if the file cannot be read at all.
     """
     parser = OneLineParser(
         prog="python -m verify check-certificate",
-        description="Repeat the proofs of a file written by --certificate, with other arithmetic.",
+        description="Repeat the proofs of a file written by --certificate, with other arithmetic, "
+        "and print what they prove.",
     )
     parser.add_argument("file", type=Path, metavar="FILE")
     path = parser.parse_args(argv).file
     try:
         for certificate in read_certificates(path):
-            print(check_line(certificate))
+            print(limited(lambda: check_lines(certificate)))  # noqa: B023
     except OSError as error:
         return fail(
             f"FILE must be readable, got {path}: {error.strerror} (one that --certificate wrote)"
@@ -40,25 +45,45 @@ def certificate_command(argv: list[str]) -> int:
 def read_certificates(path: Path) -> list[Any]:
     """The certificates in a file: one, or a list of them.
 
-    Raises CertificateError if the text is no JSON or holds none, OSError as opening does.
+    Raises CertificateError if the file is too long, its text no JSON or without a certificate,
+    OSError as opening does.
     """
+    with path.open("rb") as file:
+        content = file.read(FILE_BYTES + 1)
+    if len(content) > FILE_BYTES:
+        raise CertificateError(f"the file has more than {FILE_BYTES} bytes")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(
+            content.decode("utf-8"), parse_constant=_refused, object_pairs_hook=_distinct
+        )
     except (ValueError, RecursionError) as error:
-        raise CertificateError(f"the file is no JSON text ({error})") from error
+        raise CertificateError(f"the file is no JSON text ({ascii(str(error))[1:81]})") from error
     certificates = data if isinstance(data, list) else [data]
-    if not certificates:
-        raise CertificateError("the file holds no certificate")
+    if not 0 < len(certificates) <= CERTIFICATES:
+        held = "no certificate" if not certificates else f"more than {CERTIFICATES} certificates"
+        raise CertificateError(f"the file holds {held}")
     return certificates
 
 
-def check_line(certificate: Any) -> str:
-    """One line on an accepted certificate; raises CertificateError if it is not."""
+def check_lines(certificate: Any) -> str:
+    """What an accepted certificate proves; raises CertificateError if it is not accepted."""
     if not isinstance(certificate, Mapping):
         raise CertificateError(f"a certificate is an object, got {type(certificate).__name__}")
-    name = certificate.get("name")
+    name = ascii(certificate.get("name"))[:60].strip("'")
     try:
-        check_certificate(certificate)
+        statement = check_certificate(certificate)
     except CertificateError as error:
         raise CertificateError(f"{name}: {error}") from error
-    return f"{name}: accepted, {len(certificate['generators'])} generators, numerator 0"
+    lines = "\n".join(f"    {line}" for line in statement.splitlines())
+    return f"{name}:\n{lines}\n{name}: accepted"
+
+
+def _refused(text: str) -> NoReturn:
+    raise ValueError(f"{text} is no number of JSON")
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise ValueError("an object has a key twice")
+    return found

@@ -113,17 +113,13 @@ def _settle_method(options: argparse.Namespace) -> None:
         raise ValueError(
             f"--{wrong[0]} must not be given with the method {options.method}, got it (leave it)"
         )
-    if options.stable and options.certificate is not None:
-        raise ValueError(
-            "--certificate must not be given with --stable, got both (an equality has none)"
-        )
 
 
 def _verdicts(names: Sequence[str], options: argparse.Namespace) -> Iterator[Verdict]:
     if options.stable:
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
-        return check_all(names, certify=options.certificate is not None)
+        return check_all(names)
     given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
     sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
     return (check_residual(named_form(name), sampling) for name in names)

@@ -8,19 +8,21 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 """
 
 from .bilinear import prove_bilinear
-from .checker import check_certificate
-from .closed_forms import prove_form, prove_stable
+from .checker import CertificateError
+from .closed_forms import check_certificate, prove_form, prove_stable
+from .domain import Domain, form_domains
 from .facts import RationalFacts, rational_facts
-from .meanings import CertificateError
 from .proof import prove, prove_equal
 from .rational_orders import prove_rational
 from .verdict import ProofVerdict
 
 __all__ = [
     "CertificateError",
+    "Domain",
     "ProofVerdict",
     "RationalFacts",
     "check_certificate",
+    "form_domains",
     "prove",
     "prove_bilinear",
     "prove_equal",

@@ -62,6 +62,45 @@ def arctangent(z: acb, order: int) -> Series:
     return [z.atan(), *(inverse[n - 1] / n for n in range(1, order + 1))]
 
 
+def inverse(name: str) -> Callable[[acb, int], Series]:
+    """asin, acos, asinh, acosh or atanh, off its cuts, by the powers in its derivative."""
+    sign, factors = INVERSE_SLOPES[name]
+
+    def taylor(z: acb, order: int) -> Series:
+        slope = [acb(sign), *[acb(0)] * order]
+        for square, exponent in factors:
+            inner = [square[0] + square[1] * z + square[2] * z * z]
+            inner += [acb(square[1]) + 2 * square[2] * z, acb(square[2])]
+            power_series = _power_of_quadratic(inner, exponent, order)
+            slope = [_product(slope, power_series, n) for n in range(order + 1)]
+        return [getattr(z, name)(), *(slope[n] / (n + 1) for n in range(order))]
+
+    return taylor
+
+
+MINUS_HALF = Fraction(-1, 2)
+INVERSE_SLOPES: dict[str, tuple[int, list[tuple[tuple[int, int, int], Fraction]]]] = {
+    "asin": (1, [((1, 0, -1), MINUS_HALF)]),
+    "acos": (-1, [((1, 0, -1), MINUS_HALF)]),
+    "asinh": (1, [((1, 0, 1), MINUS_HALF)]),
+    "acosh": (1, [((-1, 1, 0), MINUS_HALF), ((1, 1, 0), MINUS_HALF)]),
+    "atanh": (1, [((1, 0, -1), Fraction(-1))]),
+}
+"""The sign, and the polynomials (1, z, z**2) with their exponents, of each derivative."""
+
+
+def _power_of_quadratic(inner: Sequence[acb], exponent: Fraction, order: int) -> Series:
+    """(a + b h + c h**2) to a power: n a p_n is a sum over the two terms before."""
+    q = fmpq(exponent.numerator, exponent.denominator)
+    found = power(exponent)(inner[0], 0)
+    for n in range(1, order + 1):
+        total = acb(q - n + 1) * inner[1] * found[n - 1]
+        if n > 1:
+            total += acb(2 * q - n + 2) * inner[2] * found[n - 2]
+        found.append(total / (n * inner[0]))
+    return found
+
+
 class Elliptic:
     """The Jacobi functions of a real parameter ``m < 1``, ``m != 0``, at any argument."""
 

@@ -16,21 +16,31 @@ from solutions.special.function import JacobiFunction
 from . import ballfunctions as functions
 from .jet import Index, Jet, Shape, constant, variable
 from .kernels import HYPERBOLIC, TRIGONOMETRIC
+from .signs import Signs
 
 Point = Mapping[sp.Symbol, sp.Rational]
 
+INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
     sp.log: functions.logarithm,
     sp.atan: functions.arctangent,
+    **{function: functions.inverse(function.__name__) for function in INVERSE},
 }
 
 
 class BallEvaluator:
     """Jets of expressions at a rational point, at the working precision of python-flint."""
 
-    def __init__(self, shape: Shape, variables: Sequence[sp.Symbol], point: Point) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        variables: Sequence[sp.Symbol],
+        point: Point,
+        signs: Signs | None = None,
+    ) -> None:
         self._shape = shape
+        self._signs = Signs({}) if signs is None else signs
         self._found: dict[sp.Expr, Jet] = {
             symbol: constant(shape, exact(value)) for symbol, value in point.items()
         }
@@ -41,7 +51,8 @@ class BallEvaluator:
     def jet(self, expression: sp.Expr) -> Jet:
         """The jet of ``expression``.
 
-        Raises ValueError for a symbol without value or a function that is not known.
+        Raises ValueError for a symbol without value, a function that is not known, and at a
+        branch point or on a cut, where a formula is not smooth.
         """
         if expression not in self._found:
             self._found[expression] = self._jet(expression)
@@ -58,11 +69,15 @@ class BallEvaluator:
             return constant(self._shape, acb(0, 1))
         if node is sp.pi:
             return constant(self._shape, acb.pi())
+        if node is sp.E:
+            return constant(self._shape, acb(1).exp())
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, map(self.jet, node.args))
         if node.is_Pow and node.exp.is_Rational:
+            if not node.exp.is_Integer:
+                self._check_smooth(node, node.base)
             return self._power(self.jet(node.base), Fraction(int(node.exp.p), int(node.exp.q)))
-        if isinstance(node, sp.conjugate | sp.re | sp.im | sp.Abs):
+        if isinstance(node, sp.conjugate | sp.re | sp.im | sp.Abs | sp.sign):
             return self._real_part(node)
         if isinstance(node, JacobiFunction):
             elliptic = self._parameter(node.args[1])
@@ -75,10 +90,31 @@ class BallEvaluator:
         if isinstance(node, HYPERBOLIC + TRIGONOMETRIC):
             return self.jet(node.rewrite(sp.exp))
         if node.func in ELEMENTARY:
+            self._check_smooth(node, node.args[0])
             return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
         raise ValueError(
             f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
         )
+
+    def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
+        """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
+        if not inner.free_symbols or not self._touches_cut(node, self.jet(inner).value):
+            return
+        along = node.is_Pow or isinstance(node, sp.log)
+        if along and self._signs.is_real(inner) and not self.jet(inner).value.contains(0):
+            return
+        raise ValueError(f"points must lie off the cuts, got one on that of {node} (take another)")
+
+    @staticmethod
+    def _touches_cut(node: sp.Expr, value: acb) -> bool:
+        if isinstance(node, sp.exp):
+            return False
+        if isinstance(node, sp.atan | sp.asinh):
+            return bool(value.real.contains(0)) and not abs(value.imag) < 1
+        if isinstance(node, sp.asin | sp.acos | sp.atanh):
+            return bool(value.imag.contains(0)) and not abs(value.real) < 1
+        start = 1 if isinstance(node, sp.acosh) else 0
+        return bool(value.imag.contains(0)) and not value.real > start
 
     def _power(self, base: Jet, exponent: Fraction) -> Jet:
         if exponent.denominator == 1 and exponent > 0:
@@ -87,11 +123,15 @@ class BallEvaluator:
 
     def _real_part(self, node: sp.Expr) -> Jet:
         inner = self.jet(node.args[0])
+        if isinstance(node, sp.Abs | sp.sign) and inner.value.contains(0):
+            raise ValueError(f"points must be smooth, got one where {node} is not (take another)")
         other, half = inner.conjugate(), constant(self._shape, acb(0.5))
         if isinstance(node, sp.conjugate):
             return other
         if isinstance(node, sp.Abs):
             return self._power(inner * other, Fraction(1, 2))
+        if isinstance(node, sp.sign):
+            return inner * self._power(inner * other, Fraction(-1, 2))
         if isinstance(node, sp.re):
             return half * (inner + other)
         minus = constant(self._shape, acb(-1))
@@ -108,10 +148,10 @@ def exact(value: sp.Rational) -> acb:
     return acb(arb(fmpq(int(value.p), int(value.q))))
 
 
-def ball_value(expression: sp.Expr, point: Point, bits: int) -> acb:
-    """A ball around the value of ``expression`` at ``point``."""
+def ball_value(expression: sp.Expr, point: Point, bits: int, signs: Signs | None = None) -> acb:
+    """A ball around the value of ``expression`` at ``point``; ``signs`` tell what is real."""
     with ctx.workprec(bits):
-        return BallEvaluator(Shape([(0,)]), (), point).jet(expression).value
+        return BallEvaluator(Shape([(0,)]), (), point, signs).jet(expression).value
 
 
 def residual_ball(
@@ -120,6 +160,7 @@ def residual_ball(
     expression: sp.Expr,
     point: Point,
     bits: int,
+    signs: Signs | None = None,
 ) -> acb:
     """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
     variables = unknown.args
@@ -127,7 +168,7 @@ def residual_ball(
     tops: list[Index] = [_index(d, variables) for d in derivatives]
     with ctx.workprec(bits):
         shape = Shape([*tops, tuple(0 for _ in variables)])
-        jet = BallEvaluator(shape, variables, point).jet(expression)
+        jet = BallEvaluator(shape, variables, point, signs).jet(expression)
         coefficients = dict(zip(shape.indices, jet.coefficients, strict=True))
         stands_for: dict[sp.Expr, sp.Symbol] = {unknown: sp.Dummy()}
         values: dict[sp.Symbol, acb] = {stands_for[unknown]: jet.value}
@@ -135,7 +176,7 @@ def residual_ball(
             symbol = stands_for[derivative] = sp.Dummy()
             scale = reduce(mul, map(factorial, index))
             values[symbol] = coefficients[index] * scale
-        flat = BallEvaluator(Shape([(0,)]), (), point)
+        flat = BallEvaluator(Shape([(0,)]), (), point, signs)
         flat.know(values)
         return flat.jet(equation.xreplace(stands_for)).value
 

@@ -18,6 +18,9 @@ from flint import fmpq_mpoly
 from solutions.rational import rational_tau
 from verify.verdict import Outcome
 
+from .certificate import Data, signed
+from .checker import CertificateError, check_certificate
+from .tree import NodeTable
 from .verdict import ProofVerdict
 
 METHOD = "bilinear identities"
@@ -50,8 +53,69 @@ def bilinear_verdict(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
             witness = dict(zip(residual.context().names(), map(str, point), strict=True))
             detail = f"the {label} equation leaves {residual(*point)} at the witness"
             return ProofVerdict(name, EQUATION, METHOD, Outcome.REFUTED, detail, witness=witness)
-    detail = "both vanish identically"
-    return ProofVerdict(name, EQUATION, METHOD, Outcome.PROVED, detail, residual=0.0)
+    certificate = bilinear_certificate(name, A, B)
+    try:
+        check_certificate(certificate)
+    except CertificateError as error:
+        return ProofVerdict(name, EQUATION, METHOD, Outcome.UNDECIDED, str(error))
+    return ProofVerdict(
+        name,
+        EQUATION,
+        METHOD,
+        Outcome.PROVED,
+        "both vanish identically, accepted by the checker",
+        residual=0.0,
+        certificate=certificate,
+    )
+
+
+def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
+    """The certificate of the bilinear equations as two equations of real polynomials A and B."""
+    table = NodeTable()
+    symbols = [table.made("symbol", symbol, "real") for symbol in A.context().names()]
+    formulas = [table.polynomial(part, symbols) for part in (A, B)]
+    statement = {
+        "variables": symbols[:2],
+        "unknowns": [["A", formulas[0]], ["B", formulas[1]]],
+        "equations": [
+            [[factor, [], [list(jet) for jet in jets]] for factor, jets in terms]
+            for terms in (SPACE, TIME)
+        ],
+        "domain": [],
+    }
+    proof = {
+        "generators": [["atom", symbol] for symbol in symbols],
+        **{hint: [] for hint in ("sums", "values", "logs", "signs", "parts")},
+        "point": [[symbol, "0"] for symbol in symbols],
+    }
+    return signed(f"{name} bilinear", table, statement, proof)
+
+
+Jet = tuple[int, list[int]]
+Terms = list[tuple[str, list[Jet]]]
+
+_A, _A_x, _A_xx, _A_xxx, _A_t = ((0, orders) for orders in ([0, 0], [1, 0], [2, 0], [3, 0], [0, 1]))
+_B, _B_x, _B_xx, _B_xxx, _B_t = ((1, orders) for orders in ([0, 0], [1, 0], [2, 0], [3, 0], [0, 1]))
+
+SPACE: Terms = [
+    ("1", [_A, _A_xx]),
+    ("1", [_B, _B_xx]),
+    ("-1", [_A_x, _A_x]),
+    ("-1", [_B_x, _B_x]),
+    ("-2", [_A_x, _B]),
+    ("2", [_A, _B_x]),
+]
+"""Half of ``D_x**2 f.f* - 2 i D_x f.f*``."""
+
+TIME: Terms = [
+    ("1", [_B_t, _A]),
+    ("-1", [_B, _A_t]),
+    ("1", [_B_xxx, _A]),
+    ("-1", [_B, _A_xxx]),
+    ("-3", [_B_xx, _A_x]),
+    ("3", [_B_x, _A_xx]),
+]
+"""``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
 
 
 def nonzero_point(polynomial: fmpq_mpoly) -> tuple[int, ...]:

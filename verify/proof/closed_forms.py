@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import random
+import time
+from collections.abc import Iterator
+from typing import Any
 
-import sympy as sp
-
+from solutions.catalogue import CATALOGUE, closed_form
 from solutions.closed_form import ClosedForm
-from verify.sampling import sample_points
+from solutions.rational import rational_tau
 
-from .balls import Point
+from .certificate import Data, equality_certificate, equation_certificate
+from .checker import CertificateError, same_statement
+from .checker import check_certificate as check_content
+from .domain import form_domains
 from .lab import LabEquation, lab_frame
-from .proof import prove, prove_equal
+from .problem import Problem, make_equality, make_problem
+from .proof import decide, prove_equal
+from .rational_orders import rational_certificate
 from .verdict import ProofVerdict
 
-POINTS = 4
-DENOMINATOR = 1009
 
-
-def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
+def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
@@ -28,16 +31,16 @@ def prove_form(form: ClosedForm, *, certify: bool = False) -> ProofVerdict:
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
+    start = time.perf_counter()
+    return decide(lab_problem(form)).timed(time.perf_counter() - start)
+
+
+def lab_problem(form: ClosedForm) -> Problem:
+    """The statement that ``form`` solves the equation in the lab variables."""
     frame = lab_frame(form.equation.s)
-    equation = LabEquation(frame)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
-    return prove(
-        equation,
-        form.expression.xreplace(variables),
-        name=form.name,
-        points=_lab_points(form, (equation.xi, equation.tau, *frame.generators)),
-        certify=certify,
-    )
+    expression = form.expression.xreplace(variables)
+    return make_problem(LabEquation(frame), expression, (), form.name, form_domains(form))
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -53,18 +56,37 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        points=sample_points(form, POINTS, 0),
+        domains=form_domains(form),
     )
 
 
-def _lab_points(form: ClosedForm, symbols: tuple[sp.Symbol, ...]) -> list[Point]:
-    """The form's own sample points, with X, T and the generators of K2, K4 between 1/2 and 3/2."""
-    draw = random.Random(form.name)
-    return [
-        {**point, **{symbol: _number(draw) for symbol in symbols}}
-        for point in sample_points(form, POINTS, 0)
-    ]
+def check_certificate(data: Any) -> str:
+    """Repeat the proof in ``data`` and return its statement in words.
+
+    Raises CertificateError if the proof fails, or if it has the name of a closed form and states
+    something else.
+    """
+    statement = check_content(data)
+    name = data["name"]
+    try:
+        form = closed_form(name)
+    except ValueError:
+        return statement
+    if not any(same_statement(data, other) for other in _named(form)):
+        raise CertificateError(f"{name} is a closed form of the catalogue, and not the one stated")
+    return statement
 
 
-def _number(draw: random.Random) -> sp.Rational:
-    return sp.Rational(1, 2) + sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR)
+def _named(form: ClosedForm) -> Iterator[Data]:
+    """What a certificate with the name of ``form`` may state."""
+    family = form.name.removeprefix("rational_")
+    if family.isdigit() and form not in CATALOGUE:
+        tau = rational_tau(int(family))
+        yield rational_certificate(int(family), tau.A, tau.B)
+    yield equation_certificate(lab_problem(form))
+    domains, variables = form_domains(form), (form.equation.xi, form.equation.tau)
+    own = make_problem(form.equation, form.expression, (), form.name, domains)
+    yield equation_certificate(own)
+    names = (form.name, "stable form = canonical form")
+    equality = make_equality(form.expression, form.stable, (), names, domains)
+    yield equality_certificate(equality, form.expression, form.stable, variables)

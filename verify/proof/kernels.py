@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
+from math import lcm
 
 import sympy as sp
 
@@ -22,19 +23,22 @@ class Kernels:
     ``exponents`` is the lattice of what stands in exponentials.  For an elliptic parameter m,
     ``moving(m)`` and ``fixed(m)`` are the lattices of the variable and of the constant parts of
     the arguments.  ``count`` says how often each function occurs; ``circles`` are the symbols s
-    for which sqrt(1 - s**2) occurs.
+    for which sqrt(1 - s**2) occurs and no other root of a sum with s.  ``degrees`` has, for the
+    base of roots, the common multiple of their degrees.
     """
 
     def __init__(self, expressions: Iterable[sp.Expr], variables: Sequence[sp.Symbol]) -> None:
         self.dependence = Dependence(variables)
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self.circles: set[sp.Symbol] = set()
+        self.degrees: dict[sp.Expr, int] = {}
         self._exponents: dict[sp.Expr, None] = {}
         self._moving: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         self._fixed: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         seen: set[sp.Basic] = set()
         for expression in expressions:
             self._visit(expression, seen)
+        self._close_circles()
         self.exponents = ArgumentLattice(self._exponents)
         self._lattices: dict[tuple[str, sp.Expr], ArgumentLattice] = {}
 
@@ -73,7 +77,9 @@ class Kernels:
         elif isinstance(node, JacobiFunction):
             self._elliptic(*node.args)
         elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
-            self._root(node.base)
+            self._root(node.base, int(node.exp.q))
+        elif node is sp.E:
+            self._exponents[sp.S.One] = None
 
     def _elliptic(self, argument: sp.Expr, m: sp.Expr) -> None:
         variable, constant = self.parts(argument)
@@ -82,8 +88,16 @@ class Kernels:
         if constant != 0:
             self._fixed[m][constant] = None
 
-    def _root(self, base: sp.Expr) -> None:
+    def _root(self, base: sp.Expr, degree: int) -> None:
+        self.degrees[base] = lcm(degree, self.degrees.get(base, 1))
         rest = 1 - base
         is_square = rest.is_Pow and rest.exp == 2 and rest.base.is_Symbol
         if is_square and rest.base not in self.dependence.variables:
             self.circles.add(rest.base)
+
+    def _close_circles(self) -> None:
+        """Without another root of a sum with s: its relation with sqrt(1 - s**2) would be lost."""
+        for symbol in list(self.circles):
+            sums = [base for base in self.degrees if not base.is_Symbol and base.has(symbol)]
+            if sums != [1 - symbol**2]:
+                self.circles.remove(symbol)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -12,16 +11,24 @@ from sympy.core.function import AppliedUndef
 from verify.terms import FieldEquation
 
 from .balls import Point
+from .domain import Domain, Domains, settled_domains
+from .samples import sample
 
-POINTS = 4
-DENOMINATOR = 1009
+POINTS = 8
+"""Points at which a formula is looked at before anything is proved."""
+
+MORE_POINTS = 40
+"""Further points at which a formula is looked at that could not be proved."""
+
+Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Does ``expression`` for ``unknown`` make ``left`` vanish?
+    """Does ``expression`` for ``unknown`` make ``left`` vanish on the domains?
 
-    ``points`` are admissible rational points, for witnesses and for denominators.
+    ``domains`` has every variable and parameter.  ``points`` are rational points of them, for
+    witnesses and for denominators: sampled ones, then those that the caller added.
     """
 
     left: sp.Expr
@@ -30,6 +37,7 @@ class Problem:
     points: tuple[Point, ...]
     name: str
     equation_name: str
+    domains: Domains
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -38,11 +46,24 @@ class Problem:
 
 
 def make_problem(
-    equation: FieldEquation | sp.Expr, expression: sp.Expr, points: Sequence[Point], name: str
+    equation: FieldEquation | sp.Expr,
+    expression: sp.Expr,
+    points: Sequence[Point],
+    name: str,
+    stated: Stated,
 ) -> Problem:
-    """The problem that `prove` is called with; raises ValueError without a single unknown."""
+    """The problem that `prove` is called with.
+
+    Raises ValueError without a single unknown, and as `domain.settled_domains` does.
+    """
+    expression = formula("expression", expression)
     if isinstance(equation, sp.Expr):
         left, label = equation, f"{equation} = 0"
+    elif not hasattr(equation, "residual"):
+        raise TypeError(
+            f"equation must be a SymPy expression, got {equation!r} (its left-hand side, '= 0' "
+            "understood)"
+        )
     else:
         left, label = equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
     unknowns = left.atoms(AppliedUndef)
@@ -52,16 +73,97 @@ def make_problem(
             "(write it with sympy.Function('u')(x, t))"
         )
     (unknown,) = unknowns
-    symbols = left.free_symbols | expression.free_symbols
-    found = tuple(points) or random_points(symbols)
-    return Problem(left, unknown, expression, found, name, label)
+    if len(set(unknown.args)) < len(unknown.args) or not all(a.is_Symbol for a in unknown.args):
+        raise ValueError(
+            f"the unknown must be a function of different symbols, got {unknown} "
+            "(write it with sympy.Function('u')(x, t))"
+        )
+    real = real_symbols(left.free_symbols | expression.free_symbols)
+    left, expression = left.xreplace(real), expression.xreplace(real)
+    (unknown,) = left.atoms(AppliedUndef)
+    left = _written_out(left, unknown)
+    domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
+    found = problem_points(domains, points)
+    return Problem(left, unknown, expression, found, name, label, domains)
 
 
-def random_points(symbols: Iterable[sp.Basic], seed: int = 0) -> tuple[Point, ...]:
-    """Points with every symbol strictly between 0 and 1, the same for the same seed."""
-    draw = random.Random(seed)
-    ordered = sorted(symbols, key=str)
-    return tuple(
-        {symbol: sp.Rational(draw.randint(1, DENOMINATOR - 1), DENOMINATOR) for symbol in ordered}
-        for _ in range(POINTS)
-    )
+def _written_out(left: sp.Expr, unknown: sp.Expr) -> sp.Expr:
+    """The equation with the derivatives of products and powers of the unknown in jets."""
+    whole = [d for d in left.atoms(sp.Derivative) if d.expr != unknown and d.has(unknown)]
+    return left.xreplace({derivative: derivative.doit() for derivative in whole})
+
+
+def formula(name: str, given: object) -> sp.Expr:
+    """A formula as a SymPy expression; raises TypeError for what is none."""
+    if isinstance(given, sp.Expr):
+        return given
+    if isinstance(given, int) and not isinstance(given, bool):
+        return sp.Integer(given)
+    raise TypeError(f"{name} must be a SymPy expression, got {given!r} (sympy.sympify makes one)")
+
+
+def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
+    """Real symbols in place of those of which SymPy knows nothing.
+
+    Raises ValueError as `domain.settled_domains` does.
+    """
+    return {
+        symbol: sp.Symbol(symbol.name, real=True)
+        for symbol in settled_domains(symbols, {})
+        if symbol.is_real is None
+    }
+
+
+def make_equality(
+    left: sp.Expr,
+    right: sp.Expr,
+    points: Sequence[Point],
+    names: tuple[str, str],
+    stated: Stated,
+) -> Problem:
+    """The problem that `prove_equal` is called with; ``names`` of the formulas and the equation."""
+    domains = settled_domains(left.free_symbols | right.free_symbols, stated)
+    found = problem_points(domains, points)
+    return Problem(sp.S.Zero, sp.S.Zero, left - right, found, *names, domains)
+
+
+def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...]:
+    """Sampled points, and the added ones with sampled values where they leave a symbol out.
+
+    Raises ValueError for an added point outside the domains.
+    """
+    found = sample(domains, POINTS)
+    by_name = {symbol.name: symbol for symbol in domains}
+    extra = [
+        {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
+        for p in added
+    ]
+    for point in extra:
+        for symbol, value in point.items():
+            if not domains[symbol].contains(value, point):
+                raise ValueError(
+                    f"points must lie in the domains, got {symbol} = {value} "
+                    f"({domains[symbol].text(symbol)})"
+                )
+    return (*found, *extra)
+
+
+def more_points(problem: Problem) -> tuple[Point, ...]:
+    """Further points of a problem's domains, of all sizes and near the ends."""
+    return sample(problem.domains, POINTS + MORE_POINTS)[POINTS:]
+
+
+def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
+    found = sp.Integer(value) if isinstance(value, int) else value
+    if not (isinstance(found, sp.Expr) and found.is_Rational):
+        raise ValueError(
+            f"points must have rational numbers, got {symbol} = {value!r} (sympy.Rational(1, 2))"
+        )
+    return found
+
+
+def coefficients(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
+    """The factors of the terms of ``equation`` that are free of ``unknown``."""
+    terms = sp.Add.make_args(sp.expand(equation))
+    factors = [factor for term in terms for factor in sp.Mul.make_args(term)]
+    return [factor for factor in dict.fromkeys(factors) if not factor.has(unknown)]

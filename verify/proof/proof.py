@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import sympy as sp
 
 from verify.terms import FieldEquation
 from verify.verdict import Outcome
 
-from .assumptions import assumptions
 from .balls import Point
-from .certificate import make_certificate
-from .compilation import Compilation, compile_expressions, regular_point
-from .jets import EquationImage, coefficients
-from .lemmas import equal_by_lemmas
-from .problem import Problem, make_problem, random_points
+from .certificate import (
+    Data,
+    equality_certificate,
+    equation_certificate,
+    generator_count,
+    point_text,
+    regular_point,
+)
+from .checker import check_certificate
+from .lemmas import find_lemmas
+from .problem import (
+    Problem,
+    Stated,
+    coefficients,
+    formula,
+    make_equality,
+    make_problem,
+    more_points,
+    real_symbols,
+)
+from .singularities import singularities
 from .verdict import METHOD, ProofVerdict
-from .witness import QUICK_BITS, Witness, find_difference, find_witness
-
-NO_REGULAR_POINT = "no point was found at which every denominator is shown not to vanish"
+from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
 
 
 def prove(
@@ -29,17 +43,19 @@ def prove(
     *,
     name: str = "expression",
     points: Sequence[Point] = (),
-    certify: bool = False,
+    domains: Stated | None = None,
 ) -> ProofVerdict:
-    """Decide whether ``expression`` solves ``equation`` for all values of its parameters.
+    """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
 
     ``equation`` is an object with a residual (as `solutions.equation.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
-    ``points`` are admissible rational points to look for a witness at, and where denominators
-    are shown not to vanish; without them, points in (0, 1) are taken.  With ``certify``, a proof
-    carries a certificate for `checker.check_certificate`.
+    ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
+    beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
+    points of the domains to look for a witness at, besides sampled ones.  PROVED means that
+    `checker.check_certificate` has accepted the certificate that the verdict carries.
 
-    Raises ValueError for an equation without exactly one unknown function.
+    Raises ValueError for an equation without exactly one unknown function, for domains that are
+    none and for points outside them.
 
     >>> x, t, c = sp.symbols("x t c")
     >>> u = sp.Function("u")(x, t)
@@ -50,8 +66,8 @@ def prove(
     <Outcome.REFUTED: 'REFUTED'>
     """
     start = time.perf_counter()
-    problem = make_problem(equation, expression, points, name)
-    return _decide(problem, certify).timed(time.perf_counter() - start)
+    problem = make_problem(equation, expression, points, name, domains or {})
+    return decide(problem).timed(time.perf_counter() - start)
 
 
 def prove_equal(
@@ -62,81 +78,119 @@ def prove_equal(
     name: str = "expressions",
     equation_name: str = "equality",
     points: Sequence[Point] = (),
+    domains: Stated | None = None,
 ) -> ProofVerdict:
     """Decide whether two formulas are the same function of ``variables`` and all parameters.
+
+    ``domains`` and ``points`` are those of `prove`.
 
     >>> x = sp.Symbol("x")
     >>> prove_equal(sp.tanh(x) ** 2, 1 - sp.sech(x) ** 2, [x]).outcome
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    found = tuple(points) or random_points(left.free_symbols | right.free_symbols)
-    problem = Problem(sp.S.Zero, sp.S.Zero, left - right, found, name, equation_name)
-    return _decide_equal(problem, left, right, variables).timed(time.perf_counter() - start)
+    left, right = formula("left", left), formula("right", right)
+    real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
+    left, right = left.xreplace(real), right.xreplace(real)
+    variables = [real.get(variable, variable) for variable in variables]
+    problem = make_equality(left, right, points, (name, equation_name), domains or {})
+    verdict = _decide_equal(problem, left, right, variables)
+    verdict = _with_singularities(verdict, [left, right], problem)
+    return verdict.timed(time.perf_counter() - start)
 
 
-def _decide(problem: Problem, certify: bool) -> ProofVerdict:
-    witness = find_witness(problem, QUICK_BITS)
+def decide(problem: Problem) -> ProofVerdict:
+    """The verdict on a problem; PROVED only if the checker accepts its certificate."""
+    found = [problem.expression, *coefficients(problem.left, problem.unknown)]
+    return _with_singularities(_decide(problem), found, problem)
+
+
+def _with_singularities(
+    verdict: ProofVerdict, expressions: Sequence[sp.Expr], problem: Problem
+) -> ProofVerdict:
+    """A proof with what it does not speak of: where ``expressions`` may fail to be smooth."""
+    if verdict.outcome is not Outcome.PROVED:
+        return verdict
+    found = singularities(expressions, problem.domains)
+    lines = tuple(f"holds where the formula is smooth, possibly not so: {line}" for line in found)
+    return replace(verdict, singularities=found, assumptions=(*verdict.assumptions, *lines))
+
+
+def _first_look(problem: Problem) -> Witness | None:
+    """A witness that costs less than a proof: all points coarsely, one to many digits."""
+    found = find_witness(problem, problem.points, QUICK_BITS)
+    return found or find_witness(problem, problem.points[:1], LONG_BITS)
+
+
+def _decide(problem: Problem) -> ProofVerdict:
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
-    known = coefficients(problem.left, problem.unknown)
     try:
-        compiled = compile_expressions(
-            [problem.expression], known, problem.variables, problem.points[0]
-        )
-        image = EquationImage(compiled.field, problem.unknown, compiled.elements[0])
-        residual = image.residual(problem.left)
-    except (ValueError, ZeroDivisionError) as error:
-        return _undecided(problem, str(error))
-    if residual.is_zero:
-        return _proved(problem, compiled, certify)
-    witness = find_witness(problem)
-    if witness is not None:
-        return _refuted(problem, witness)
-    return _undecided(problem, f"{len(residual.numerator)} terms are left of the numerator")
+        return proved(problem.equation_name, METHOD, equation_certificate(problem))
+    except ValueError as error:
+        witness = find_witness(problem, [*problem.points, *more_points(problem)])
+        return _refuted(problem, witness) if witness else _undecided(problem, str(error))
 
 
 def _decide_equal(
     problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
 ) -> ProofVerdict:
-    witness = find_difference(problem.expression, problem.points, QUICK_BITS)
+    witness = _first_look(problem)
     if witness is not None:
         return _refuted(problem, witness)
     try:
-        by_parts = equal_by_lemmas(left, right, variables, problem.points[0])
-        if by_parts is not None:
-            return _proved(problem, by_parts[0], certify=False, parts=by_parts[1])
-        compiled = compile_expressions([left, right], [], variables, problem.points[0])
-        difference = compiled.elements[0] - compiled.elements[1]
-    except (ValueError, ZeroDivisionError) as error:
-        return _undecided(problem, str(error))
-    if difference.is_zero:
-        return _proved(problem, compiled, certify=False)
-    witness = find_difference(problem.expression, problem.points)
-    if witness is not None:
-        return _refuted(problem, witness)
-    return _undecided(problem, f"{len(difference.numerator)} terms are left of the difference")
+        return _proved_equal(problem, left, right, variables)
+    except ValueError as error:
+        reason = str(error)
+    witness = find_witness(problem, [*problem.points, *more_points(problem)])
+    return _refuted(problem, witness) if witness else _undecided(problem, reason)
 
 
-def _proved(
-    problem: Problem,
-    compiled: Compilation,
-    certify: bool,
-    parts: Mapping[sp.Expr, sp.Expr] | None = None,
+def _proved_equal(
+    problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
 ) -> ProofVerdict:
-    point = regular_point(compiled.field, problem.points, parts)
-    if point is None:
-        return _undecided(problem, NO_REGULAR_POINT)
-    detail = f"numerator 0 in {len(compiled.field.generators)} generators, all parameters symbolic"
+    """The proof by equal parts, or else at once; raises ValueError if neither is accepted."""
+    reason = ValueError("there is no proof")
+    for parts in _partitions(problem, left, right, variables):
+        try:
+            certificate = equality_certificate(problem, left, right, variables, parts)
+            return proved(problem.equation_name, METHOD, certificate)
+        except ValueError as error:
+            reason = error
+    raise reason
+
+
+def _partitions(
+    problem: Problem, left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol]
+) -> Iterator[list[tuple[sp.Expr, sp.Expr]]]:
+    """Equal parts to prove first, and none."""
+    point = regular_point([left, right], problem.points)
+    lemmas = find_lemmas(left, right, variables, point)
+    if lemmas:
+        yield lemmas
+    yield []
+
+
+def proved(equation: str, method: str, certificate: Data) -> ProofVerdict:
+    """The verdict PROVED, if the checker accepts ``certificate``.
+
+    Raises CertificateError if it does not.
+    """
+    statement = check_certificate(certificate)
+    *_, reading = statement.splitlines()
     return ProofVerdict(
-        problem.name,
-        problem.equation_name,
-        METHOD,
+        certificate["name"],
+        equation,
+        method,
         Outcome.PROVED,
-        detail,
+        f"numerator 0 in {generator_count(certificate)} generators, accepted by the checker",
         residual=0.0,
-        assumptions=assumptions(compiled, point),
-        certificate=make_certificate(problem, compiled, point) if certify else None,
+        assumptions=(
+            reading,
+            f"no denominator vanishes identically: see {point_text(certificate)}",
+        ),
+        certificate=certificate,
     )
 
 

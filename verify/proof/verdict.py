@@ -7,17 +7,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from verify.verdict import Verdict
+from verify.verdict import Outcome, Verdict
 
 METHOD = "differential algebra"
 
 
 @dataclass(frozen=True)
 class ProofVerdict(Verdict):
-    """``assumptions`` in words; ``certificate`` for `checker.check_certificate`, if asked for."""
+    """``assumptions`` and ``singularities`` in words; a proof's ``certificate``, accepted.
+
+    ``singularities`` names the poles, jumps and branch points that the formula may have inside
+    its domains; the verdict holds at the points at which it is smooth.
+
+    Raises ValueError for a proof without a certificate.
+    """
 
     assumptions: tuple[str, ...] = ()
+    singularities: tuple[str, ...] = ()
     certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.outcome is Outcome.PROVED and self.certificate is None:
+            raise ValueError(
+                "certificate must be given with a proof, got none (prove only what is checked)"
+            )
 
     def certificate_text(self) -> str | None:
         """The certificate as JSON on one line; None where there is none."""
@@ -35,10 +49,11 @@ class ProofVerdict(Verdict):
 
     def json(self) -> dict[str, Any]:
         """The record as plain data, with the certificate's size (it is a file of its own)."""
-        record = replace(self, certificate=None).__dict__.copy()
+        record = self.__dict__.copy()
         record.pop("certificate")
         record["outcome"] = self.outcome.value
         record["assumptions"] = list(self.assumptions)
+        record["singularities"] = list(self.singularities)
         record["certificate_bytes"] = self.certificate_bytes
         record["witness"] = None if self.witness is None else dict(self.witness)
         return record

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import sympy as sp
 from flint import acb
 
 from .balls import Point, ball_value, residual_ball
 from .problem import Problem
+from .signs import Signs
 
 QUICK_BITS = (160,)
+LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
 SHOWN_DIGITS = 6
 
@@ -32,31 +33,24 @@ class Witness:
         return f"residual {self.ball.str(SHOWN_DIGITS)} excludes 0"
 
 
-def find_witness(problem: Problem, bits: Sequence[int] = BITS) -> Witness | None:
-    """A witness against the equation, if one of the points has one."""
-    for precision in bits:
-        for point in problem.points:
-            try:
-                ball = residual_ball(
-                    problem.left, problem.unknown, problem.expression, point, precision
-                )
-            except ValueError:
-                continue
-            if ball.is_finite() and not ball.contains(0):
-                return Witness(point, ball)
-    return None
-
-
-def find_difference(
-    difference: sp.Expr, points: Sequence[Point], bits: Sequence[int] = BITS
+def find_witness(
+    problem: Problem, points: Sequence[Point], bits: Sequence[int] = BITS
 ) -> Witness | None:
-    """A witness against ``difference = 0``."""
+    """A witness among ``points`` against the equation, or against the equality of a problem."""
+    signs = Signs(problem.domains)
     for precision in bits:
         for point in points:
             try:
-                ball = ball_value(difference, point, precision)
-            except ValueError:
+                ball = _residual(problem, point, precision, signs)
+            except (ValueError, ZeroDivisionError):
                 continue
             if ball.is_finite() and not ball.contains(0):
                 return Witness(point, ball)
     return None
+
+
+def _residual(problem: Problem, point: Point, bits: int, signs: Signs) -> acb:
+    if problem.unknown == 0:
+        return ball_value(problem.expression, point, bits, signs)
+    left, unknown, expression = problem.left, problem.unknown, problem.expression
+    return residual_ball(left, unknown, expression, point, bits, signs)

@@ -12,12 +12,9 @@ import sympy as sp
 from solutions.closed_form import ClosedForm
 from solutions.symbols import k
 from verify.mutation import COEFFICIENT_CHANGE, Mutant, mutants
-from verify.proof import prove, prove_equal
-from verify.sampling import Point, sample_points
+from verify.proof import form_domains, prove, prove_equal
 from verify.tree import replaced
 from verify.verdict import Outcome
-
-POINTS = 4
 
 
 @dataclass(frozen=True)
@@ -72,8 +69,7 @@ def count_mutants(form: ClosedForm) -> MutationCount:
     """
     start = time.perf_counter()
     made = list(_mutants(form))
-    points = sample_points(form, POINTS, 0)
-    survivors = tuple(s for mutant in made if (s := _survivor(form, mutant, points)) is not None)
+    survivors = tuple(s for mutant in made if (s := _survivor(form, mutant)) is not None)
     return MutationCount(form.name, len(made), survivors, time.perf_counter() - start)
 
 
@@ -81,21 +77,21 @@ def _mutants(form: ClosedForm) -> Iterator[Mutant]:
     return mutants(form.expression, k if form.expression.has(k) else None)
 
 
-def _survivor(form: ClosedForm, mutant: Mutant, points: list[Point]) -> Survivor | None:
-    verdict = prove(form.equation, mutant.expression, points=points)
+def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
+    verdict = prove(form.equation, mutant.expression, domains=form_domains(form))
     if verdict.outcome is Outcome.REFUTED:
         return None
     proved = verdict.outcome is Outcome.PROVED
-    reason = solution_reason(form, mutant.expression, points) if proved else verdict.detail
+    reason = solution_reason(form, mutant.expression) if proved else verdict.detail
     return Survivor(mutant.description, verdict.outcome, reason)
 
 
-def solution_reason(form: ClosedForm, expression: sp.Expr, points: list[Point]) -> str:
+def solution_reason(form: ClosedForm, expression: sp.Expr) -> str:
     """Why a solution made from ``form`` by one change is one.
 
     >>> from solutions import closed_form
     >>> form = closed_form("rational_1")
-    >>> solution_reason(form, sp.Integer(3), sample_points(form, 1, 0))
+    >>> solution_reason(form, sp.Integer(3))
     'constant'
     """
     variables = (form.equation.xi, form.equation.tau)
@@ -110,7 +106,7 @@ def solution_reason(form: ClosedForm, expression: sp.Expr, points: list[Point]) 
     known = {"symmetry U to -U": form.expression, "bare wave": form.background}
     for reason, solution in known.items():
         for image in (-solution, solution):
-            verdict = prove_equal(expression, image, variables, points=points)
+            verdict = prove_equal(expression, image, variables, domains=form_domains(form))
             if verdict.outcome is Outcome.PROVED:
                 return reason
     return "another solution"

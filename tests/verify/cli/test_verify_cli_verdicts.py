@@ -79,8 +79,8 @@ def test_a_wrong_form_gives_status_1_and_its_witness(
 ) -> None:
     right = closed_form(name)
 
-    def spoiled(names: object, *, certify: bool) -> Iterator[Verdict]:
-        yield prove_form(replace(right, expression=right.expression + 1), certify=certify)
+    def spoiled(names: object) -> Iterator[Verdict]:
+        yield prove_form(replace(right, expression=right.expression + 1))
 
     monkeypatch.setattr(command, "check_all", spoiled)
     assert main(["--only", name]) == 1
@@ -114,7 +114,6 @@ def status(argv: list[str]) -> object:
             "--digits must not be given with",
         ),
         (["--seed", "1", "--stable"], "--stable must not be given with the method residual"),
-        (["--stable", "--certificate", "x"], "--certificate must not be given with --stable"),
         (["--only", "kink", "--certificate", "/nowhere/x"], "No such file or directory"),
         (["--nonsense"], "unrecognized arguments: --nonsense"),
         (["walk"], "unrecognized arguments: walk"),
@@ -165,6 +164,6 @@ def test_output_to_a_pipe_fits_one_row_a_form(capsys: Output) -> None:
     assert "residual at 20, 40 digits" in rows[0]
 
 
-def test_higher_orders_are_certified_only_on_request() -> None:
-    assert verify.check.check("rational_4").certificate is None
-    assert verify.check.check("rational_4", certify=True).certificate is not None
+def test_every_proof_has_a_certificate() -> None:
+    assert verify.check.check("rational_4").certificate is not None
+    assert verify.check.check("kink").certificate is not None

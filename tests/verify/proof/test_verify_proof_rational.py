@@ -10,7 +10,7 @@ from verify.proof.bilinear import (
     space_residual,
     time_residual,
 )
-from verify.proof.rational_orders import quotient_verdict, residual_at, wave_polynomials
+from verify.proof.rational_orders import rational_verdict, residual_at
 from verify.verdict import Outcome
 
 
@@ -22,7 +22,7 @@ def test_every_order_is_proved_directly_and_by_bilinear_identities(order: int) -
 
 def test_there_are_more_points_than_the_degree_in_time() -> None:
     """D of order 3 has t**4, so that D**4 times the residual has at most t**16."""
-    assert prove_rational(3).detail == "0 at 17 values of tau"
+    assert prove_rational(3).detail.startswith("0 at 17 values of tau")
 
 
 def test_free_shifts_stay_symbolic() -> None:
@@ -32,10 +32,9 @@ def test_free_shifts_stay_symbolic() -> None:
 
 
 def test_both_proofs_see_a_changed_coefficient() -> None:
-    N, D = wave_polynomials(3)
-    N[0] = N[0] + 1
-    assert any(residual_at(N, D, t) for t in range(-3, 4))
     family = rational_tau(3)
+    assert any(residual_at(family.A + 1, family.B, 1, t) for t in range(-3, 4))
+    assert not any(residual_at(family.A, family.B, x, t) for x in (0, 1, 5) for t in (-2, 0, 3))
     assert not space_residual(family.A + 1, family.B).is_zero()
     assert not time_residual(family.A + 1, family.B).is_zero()
 
@@ -78,11 +77,10 @@ def test_a_point_is_found_where_small_integers_are_zeros() -> None:
     assert nonzero_point(polynomial) == (3, 2)
 
 
-def test_a_wrong_quotient_is_refuted_at_a_point() -> None:
-    N, D = wave_polynomials(3)
-    N[0] = N[0] + 1
-    verdict = quotient_verdict("changed", N, D)
+def test_a_wrong_formula_is_refuted_at_a_point() -> None:
+    family = rational_tau(3)
+    verdict = rational_verdict(3, family.A + 1, family.B)
     assert verdict.outcome is Outcome.REFUTED
     assert verdict.witness is not None
     x, t = (int(verdict.witness[name]) for name in ("x", "t"))
-    assert residual_at(N, D, t)(x) != 0
+    assert residual_at(family.A + 1, family.B, x, t) != 0

@@ -1,0 +1,155 @@
+"""The search for wrong verdicts at length: random statements of known truth, on all cores.
+
+Prints every finding (wrong, error, slow) with a script to paste, and a table by kind.  The exit
+status is 1 if a verdict is wrong, an error escaped, or nothing came back in time.
+
+    python benchmarks/verdicts.py [--count 100000] [--seed 0] [--workers 2] [--undecided]
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from verify.study.statements import statement
+from verify.study.verdicts import HEADINGS, Judgement, Mark, judgements, tallies
+
+COUNT = 100_000
+PATIENCE = 60.0
+"""Seconds after which a worker that says nothing is stopped; its statement counts as slow."""
+
+FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
+
+
+def work(seed: int, indices: range, pipe: Connection) -> None:
+    """Judge the statements with these numbers and send each judgement."""
+    for judgement in judgements(seed, indices):
+        pipe.send(judgement)
+    pipe.close()
+
+
+@dataclass
+class Worker:
+    """A process on its way through ``indices``; ``done`` of them are judged."""
+
+    seed: int
+    indices: range
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        self.start()
+
+    def start(self) -> None:
+        """Begin, or go on behind the last one."""
+        context = multiprocessing.get_context("spawn")
+        self.pipe, theirs = context.Pipe(duplex=False)
+        arguments = (self.seed, self.indices[self.done :], theirs)
+        self.process = context.Process(target=work, args=arguments, daemon=True)
+        self.process.start()
+        theirs.close()
+        self.last = time.monotonic()
+
+    def receive(self) -> Judgement:
+        """The next judgement; that the process died at a statement is one too."""
+        try:
+            found: Judgement = self.pipe.recv()
+        except EOFError:
+            return self.abandon("the process died")
+        self.done += 1
+        self.last = time.monotonic()
+        return found
+
+    def abandon(self, words: str) -> Judgement:
+        """Stop the process at its present statement and go on behind it."""
+        index = self.indices[self.done]
+        self.process.kill()
+        self.process.join()
+        self.done += 1
+        if self.has_more:
+            self.start()
+        given = statement(self.seed, index)
+        return Judgement(
+            given.kind, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE
+        )
+
+    @property
+    def has_more(self) -> bool:
+        """Whether statements are left."""
+        return self.done < len(self.indices)
+
+
+def search(seed: int, count: int, workers: int, report: Progress) -> list[Judgement]:
+    """All judgements, from ``workers`` processes that take every so manieth statement."""
+    task = report.add_task("statements", total=count)
+    found: list[Judgement] = []
+    team = [Worker(seed, range(start, count, workers)) for start in range(min(workers, count))]
+    while team:
+        ready = wait([worker.pipe for worker in team], timeout=1.0)
+        for worker in team:
+            if worker.pipe in ready:
+                found.append(worker.receive())
+            elif time.monotonic() - worker.last > PATIENCE:
+                found.append(worker.abandon(f"nothing came back in {PATIENCE:g} s"))
+            else:
+                continue
+            report.advance(task)
+            if found[-1].mark in FINDINGS:
+                report.console.print(_text(found[-1]), markup=False, highlight=False)
+        team = [worker for worker in team if worker.has_more]
+    return found
+
+
+def _text(judgement: Judgement) -> str:
+    script = statement(judgement.seed, judgement.index).script()
+    return f"{judgement.mark.upper()}: {judgement.words}\n{script}\n"
+
+
+def table(found: list[Judgement], seconds: float) -> Table:
+    """The tallies by kind."""
+    made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
+    for place, heading in enumerate(HEADINGS):
+        made.add_column(heading, justify="right" if place else "left")
+    for tally in tallies(found):
+        made.add_row(*tally.cells())
+    return made
+
+
+def reasons(found: list[Judgement]) -> Table:
+    """Why statements in supported functions were left undecided, the most frequent first."""
+    counts: dict[tuple[str, str], list[int]] = {}
+    for judgement in found:
+        if judgement.mark is Mark.UNDECIDED and judgement.supported:
+            counts.setdefault((judgement.kind, judgement.words[:70]), []).append(judgement.index)
+    made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
+    for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
+        made.add_row(str(len(own)), kind, words, str(min(own)))
+    return made
+
+
+def main() -> int:
+    """Read the options, search, print; 1 if there is a finding."""
+    parser = argparse.ArgumentParser(description="The search for wrong verdicts.")
+    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--undecided", action="store_true", help="why so many were undecided")
+    options = parser.parse_args()
+    console, start = Console(), time.monotonic()
+    with Progress(console=console) as report:
+        found = search(options.seed, options.count, options.workers, report)
+    console.print(table(found, time.monotonic() - start))
+    if options.undecided:
+        console.print(reasons(found))
+    return int(any(judgement.mark in FINDINGS for judgement in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

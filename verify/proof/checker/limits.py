@@ -1,0 +1,31 @@
+"""How much a certificate may cost, and the error of one that is refused."""
+
+from __future__ import annotations
+
+FILE_BYTES = 8_000_000
+"""The largest certificate of the catalogue has 0.2 MB."""
+
+NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
+GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
+DIGITS, EXPONENT, NAME = 2_000, 1_000, 60
+
+WORK = 40_000_000
+"""Products of terms in all polynomial multiplications; the catalogue's dearest proof takes a
+tenth of it."""
+
+DEGREE = 3_000
+"""Total degree of a polynomial."""
+
+FACTOR_TERMS, FACTOR_DEGREE = 400, 100
+"""A denominator beyond either is not split into irreducible factors."""
+
+
+class CertificateError(ValueError):
+    """A certificate does not prove what it says; the message says where it fails."""
+
+
+def within(what: str, got: int, limit: int) -> int:
+    """``got`` if it is at most ``limit``; raises CertificateError otherwise."""
+    if got > limit:
+        raise CertificateError(f"{what} must be at most {limit}, got {got} (prove less at once)")
+    return got

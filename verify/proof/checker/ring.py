@@ -1,0 +1,271 @@
+"""Polynomials in the generators over the rationals, modulo relations; fractions and derivations.
+
+A relation ``g**n = value`` has only earlier generators in its value, so that dividing by the
+relations, the last one first, gives a normal form.  A relation holds at every point, whether or
+not it is irreducible: normal form 0 proves that a polynomial in the generators' meanings is 0.
+The converse is never used.  Fractions are only added, multiplied, inverted and differentiated, so
+their identities hold wherever no entry of `Ring.factors` vanishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint.utils.flint_exceptions import DomainError
+
+from .limits import DEGREE, FACTOR_DEGREE, FACTOR_TERMS, WORK, CertificateError, within
+
+Powers = Mapping[int, int]
+
+
+class Ring:
+    """Polynomials in ``count`` generators; ``factors`` are the denominators met so far."""
+
+    def __init__(self, count: int) -> None:
+        self.names = tuple(f"g{place}" for place in range(count))
+        self.context = fmpq_mpoly_ctx.get(self.names[::-1], Ordering.lex)
+        self.generators: tuple[fmpq_mpoly, ...] = self.context.gens()[::-1]
+        self.factors: list[fmpq_mpoly] = []
+        self.relations: list[tuple[int, int, fmpq_mpoly]] = []
+        self._work = 0
+
+    def number(self, value: fmpq | int) -> Element:
+        """A rational number as a fraction."""
+        return Element(self, self.context.constant(value))
+
+    def generator(self, place: int) -> Element:
+        """A generator as a fraction."""
+        return Element(self, self.generators[place])
+
+    def relate(self, place: int, degree: int, value: fmpq_mpoly) -> None:
+        """From now on ``generators[place] ** degree`` is ``value``."""
+        if any(value.degrees()[: len(self.names) - place]):
+            raise CertificateError(f"the relation of generator {place} needs a later one")
+        modulus = self.generators[place] ** degree - value
+        self.relations.insert(0, (len(self.names) - 1 - place, degree, modulus))
+        self.relations.sort(key=lambda relation: relation[0])
+
+    def product(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
+        """The normal form of a product; raises CertificateError beyond the budget."""
+        if left.is_constant() or right.is_constant():
+            return left * right
+        self.spend(len(left) * len(right))
+        within("degrees", int(left.total_degree() + right.total_degree()), DEGREE)
+        return self.reduced(left * right)
+
+    def reduced(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """The remainder of the division by the relations."""
+        for index, degree, modulus in self.relations:
+            top = int(polynomial.degrees()[index])
+            if top >= degree:
+                self.spend(len(polynomial) * len(modulus) * (top // degree))
+                polynomial = divmod(polynomial, modulus)[1]
+        return polynomial
+
+    def roots(self) -> list[tuple[int, int, fmpq_mpoly]]:
+        """The generators with a relation among ``factors``: place there, degree and value."""
+        found = []
+        for index, degree, modulus in self.relations:
+            generator = self.context.gens()[index]
+            if generator in self.factors:
+                value = generator**degree - modulus
+                found.append((self.factors.index(generator), degree, value))
+        return found
+
+    def spend(self, work: int) -> None:
+        """Count work; raises CertificateError when it is too much."""
+        self._work = within("the work of polynomial products", self._work + work, WORK)
+
+    def quotient(self, polynomial: fmpq_mpoly, factor: fmpq_mpoly) -> fmpq_mpoly | None:
+        """``polynomial / factor`` where the division of polynomials leaves nothing."""
+        try:
+            return polynomial / factor
+        except DomainError:
+            return None
+
+    def split(self, polynomial: fmpq_mpoly) -> tuple[fmpq, dict[int, int]]:
+        """``polynomial`` as a number times powers of entries of ``factors``."""
+        if len(polynomial) > FACTOR_TERMS or polynomial.total_degree() > FACTOR_DEGREE:
+            unit, parts = fmpq(1), [(polynomial, 1)]
+        else:
+            unit, parts = polynomial.factor()
+        powers: dict[int, int] = {}
+        for part, power in parts:
+            if part not in self.factors:
+                self.factors.append(part)
+            powers[self.factors.index(part)] = int(power)
+        return unit, powers
+
+    def multiplied_out(self, powers: Powers) -> fmpq_mpoly:
+        """The product of the factors to ``powers``."""
+        product = self.context.constant(1)
+        for place, power in powers.items():
+            for _ in range(power):
+                product = self.product(product, self.factors[place])
+        return product
+
+
+@dataclass(frozen=True)
+class Element:
+    """``numerator`` over the product of ``ring.factors[i] ** powers[i]``."""
+
+    ring: Ring
+    numerator: fmpq_mpoly
+    powers: Powers = field(default_factory=dict)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the numerator's normal form is 0."""
+        return bool(self.numerator.is_zero())
+
+    @property
+    def places(self) -> set[int]:
+        """The generators that occur."""
+        found: set[int] = set()
+        for polynomial in (self.numerator, *(self.ring.factors[i] for i in self.powers)):
+            degrees = reversed(polynomial.degrees())
+            found |= {place for place, degree in enumerate(degrees) if degree}
+        return found
+
+    def over(self, powers: Powers) -> fmpq_mpoly:
+        """The numerator over a multiple of the denominator."""
+        rest = {i: power - self.powers.get(i, 0) for i, power in powers.items()}
+        return self.ring.product(self.numerator, self.ring.multiplied_out(rest))
+
+    def denominator(self) -> fmpq_mpoly:
+        """The denominator multiplied out."""
+        return self.ring.multiplied_out(self.powers)
+
+    def __add__(self, other: Element) -> Element:
+        return total(self.ring, [self, other]).cancelled()
+
+    def __neg__(self) -> Element:
+        return Element(self.ring, -self.numerator, self.powers)
+
+    def __sub__(self, other: Element) -> Element:
+        return self + -other
+
+    def __mul__(self, other: Element) -> Element:
+        powers = dict(self.powers)
+        for place, power in other.powers.items():
+            powers[place] = powers.get(place, 0) + power
+        numerator = self.ring.product(self.numerator, other.numerator)
+        return Element(self.ring, numerator, powers).cancelled()
+
+    def __truediv__(self, other: Element) -> Element:
+        return self * other.inverse()
+
+    def __pow__(self, exponent: int) -> Element:
+        base = self if exponent >= 0 else self.inverse()
+        if len(base.numerator) == 1 and not base.powers and not self.ring.relations:
+            within("degrees", int(base.numerator.total_degree()) * abs(exponent), DEGREE)
+            return Element(self.ring, base.numerator ** abs(exponent))
+        result = self.ring.number(1)
+        for _ in range(abs(exponent)):
+            result = result * base
+        return result
+
+    def inverse(self) -> Element:
+        """``1 / self``; raises CertificateError if the normal form is 0."""
+        if self.is_zero:
+            raise CertificateError("a denominator vanishes identically")
+        unit, powers = self.ring.split(self.numerator)
+        inverse = Element(self.ring, self.denominator() / unit, powers).cancelled()
+        for place, degree, value in self.ring.roots():
+            power = inverse.powers.get(place, 0)
+            if power:  # 1/g = g**(degree - 1)/value
+                factor = self.ring.factors[place]
+                rest = {i: n for i, n in inverse.powers.items() if i != place}
+                whole = Element(self.ring, inverse.numerator, rest)
+                other = (
+                    Element(self.ring, factor ** (degree - 1)) * Element(self.ring, value).inverse()
+                )
+                inverse = whole * other**power
+        return inverse
+
+    def cancelled(self) -> Element:
+        """Common polynomial factors divided out."""
+        if self.is_zero or not self.powers:
+            return Element(self.ring, self.numerator)
+        numerator, powers = self.numerator, dict(self.powers)
+        for place in self.powers:
+            while powers[place]:
+                quotient = self.ring.quotient(numerator, self.ring.factors[place])
+                if quotient is None:
+                    break
+                numerator, powers[place] = quotient, powers[place] - 1
+        return Element(self.ring, numerator, {i: n for i, n in powers.items() if n})
+
+
+def common(elements: Iterable[Element]) -> dict[int, int]:
+    """The least common denominator."""
+    powers: dict[int, int] = {}
+    for element in elements:
+        for place, power in element.powers.items():
+            powers[place] = max(powers.get(place, 0), power)
+    return powers
+
+
+def total(ring: Ring, elements: Sequence[Element]) -> Element:
+    """The sum over one common denominator, not cancelled."""
+    below = common(elements)
+    numerator = ring.context.constant(0)
+    for element in elements:
+        numerator += element.over(below)
+    return Element(ring, numerator, below)
+
+
+class Derivation:
+    """The derivation of the ring that takes each generator to its slope."""
+
+    def __init__(self, ring: Ring, slopes: Mapping[int, Element]) -> None:
+        self.ring = ring
+        self.slopes = {i: slope for i, slope in slopes.items() if not slope.is_zero}
+        self.below = common(self.slopes.values())
+        self._steps = {i: slope.over(self.below) for i, slope in self.slopes.items()}
+        self._moved: dict[int, tuple[fmpq_mpoly, bool]] = {}
+
+    def along(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """The derivative of a polynomial times the common denominator of the slopes."""
+        total = self.ring.context.constant(0)
+        for place, step in self._steps.items():
+            partial = polynomial.derivative(self.ring.names[place])
+            if not partial.is_zero():
+                total += self.ring.product(partial, step)
+        return total
+
+    def __call__(self, element: Element) -> Element:
+        """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
+        ring, numerator = self.ring, element.numerator
+        result = self.along(numerator)
+        raised = []
+        for place, power in element.powers.items():
+            slope, divides = self._factor_slope(place)
+            if divides:
+                result -= ring.product(power * slope, numerator)
+            else:
+                raised.append((place, power, slope))
+        for place, _, _ in raised:
+            result = ring.product(result, ring.factors[place])
+        for place, power, slope in raised:
+            term = ring.product(power * slope, numerator)
+            for other, _, _ in raised:
+                term = ring.product(term, ring.factors[other]) if other != place else term
+            result -= term
+        powers = dict(element.powers)
+        for place, _, _ in raised:
+            powers[place] += 1
+        for place, power in self.below.items():
+            powers[place] = powers.get(place, 0) + power
+        return Element(ring, result, powers).cancelled()
+
+    def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
+        """The derivative of a factor (times the common denominator), over it where that goes."""
+        if place not in self._moved:
+            factor = self.ring.factors[place]
+            slope = self.along(factor)
+            quotient = self.ring.quotient(slope, factor)
+            self._moved[place] = (slope, False) if quotient is None else (quotient, True)
+        return self._moved[place]

@@ -1,0 +1,233 @@
+"""What a certificate states: equations, formulas for their unknowns, and a domain; in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import fmpq
+
+from .limits import JETS, NAME, NODES, ORDER, TERMS, CertificateError, within
+from .nodes import SYMBOL, Nodes, children, integer, listed, number
+
+Jet = tuple[int, tuple[int, ...]]
+"""The place of an unknown and its order in each variable."""
+
+Term = tuple[fmpq, tuple[int, ...], tuple[Jet, ...]]
+"""A number, known factors (nodes), and jets."""
+
+LONG = 40
+"""Characters from which a formula that occurs twice gets a name."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """``equations`` (left-hand sides, "= 0") hold if ``formulas`` are put for ``unknowns``.
+
+    ``domain`` are pairs of nodes, ``left < right``, or ``left <= right`` where ``weak``.
+    """
+
+    nodes: Nodes
+    variables: tuple[int, ...]
+    unknowns: tuple[str, ...]
+    formulas: tuple[int, ...]
+    equations: tuple[tuple[Term, ...], ...]
+    domain: tuple[tuple[bool, int, int], ...]
+
+    @property
+    def roots(self) -> list[int]:
+        """The nodes that the statement is made of."""
+        known = [node for terms in self.equations for _, factors, _ in terms for node in factors]
+        return [*self.formulas, *known]
+
+    def content(self) -> object:
+        """What two statements have in common if and only if they say the same in the same words."""
+        terms = [
+            sorted((str(c), sorted(known), sorted(jets)) for c, known, jets in equation)
+            for equation in self.equations
+        ]
+        domain = sorted(self.domain)
+        return (self.variables, self.unknowns, self.formulas, terms, domain)
+
+
+def read_statement(nodes: Nodes, data: object) -> Statement:
+    """The statement of a certificate; raises CertificateError if it does not state anything."""
+    if not isinstance(data, Mapping):
+        raise CertificateError("the statement must be an object")
+    variables = [nodes.place(v) for v in listed(data["variables"], 8, "variables")]
+    if not variables or any(nodes.all[v][0] != "symbol" for v in variables):
+        raise CertificateError("variables must be symbols")
+    names, formulas = [], []
+    for unknown in listed(data["unknowns"], 8, "unknowns"):
+        name, place = listed(unknown, 2, "an unknown", 2)
+        if not isinstance(name, str) or len(name) > NAME or not SYMBOL.fullmatch(name):
+            raise CertificateError(f"names must be letters and digits, got {ascii(name)[:60]}")
+        names.append(name)
+        formulas.append(nodes.place(place))
+    symbols = [node[1] for node in nodes.all if node[0] == "symbol"]
+    if len({*names, *symbols}) != len(names) + len(symbols):
+        raise CertificateError("unknowns must differ in name from each other and from symbols")
+    equations = tuple(
+        _equation(nodes, terms, len(variables), len(names))
+        for terms in listed(data["equations"], 8, "equations")
+    )
+    _check_unknowns(equations, names)
+    domain = tuple(_inequality(nodes, entry) for entry in listed(data["domain"], 100, "domain"))
+    return Statement(nodes, tuple(variables), tuple(names), tuple(formulas), equations, domain)
+
+
+def _equation(nodes: Nodes, data: object, variables: int, unknowns: int) -> tuple[Term, ...]:
+    found = []
+    for entry in listed(data, TERMS, "the terms of an equation"):
+        text, known, jets = listed(entry, 3, "a term of an equation", 3)
+        orders: list[Jet] = []
+        for jet in listed(jets, JETS, "the derivatives in a term"):
+            unknown, order = listed(jet, 2, "a derivative", 2)
+            counts = [
+                integer(n, 0, ORDER, "the order of a derivative")
+                for n in listed(order, 8, "the orders of a derivative", variables)
+            ]
+            within("the order of a derivative", sum(counts), ORDER)
+            place = integer(unknown, 0, unknowns - 1, "the place of an unknown")
+            orders.append((place, tuple(counts)))
+        factors = [nodes.place(place) for place in listed(known, NODES, "known factors")]
+        found.append((number(text), tuple(factors), tuple(orders)))
+    return tuple(found)
+
+
+def _check_unknowns(equations: Sequence[Sequence[Term]], names: Sequence[str]) -> None:
+    """Every equation must contain an unknown, every unknown must be in an equation."""
+    if not equations:
+        raise CertificateError("the statement has no equation")
+    seen: set[int] = set()
+    for terms in equations:
+        merged: Counter[Any] = Counter()
+        for value, known, jets in terms:
+            if value == 0 or (key := (tuple(sorted(known)), tuple(sorted(jets)))) in merged:
+                raise CertificateError("the terms of an equation must differ and not be 0")
+            merged[key] += 1
+        found = {jet[0] for _, _, jets in terms for jet in jets}
+        if not found:
+            raise CertificateError("an equation does not contain the unknown")
+        seen |= found
+    if len(seen) != len(names):
+        raise CertificateError("an unknown is in none of the equations")
+
+
+def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
+    relation, left, right = listed(data, 3, "an inequality", 3)
+    if relation not in ("<", "<="):
+        raise CertificateError("inequalities must be < or <=")
+    return relation == "<=", nodes.place(left), nodes.place(right)
+
+
+def statement_text(statement: Statement) -> str:
+    """The statement in words, formulas in full; what occurs twice is named once."""
+    writer = _Writer(statement.nodes, statement.roots)
+    variables = [writer.text(v) for v in statement.variables]
+    equations = [
+        " + ".join(_term_text(term, statement, variables, writer) for term in terms) + " = 0"
+        for terms in statement.equations
+    ]
+    formulas = [
+        f"{name}({', '.join(variables)}) = {writer.text(formula)}"
+        for name, formula in zip(statement.unknowns, statement.formulas, strict=True)
+    ]
+    domain = [
+        f"{writer.text(left)} {'<=' if weak else '<'} {writer.text(right)}"
+        for weak, left, right in statement.domain
+    ]
+    kinds = {
+        kind: sorted(
+            node[1] for node in statement.nodes.all if node[0] == "symbol" and node[2] == kind
+        )
+        for kind in ("real", "complex")
+    }
+    symbols = [f"{kind} {', '.join(names)}" for kind, names in kinds.items() if names]
+    where = [f"{name} = {text}" for name, text in writer.named.items()]
+    lines = [
+        f"equation: {'; '.join(equations)}",
+        f"solution: {'; '.join(formulas)}",
+        *([f"where {'; '.join(where)}"] if where else []),
+        f"for all {'; '.join(symbols)}"
+        + (f" with {', '.join(domain)}" if domain else "")
+        + ", wherever the formulas are smooth",
+    ]
+    return "\n".join(lines)
+
+
+def _term_text(term: Term, statement: Statement, variables: Sequence[str], writer: _Writer) -> str:
+    value, known, jets = term
+    parts = [f"({value})" if value < 0 or value.q != 1 else f"{value}"] if value != 1 else []
+    parts += [f"({writer.text(node)})" for node in known]
+    for (unknown, orders), power in Counter(jets).items():
+        steps = "".join(v * n for v, n in zip(variables, orders, strict=True))
+        name = statement.unknowns[unknown] + (f"_{steps}" if steps else "")
+        parts.append(name if power == 1 else f"{name}^{power}")
+    return "*".join(parts) or "1"
+
+
+class _Writer:
+    """Formulas as text of a length that grows with the number of nodes only."""
+
+    def __init__(self, nodes: Nodes, roots: Sequence[int]) -> None:
+        self._nodes = nodes
+        self.named: dict[str, str] = {}
+        self._texts: dict[int, str] = {}
+        taken = {node[1] for node in nodes.all if node[0] == "symbol"}
+        uses = Counter(c for node in nodes.below(roots) for c in set(children(nodes.all[node])))
+        uses.update(roots)
+        for node in nodes.below(roots):
+            if nodes.all[node][0] == "poly":
+                uses.update(dict.fromkeys(nodes.all[node][2:], LONG))
+        for node in nodes.below(roots):
+            text = self._text(node)
+            often = uses[node] > 1 and len(text) > 8 and uses[node] * len(text) > 2 * LONG
+            if often or len(text) > 100 * LONG:
+                name = f"f{len(self.named) + 1}"
+                while name in taken:
+                    name += "_"
+                self.named[name], text = text, name
+            self._texts[node] = text
+
+    def text(self, node: int) -> str:
+        """The text of a node, or its name."""
+        if node not in self._texts:
+            for inner in self._nodes.below([node]):
+                if inner not in self._texts:
+                    self._texts[inner] = self._text(inner)
+        return self._texts[node]
+
+    def _text(self, node: int) -> str:
+        match self._nodes.all[node]:
+            case ("number", value):
+                return f"({value})" if value < 0 or value.q != 1 else str(value)
+            case ("symbol", name, _):
+                return str(name)
+            case ("Add", *parts):
+                return "(" + " + ".join(self._texts[part] for part in parts) + ")"
+            case ("Mul", *parts):
+                return "*".join(self._texts[part] for part in parts)
+            case ("Pow", base, exponent):
+                power = str(exponent) if exponent.q == 1 and exponent > 0 else f"({exponent})"
+                inner = self._texts[base]
+                return f"{inner if _is_atomic(self._nodes.all[base]) else f'({inner})'}^{power}"
+            case ("poly", terms, *parts):
+                texts = [self._texts[part] for part in parts]
+                return "(" + " + ".join(_monomial(c, e, texts) for c, e in terms) + ")"
+            case (name, *parts) if parts:
+                return f"{name}({', '.join(self._texts[part] for part in parts)})"
+            case (name,):
+                return str(name)
+        return "?"
+
+
+def _is_atomic(node: tuple[Any, ...]) -> bool:
+    return node[0] not in ("Mul", "Pow")
+
+
+def _monomial(coefficient: fmpq, exponents: Sequence[int], texts: Sequence[str]) -> str:
+    powers = zip(texts, exponents, strict=True)
+    return "*".join([f"({coefficient})", *(f"{text}^{n}" for text, n in powers if n)])

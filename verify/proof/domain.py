@@ -1,0 +1,212 @@
+"""Where a variable or parameter lives: a real interval, from its assumptions and what is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from solutions.closed_form import ClosedForm
+from solutions.parameter import Bound
+
+
+@dataclass(frozen=True)
+class Domain:
+    """The real numbers between two ends, perhaps without 0 or only its integers.
+
+    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``);
+    an infinite end is open.
+
+    >>> k = sp.Symbol("k")
+    >>> Domain(sp.S.Zero, sp.S.One, upper_open=False).text(k)
+    '0 < k <= 1'
+    >>> Domain().text(k), Domain(nonzero=True, integer=True).text(k)
+    ('k real', 'k integer, k != 0')
+    """
+
+    lower: sp.Expr = sp.S.NegativeInfinity
+    upper: sp.Expr = sp.S.Infinity
+    lower_open: bool = True
+    upper_open: bool = True
+    nonzero: bool = False
+    integer: bool = False
+
+    def text(self, symbol: sp.Symbol) -> str:
+        """The domain in words, of ``symbol``."""
+        left = "" if self.lower == -sp.oo else f"{self.lower} {'<' if self.lower_open else '<='} "
+        right = "" if self.upper == sp.oo else f" {'<' if self.upper_open else '<='} {self.upper}"
+        kind = "integer" if self.integer else "real"
+        words = f"{left}{symbol}{right}" if left or right else f"{symbol} {kind}"
+        words += ", integer" if self.integer and (left or right) else ""
+        return f"{words}, {symbol} != 0" if self.nonzero else words
+
+    def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+        """Both ends, with ``values`` for the symbols that they contain."""
+        return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
+
+    def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
+        """Whether ``value`` lies inside, the other symbols having ``values``."""
+        lower, upper = self.ends(values)
+        above = value > lower if self.lower_open else value >= lower
+        below = value < upper if self.upper_open else value <= upper
+        whole = value.is_Integer or not self.integer
+        return bool(above and below and whole and not (self.nonzero and value == 0))
+
+    @property
+    def symbols(self) -> set[sp.Symbol]:
+        """The symbols that the ends contain."""
+        return set(self.lower.free_symbols | self.upper.free_symbols)
+
+    def __and__(self, other: Domain) -> Domain:
+        """The common part; of two ends that cannot be compared, that of ``other``."""
+        lower, lower_open = _inner(
+            (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
+        )
+        upper, upper_open = _inner(
+            (self.upper, self.upper_open), (other.upper, other.upper_open), side=-1
+        )
+        nonzero, integer = self.nonzero or other.nonzero, self.integer or other.integer
+        return Domain(lower, upper, lower_open, upper_open, nonzero, integer)
+
+
+REAL = Domain()
+POSITIVE = Domain(lower=sp.S.Zero)
+NEGATIVE = Domain(upper=sp.S.Zero)
+
+Domains = Mapping[sp.Symbol, Domain]
+End = tuple[sp.Expr, bool]
+
+
+def assumed_domain(symbol: sp.Symbol) -> Domain:
+    """What SymPy's assumptions say of ``symbol``; without any it is real.
+
+    Raises ValueError for a symbol that is declared complex or not real.
+
+    >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
+    '0 <= q'
+    """
+    if symbol.is_real is False or (symbol.assumptions0.get("complex") and symbol.is_real is None):
+        raise ValueError(
+            f"symbols must be real, got {symbol} that is declared complex or not real "
+            "(write it as a + I*b with real a and b)"
+        )
+    low = sp.S.Zero if symbol.is_nonnegative else sp.S.NegativeInfinity
+    high = sp.S.Zero if symbol.is_nonpositive else sp.S.Infinity
+    excluded = bool(symbol.is_nonzero)
+    inside = low == 0 or high == 0
+    return Domain(
+        low,
+        high,
+        lower_open=low != 0 or excluded,
+        upper_open=high != 0 or excluded,
+        nonzero=excluded and not inside,
+        integer=bool(symbol.is_integer),
+    )
+
+
+def settled_domains(
+    symbols: Iterable[sp.Symbol], stated: Mapping[sp.Symbol, Domain | sp.Interval]
+) -> dict[sp.Symbol, Domain]:
+    """The domain of each symbol: what is assumed and what is stated, both.
+
+    Raises ValueError for two symbols of one name, a stated domain of a symbol that is not among
+    them or occurs in a cycle of ends, and for a domain without an inner point.
+    """
+    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
+    everything = set(symbols)
+    for symbol in list(everything):
+        everything |= intervals[symbol].symbols if symbol in intervals else set()
+    found = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
+    names = [symbol.name for symbol in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"symbols must differ in name, got two called {name} (rename one)")
+    by_name = {symbol.name: symbol for symbol in found}
+    for symbol, domain in intervals.items():
+        own = by_name.get(symbol.name)
+        if own is not None:
+            found[own] = found[own] & assumed_domain(symbol) & domain
+    for symbol, domain in found.items():
+        _check_inner_point(symbol, domain)
+    in_order(found)
+    return found
+
+
+def as_domain(domain: Domain | sp.Interval) -> Domain:
+    """A domain given as one, or as SymPy's interval.
+
+    >>> as_domain(sp.Interval.open(0, 1)).text("k")
+    '0 < k < 1'
+    """
+    if isinstance(domain, Domain):
+        return domain
+    if isinstance(domain, sp.Interval):
+        return Domain(domain.start, domain.end, bool(domain.left_open), bool(domain.right_open))
+    raise ValueError(
+        f"domains must be intervals, got {domain!r} (such as sympy.Interval.open(0, 1))"
+    )
+
+
+def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
+    """The domains of the parameters of a closed form, from its record.
+
+    >>> from solutions import closed_form
+    >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
+    {'k': '0 < k < 1'}
+    """
+    return {
+        parameter.symbol: _between(parameter.lower, parameter.upper)
+        for parameter in form.parameters
+    }
+
+
+def in_order(domains: Domains) -> list[sp.Symbol]:
+    """The symbols, each after those that its ends contain; raises ValueError for a cycle."""
+    ordered: list[sp.Symbol] = []
+    waiting = list(domains)
+    while waiting:
+        ready = [s for s in waiting if not domains[s].symbols & set(waiting)]
+        if not ready:
+            raise ValueError(f"ends must not depend on each other, got those of {waiting}")
+        ordered += ready
+        waiting = [s for s in waiting if s not in ready]
+    return ordered
+
+
+def _between(lower: Bound | None, upper: Bound | None) -> Domain:
+    low, high = (None if end is None else sp.sympify(end.value) for end in (lower, upper))
+    return Domain(
+        -sp.oo if low is None else low,
+        sp.oo if high is None else high,
+        lower is None or lower.is_open,
+        upper is None or upper.is_open,
+    )
+
+
+def _inner(left: End, right: End, side: int) -> End:
+    """The end further inside; of equal ones the open one."""
+    if left[0] == right[0]:
+        return left[0], left[1] or right[1]
+    if left[0] in (sp.oo, -sp.oo):
+        return right
+    if right[0] in (sp.oo, -sp.oo):
+        return left
+    closer = side * (left[0] - right[0])
+    return left if closer.is_positive else right
+
+
+def _check_inner_point(symbol: sp.Symbol, domain: Domain) -> None:
+    for end in (domain.lower, domain.upper):
+        if not (end.is_Rational or end in (sp.oo, -sp.oo) or end.free_symbols):
+            raise ValueError(
+                f"ends of domains must be rational or infinite, got {end} for {symbol} "
+                "(take a rational number inside)"
+            )
+    if domain.symbols:
+        return
+    if not domain.lower < domain.upper:
+        raise ValueError(
+            f"domains must hold more than one point, got {domain.text(symbol)} "
+            f"(put the value in place of {symbol})"
+        )

@@ -1,0 +1,303 @@
+"""What the domains say of the sign of a formula: exact ranges, by simple rules.
+
+A range holds every value that the formula takes on the domains; it may be wider than that.  None
+says that the formula is not known to be real.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import sympy as sp
+
+from solutions.special import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
+from solutions.special.function import JacobiFunction
+from verify.tree import distinct_nodes
+
+from .domain import Domain, Domains
+from .ranges import INFINITY, Number, Range
+
+FACTORABLE_NODES = 20
+FACTORABLE_POWER = 8
+"""Polynomials with more subexpressions or higher powers are not factored."""
+
+FACTORABLE_SYMBOLS = 2
+"""Polynomials in more symbols are not factored to find their sign."""
+
+REAL = Range()
+ZERO, ONE = Fraction(0), Fraction(1)
+POSITIVE = Range(ZERO, INFINITY, True)
+NONNEGATIVE = Range(ZERO, INFINITY)
+UNIT = Range(-ONE, ONE)
+
+
+def is_small_polynomial(expression: sp.Expr) -> bool:
+    """Whether ``expression`` is a polynomial in symbols, short enough to factor."""
+    if not expression.free_symbols:
+        return False
+    nodes = distinct_nodes(expression)
+    return len(nodes) <= FACTORABLE_NODES and all(map(_is_polynomial_node, nodes))
+
+
+def _is_polynomial_node(node: sp.Expr) -> bool:
+    if node.is_Pow:
+        return bool(node.exp.is_Integer and 0 < node.exp <= FACTORABLE_POWER)
+    return bool(node.is_Add or node.is_Mul or node.is_Symbol or node.is_Rational)
+
+
+class Signs:
+    """Ranges of formulas on ``domains``; a symbol without a domain is real."""
+
+    def __init__(self, domains: Domains) -> None:
+        self._domains = domains
+        self._found: dict[sp.Expr, Range | None] = {}
+
+    def range(self, expression: sp.Expr) -> Range | None:
+        """A range that holds all values; None if they are not known to be real."""
+        if expression not in self._found:
+            self._found[expression] = None  # no rule asks for its own node
+            self._found[expression] = self._range(expression)
+        return self._found[expression]
+
+    def is_real(self, expression: sp.Expr) -> bool:
+        """Whether ``expression`` is shown to be real wherever it is smooth."""
+        return self.range(expression) is not None
+
+    def is_positive(self, expression: sp.Expr) -> bool:
+        """Whether ``expression`` is shown to be positive."""
+        found = self.range(expression)
+        return found is not None and found.is_positive
+
+    def is_nonnegative(self, expression: sp.Expr) -> bool:
+        """Whether ``expression`` is shown to be at least 0."""
+        found = self.range(expression)
+        return found is not None and found.is_nonnegative
+
+    def is_nonpositive(self, expression: sp.Expr) -> bool:
+        """Whether ``expression`` is shown to be at most 0."""
+        found = self.range(expression)
+        return found is not None and found.is_nonpositive
+
+    def is_nonzero(self, expression: sp.Expr) -> bool:
+        """Whether ``expression``, real or not, is shown to be nowhere 0."""
+        if expression in self._domains and self._domains[expression].nonzero:
+            return True
+        if expression.is_Mul:
+            return all(map(self.is_nonzero, expression.args))
+        if expression.is_Pow and expression.exp.is_Rational:
+            return self.is_nonzero(expression.base)
+        if isinstance(expression, sp.exp) or expression is sp.I:
+            return True
+        if isinstance(expression, sp.Abs | sp.conjugate):
+            return self.is_nonzero(expression.args[0])
+        found = self.range(expression)
+        return found is not None and found.excludes_zero
+
+    def _range(self, node: sp.Expr) -> Range | None:
+        if node.is_Rational:
+            value = Fraction(int(node.p), int(node.q))
+            return Range(value, value)
+        if node.is_Symbol:
+            return self._symbol(self._domains.get(node, Domain()))
+        if node in CONSTANTS:
+            return CONSTANTS[node]
+        if node.is_Add:
+            return self._sum(node)
+        if node.is_Mul:
+            return self._product(node)
+        if node.is_Pow:
+            return self._power(node)
+        if isinstance(node, sp.Abs):
+            inner = self.range(node.args[0])
+            return NONNEGATIVE if inner is None else inner.absolute()
+        if isinstance(node, sp.re | sp.im):
+            return REAL
+        if isinstance(node, sp.conjugate):
+            return self.range(node.args[0])
+        if isinstance(node, JacobiFunction):
+            return self._jacobi(node)
+        rule = RULES.get(node.func)
+        inner = self.range(node.args[0]) if rule else None
+        return None if rule is None or inner is None else rule(inner)
+
+    def _symbol(self, domain: Domain) -> Range:
+        lower, upper = self._end(domain.lower), self._end(domain.upper)
+        return Range(
+            -INFINITY if lower is None else lower.lower,
+            INFINITY if upper is None else upper.upper,
+            domain.lower_open or (lower is not None and lower.lower_open),
+            domain.upper_open or (upper is not None and upper.upper_open),
+        )
+
+    def _end(self, end: sp.Expr) -> Range | None:
+        return None if end in (sp.oo, -sp.oo) else self.range(end)
+
+    def _sum(self, node: sp.Expr) -> Range | None:
+        total = Range(ZERO, ZERO)
+        for part in node.args:
+            inner = self.range(part)
+            if inner is None:
+                return None
+            total = total + inner
+        small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
+        if total.excludes_zero or not small:
+            return total
+        return self._factored(node) or total
+
+    def _factored(self, node: sp.Expr) -> Range | None:
+        """The range of a polynomial's factors; that of a sum without real root in the domain."""
+        factored = sp.factor(node)
+        if not factored.is_Add and factored != node:
+            return self.range(factored)
+        symbols = node.free_symbols
+        return self._without_root(node, symbols.pop()) if len(symbols) == 1 else None
+
+    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> Range | None:
+        polynomial = sp.Poly(node, symbol, domain="QQ")
+        found = self.range(symbol)
+        if found is None:
+            return None
+        low, high = (_sympy(end) for end in (found.lower, found.upper))
+        inner = polynomial.count_roots(
+            None if low == -sp.oo else low, None if high == sp.oo else high
+        )
+        for end, is_open in ((low, found.lower_open), (high, found.upper_open)):
+            if is_open and end.is_finite and polynomial(end) == 0:
+                inner -= 1
+        if inner:
+            return None
+        return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
+
+    def _product(self, node: sp.Expr) -> Range | None:
+        total = Range(ONE, ONE)
+        for part in node.args:
+            inner = self.range(part)
+            if inner is None:
+                return None
+            total = total * inner
+        return total
+
+    def _power(self, node: sp.Expr) -> Range | None:
+        base = self.range(node.base)
+        if base is None:
+            return None
+        if node.exp.is_Integer:
+            return base ** int(node.exp)
+        if not base.is_nonnegative or not self.is_real(node.exp):
+            return None
+        if not node.exp.is_Rational:
+            return NONNEGATIVE
+        return _fractional(base, node.exp)
+
+    def _jacobi(self, node: sp.Expr) -> Range | None:
+        argument, parameter = (self.range(inner) for inner in node.args)
+        if argument is None or parameter is None:
+            return None
+        if isinstance(node, jacobi_epsilon | jacobi_zeta):
+            return REAL if _inside(parameter) else None
+        if isinstance(node, jacobi_dn | jacobi_theta):
+            return POSITIVE if _inside(parameter) else REAL
+        return UNIT if parameter.is_nonnegative and _inside(parameter) else REAL
+
+
+def _inside(parameter: Range) -> bool:
+    return parameter.upper < 1 or (parameter.upper == 1 and parameter.upper_open)
+
+
+def _fractional(base: Range, exponent: sp.Rational) -> Range:
+    """A power of non-negative numbers: the sign, and the place with respect to 1."""
+    rising = exponent > 0
+    low = ONE if (base.lower >= 1 if rising else base.upper <= 1) else ZERO
+    high = ONE if (base.upper <= 1 if rising else base.lower >= 1) else INFINITY
+    is_open = low == 0 and (base.is_positive or not rising)
+    return Range(low, high, is_open)
+
+
+def _signed(inner: Range, size: Number = INFINITY) -> Range:
+    """The range of an odd rising function between -size and size."""
+    low: Number = ZERO if inner.is_nonnegative else -size
+    high: Number = ZERO if inner.is_nonpositive else size
+    return Range(low, high, low != 0 or inner.is_positive, high != 0 or inner.is_negative)
+
+
+def _exponential(inner: Range) -> Range:
+    low = ONE if inner.is_nonnegative else ZERO
+    high: Number = ONE if inner.is_nonpositive else INFINITY
+    return Range(low, high, low == 0 or inner.is_positive, high != 1 or inner.is_negative)
+
+
+def _logarithm(inner: Range) -> Range | None:
+    if not inner.is_nonnegative:
+        return None
+    return _signed(inner + Range(-ONE, -ONE))
+
+
+def _square_root_side(inner: Range) -> Range | None:
+    """acosh, real where its argument is at least 1."""
+    return NONNEGATIVE if inner.lower >= 1 else None
+
+
+def _within_one(inner: Range) -> Range | None:
+    """asin, real where its argument is between -1 and 1; its values below 2."""
+    return _signed(inner, Fraction(2)) if inner.lower >= -1 and inner.upper <= 1 else None
+
+
+def _inverse_cosine(inner: Range) -> Range | None:
+    return Range(ZERO, Fraction(4)) if inner.lower >= -1 and inner.upper <= 1 else None
+
+
+def _inverse_tanh(inner: Range) -> Range | None:
+    inside = (inner + Range(ONE, ONE)).is_positive and (-inner + Range(ONE, ONE)).is_positive
+    return _signed(inner) if inside else None
+
+
+def _complete(inner: Range) -> Range | None:
+    return POSITIVE if _inside(inner) else None
+
+
+def _sign(inner: Range) -> Range:
+    low = ONE if inner.is_positive else ZERO if inner.is_nonnegative else -ONE
+    high = -ONE if inner.is_negative else ZERO if inner.is_nonpositive else ONE
+    return Range(low, high)
+
+
+CONSTANTS = {
+    sp.pi: Range(Fraction(3), Fraction(4)),
+    sp.E: Range(Fraction(2), Fraction(3)),
+}
+
+RULES: dict[type, Callable[[Range], Range | None]] = {
+    sp.exp: _exponential,
+    sp.log: _logarithm,
+    sp.sign: _sign,
+    sp.sinh: _signed,
+    sp.cosh: lambda _: Range(ONE),
+    sp.tanh: lambda inner: _signed(inner, ONE),
+    sp.sech: lambda _: Range(ZERO, ONE, True),
+    sp.coth: lambda inner: _signed(inner),
+    sp.csch: lambda inner: _signed(inner),
+    sp.sin: lambda _: UNIT,
+    sp.cos: lambda _: UNIT,
+    **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
+    sp.atan: lambda inner: _signed(inner, Fraction(2)),
+    sp.asinh: _signed,
+    sp.acosh: _square_root_side,
+    sp.asin: _within_one,
+    sp.acos: _inverse_cosine,
+    sp.atanh: _inverse_tanh,
+    sp.elliptic_k: _complete,
+    sp.elliptic_e: _complete,
+}
+
+
+def _sympy(end: Number) -> sp.Expr:
+    if isinstance(end, Fraction):
+        return sp.Rational(end.numerator, end.denominator)
+    return sp.oo if end > 0 else -sp.oo
+
+
+def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
+    if low == -sp.oo:
+        return sp.S.Zero if high == sp.oo else high - 1
+    return low + 1 if high == sp.oo else (low + high) / 2

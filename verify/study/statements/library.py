@@ -1,0 +1,53 @@
+"""All kinds of statements, and the one of a seed and an index."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Mapping
+
+from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
+from .record import Statement
+from .setting import Setting, random_setting
+
+Maker = Callable[[Setting], Statement | None]
+
+KINDS: Mapping[str, tuple[Maker, float]] = {
+    "source": (equations.with_source, 14),
+    "annihilator": (equations.with_annihilator, 8),
+    "travelling": (equations.travelling_wave, 5),
+    "logarithmic": (equations.logarithmic, 4),
+    "identity": (equations.identity, 12),
+    "tiny change": (near.tiny_change, 10),
+    "hidden term": (near.hidden_term, 14),
+    "by sign": (branches.by_sign, 14),
+    "by interval": (branches.by_interval, 5),
+    "sliver": (branches.by_sliver, 1),
+    "nested roots": (constants.nested_roots, 4),
+    "nowhere defined": (vanishing.nowhere_defined, 4),
+    "nearly nowhere": (vanishing.nearly_nowhere, 2),
+    "conjugates": (complexes.conjugates, 4),
+    "plane wave": (complexes.plane_wave, 2),
+    "wrapped": (wrapped.wrapped, 2),
+    "opaque": (wrapped.opaque, 0.5),
+    "catalogue": (waves.catalogue_form, 2),
+    "textbook": (waves.known_solution, 2),
+}
+"""The makers by name, each with its share."""
+
+
+def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
+    """The statement number ``index`` of the search with ``seed``, the same each time.
+
+    ``kinds`` restricts it to some makers.
+
+    >>> statement(0, 5) == statement(0, 5)
+    True
+    """
+    draw = random.Random(f"{seed}:{index}")
+    names = kinds or tuple(KINDS)
+    while True:
+        (name,) = draw.choices(names, [KINDS[name][1] for name in names])
+        maker, _ = KINDS[name]
+        found = maker(random_setting(draw))
+        if found is not None:
+            return found.numbered(seed, index)

@@ -1,0 +1,121 @@
+"""A statement for the prover, with what is known of it."""
+
+from __future__ import annotations
+
+import enum
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+Point = Mapping[sp.Symbol, sp.Rational]
+
+SPAN = 4
+"""How far beyond the end of a half line, and beyond 0 on the whole line, numbers are drawn."""
+
+LARGEST_DENOMINATOR = 200
+
+
+class Truth(enum.StrEnum):
+    """What a statement is.  VOID: the formula is defined nowhere, so that nothing can be said."""
+
+    TRUE = "true"
+    FALSE = "false"
+    VOID = "void"
+
+
+@dataclass(frozen=True)
+class Range:
+    """The open interval from which a symbol takes its values; None for an end at infinity."""
+
+    symbol: sp.Symbol
+    low: sp.Rational | None = None
+    high: sp.Rational | None = None
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether the symbol's own assumptions do not say it all."""
+        return any(end not in (None, 0) for end in (self.low, self.high)) or self.is_bounded
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether both ends are finite."""
+        return self.low is not None and self.high is not None
+
+    def has_sign(self, sign: int) -> bool:
+        """Whether all values have the sign +1 or -1."""
+        end = self.low if sign > 0 else self.high
+        return end is not None and bool(sign * end >= 0)
+
+    def interval(self) -> sp.Interval:
+        """The range as a SymPy set."""
+        low = -sp.oo if self.low is None else self.low
+        high = sp.oo if self.high is None else self.high
+        return sp.Interval.open(low, high)
+
+    def number(self, draw: random.Random) -> sp.Rational:
+        """A random rational number in the range, other than 0."""
+        low = self.low if self.low is not None else min(self.high or 0, 0) - SPAN
+        high = self.high if self.high is not None else max(self.low or 0, 0) + SPAN
+        denominator = draw.randint(7, LARGEST_DENOMINATOR)
+        part = sp.Rational(draw.randint(1, denominator - 1), denominator)
+        found = low + (high - low) * part
+        return found if found != 0 else self.number(draw)
+
+    def holds(self, value: sp.Rational) -> bool:
+        """Whether ``value`` lies in the range."""
+        above = self.low is None or value > self.low
+        return bool(above and (self.high is None or value < self.high))
+
+
+@dataclass(frozen=True)
+class Statement:
+    """``left = right`` as functions of ``variables``; or, with ``unknown``, ``left = 0`` solved.
+
+    In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
+    is put for ``unknown``.  ``ranges`` has every symbol.  ``counterexample`` is an admissible
+    point at which a false statement fails; ``change`` is its residual, where that is one term.
+    """
+
+    kind: str
+    truth: Truth
+    left: sp.Expr
+    right: sp.Expr
+    variables: tuple[sp.Symbol, ...]
+    ranges: tuple[Range, ...]
+    unknown: sp.Expr | None = None
+    counterexample: Point | None = None
+    change: sp.Expr | None = None
+    seed: int = 0
+    index: int = 0
+
+    @property
+    def domains(self) -> dict[sp.Symbol, sp.Interval]:
+        """The ranges that the symbols' assumptions do not say."""
+        return {r.symbol: r.interval() for r in self.ranges if r.is_stated}
+
+    def point(self, draw: random.Random) -> Point:
+        """A random admissible point."""
+        return {r.symbol: r.number(draw) for r in self.ranges}
+
+    def numbered(self, seed: int, index: int) -> Statement:
+        """The same statement with its number in the search."""
+        return replace(self, seed=seed, index=index)
+
+    def script(self) -> str:
+        """Python source that asks the prover about the statement."""
+        call = "prove" if self.unknown is not None else "prove_equal"
+        last = f", {sp.srepr(list(self.variables))}" if self.unknown is None else ""
+        domains = f", domains={sp.srepr(self.domains)}" if self.domains else ""
+        return "\n".join(
+            [
+                f"# {self.kind}, {self.truth}: statement({self.seed}, {self.index})",
+                "from sympy import *",
+                "from solutions.special import *",
+                f"from verify.proof import {call}",
+                f"left = {sp.srepr(self.left)}",
+                f"right = {sp.srepr(self.right)}",
+                f"print({call}(left, right{last}{domains}))",
+            ]
+        )
