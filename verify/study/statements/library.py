@@ -5,6 +5,10 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Mapping
 
+import sympy as sp
+
+from verify.tree import distinct_nodes
+
 from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
 from .record import Statement
 from .setting import Setting, random_setting
@@ -49,5 +53,13 @@ def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
         (name,) = draw.choices(names, [KINDS[name][1] for name in names])
         maker, _ = KINDS[name]
         found = maker(random_setting(draw))
-        if found is not None:
+        if found is not None and _is_plain(found):
             return found.numbered(seed, index)
+
+
+def _is_plain(found: Statement) -> bool:
+    """Whether SymPy left no derivative of a known function, and none of a sign, behind."""
+    undone = (sp.Derivative, sp.Subs, sp.DiracDelta)
+    nodes = (node for side in (found.left, found.right) for node in distinct_nodes(side))
+    left = (node for node in nodes if isinstance(node, undone))
+    return all(found.unknown is not None and node.has(found.unknown) for node in left)
