@@ -30,16 +30,12 @@ from .checker.check import FORMAT, FORMS, digest, registered
 from .checker.limits import JETS
 from .checker.nodes import Nodes
 from .checker.statement import read_statement
-from .compilation import _with_one_integral as with_one_integral
 from .domain import Domains
-from .generator import Unsupported
 from .jet import Shape
-from .jets import coefficients
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
-from .lattice import ArgumentLattice, without_logarithms
-from .linear import Form, linear_forms
-from .linear import _pivots as pivot_columns
-from .problem import Problem
+from .lattice import without_logarithms
+from .linear import Form, linear_forms, pivot_columns, with_one_integral
+from .problem import Problem, coefficients
 from .radicals import Radicals
 from .rewriting import Rewriting
 from .signs import Signs
@@ -192,6 +188,10 @@ def domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
             relation = "<" if domain.upper_open else "<="
             found.append([relation, table.place(symbol), table.place(domain.upper)])
     return found
+
+
+class Unsupported(ValueError):
+    """A formula contains something that no axiom speaks of."""
 
 
 class Plan:
@@ -629,13 +629,3 @@ def _unknown_name(name: str, domains: Domains) -> str:
     while name in taken:
         name += "_"
     return name
-
-
-__all__ = [
-    "ArgumentLattice",
-    "Plan",
-    "domain_data",
-    "equality_certificate",
-    "equation_certificate",
-    "signed",
-]

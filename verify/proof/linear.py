@@ -8,32 +8,17 @@ of three, and polynomials in it are far shorter.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import sympy as sp
-from flint import acb, ctx
+from flint import acb
 
-from solutions.special import jacobi_epsilon
+from solutions.special import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from verify.tree import distinct_nodes, replaced
 
-from .balls import Point, ball_value
 from .dependence import Dependence
-from .generator import Unsupported
-
-if TYPE_CHECKING:
-    from .translation import Translation
 
 Form = dict[sp.Expr, sp.Expr]
 """The constant coefficients of primitives."""
-
-BITS = 160
-
-
-class MissingForm(Unsupported):
-    """A linear form with a primitive that the basis was not made for: ``form``."""
-
-    def __init__(self, form: Form) -> None:
-        super().__init__(f"no basis was made for the linear form {form}")
-        self.form = form
 
 
 def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, list[sp.Expr]]:
@@ -80,55 +65,35 @@ def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list
     return sorted(found, key=lambda form: sp.Add(*form.values()).count_ops())
 
 
-class LinearForms:
-    """A basis of linear forms, chosen with balls at a point and used with exact coefficients.
+def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
+    """Epsilon without shifts, by its addition theorem, and zeta(z) = epsilon(z) - z E/K.
 
-    ``obligations`` lists what must vanish for the images to be right; `algebra` sees to it.
+    Without epsilon, zeta stays.
     """
+    nodes = {expression: distinct_nodes(expression) for expression in expressions}
+    if not any(isinstance(node, jacobi_epsilon) for found in nodes.values() for node in found):
+        return list(expressions)
 
-    def __init__(self, forms: Sequence[Form], point: Point) -> None:
-        self.primitives = list(dict.fromkeys(p for form in forms for p in form))
-        self.basis: list[Form] = []
-        self.obligations: list[sp.Expr] = []
-        rows: list[list[acb]] = []
-        with ctx.workprec(BITS):
-            for form in forms:
-                row = [ball_value(form.get(p, sp.S.Zero), point, BITS) for p in self.primitives]
-                if len(_pivots([*rows, row])) > len(rows):
-                    rows.append(row)
-                    self.basis.append(form)
-            self._pivots = [self.primitives[place] for place in _pivots(rows)]
+    def epsilon(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        shift, variable = dependence.summands(sp.expand(z))
+        total = jacobi_epsilon(variable, m) + jacobi_epsilon(shift, m)
+        return total - m * sp.Mul(*(jacobi_sn(u, m) for u in (variable, shift, z)))
 
-    def image(self, translation: Translation, form: Form) -> sp.Expr:
-        """``form`` as a combination of the generators that stand for the basis.
+    def zeta(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
 
-        Raises `MissingForm` for a primitive that no form of the basis was gathered with.
-        """
-        if not form.keys() <= set(self.primitives):
-            raise MissingForm(form)
-        parts = []
-        for coefficient, basis_form in zip(self._coordinates(form), self.basis, strict=True):
-            if coefficient != 0:
-                meaning = sp.Add(*(value * p for p, value in basis_form.items()))
-                symbol = translation.primitive("w", meaning)
-                parts.append(translation.image(coefficient) * symbol)
-        return sp.Add(*parts)
+    def rewritten(expression: sp.Expr) -> sp.Expr:
+        for kind, image in ((jacobi_epsilon, epsilon), (jacobi_zeta, zeta)):
+            for node in nodes[expression]:
+                if isinstance(node, kind):
+                    images[expression] = replaced(images[expression], node, image(*node.args))
+        return images[expression]
 
-    def _coordinates(self, form: Form) -> list[sp.Expr]:
-        if form in self.basis:
-            return [sp.Integer(form == other) for other in self.basis]
-        matrix = sp.Matrix([[b.get(p, sp.S.Zero) for p in self._pivots] for b in self.basis])
-        row = sp.Matrix([[form.get(p, sp.S.Zero) for p in self._pivots]])
-        found = list(row * matrix.adjugate() / matrix.det(method="berkowitz"))
-        for primitive in self.primitives:
-            if primitive not in self._pivots:
-                sides = zip(found, self.basis, strict=True)
-                total = sp.Add(*(c * b.get(primitive, sp.S.Zero) for c, b in sides))
-                self.obligations.append(form.get(primitive, sp.S.Zero) - total)
-        return found
+    images = {expression: expression for expression in expressions}
+    return [rewritten(expression) for expression in expressions]
 
 
-def _pivots(rows: Sequence[Sequence[acb]]) -> list[int]:
+def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:
     """The pivot columns of a matrix; an entry whose ball contains 0 counts as 0."""
     table = [list(row) for row in rows]
     pivots: list[int] = []

@@ -160,3 +160,10 @@ def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
             f"points must have rational numbers, got {symbol} = {value!r} (sympy.Rational(1, 2))"
         )
     return found
+
+
+def coefficients(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
+    """The factors of the terms of ``equation`` that are free of ``unknown``."""
+    terms = sp.Add.make_args(sp.expand(equation))
+    factors = [factor for term in terms for factor in sp.Mul.make_args(term)]
+    return [factor for factor in dict.fromkeys(factors) if not factor.has(unknown)]

@@ -21,11 +21,11 @@ from .certificate import (
     regular_point,
 )
 from .checker import check_certificate
-from .jets import coefficients
 from .lemmas import find_lemmas
 from .problem import (
     Problem,
     Stated,
+    coefficients,
     formula,
     make_equality,
     make_problem,

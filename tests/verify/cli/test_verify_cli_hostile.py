@@ -54,7 +54,7 @@ def chain(data: Data, count: int, name: str) -> None:
 def squares(data: Data) -> None:
     """(1 + x + t + ...)**2 squared ten times: 3e5 terms and more."""
     variables = data["statement"]["variables"]
-    data["nodes"].append(["Add", *range(0, 3), *variables])
+    data["nodes"].append(["Add", *range(3), *variables])
     for _ in range(10):
         data["nodes"].append(["Pow", len(data["nodes"]) - 1, "9"])
     data["statement"]["unknowns"][0][1] = len(data["nodes"]) - 1

@@ -213,8 +213,7 @@ def reject_forgeries(count: int) -> tuple[int, int]:
             total += 1
             try:
                 statement = check_content(redigested(forged))
-            except CertificateError as error:
-                assert "\n" not in str(error)
+            except CertificateError:
                 continue
             accepted += 1
             assert is_original(statement) or is_true(forged), statement

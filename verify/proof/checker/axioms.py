@@ -75,7 +75,9 @@ class Station:
         return half + half + self if factor % 2 else half + half
 
 
-def behind(m: Value, thetas: tuple[Value, Value, Value, Value], sines: tuple[Value, Value]) -> Value:
+def behind(
+    m: Value, thetas: tuple[Value, Value, Value, Value], sines: tuple[Value, Value]
+) -> Value:
     """Theta(u-d) from Theta(u+d), Theta(u), Theta(d), Theta(0) and sn u, sn d."""
     ahead, here, shift, zero = thetas
     one = m.ring.number(1)

@@ -101,7 +101,7 @@ def registered(
     generators = listed(proof["generators"], GENERATORS, "generators")
     count = sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in generators)
     within("generators", count, GENERATORS)
-    positive = {_difference(nodes, l, r): weak for weak, l, r in statement.domain}
+    positive = {_difference(nodes, left, right): weak for weak, left, right in statement.domain}
     field = Field(nodes, count, statement.variables, positive, hints)
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:

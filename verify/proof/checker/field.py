@@ -33,9 +33,9 @@ CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k
 class Hints:
     """Which axiom instances to use: nothing of this is believed, all of it is checked.
 
-    ``sums[f(z)]`` writes the argument of exp, sn or theta as a combination of others, ``values[f]`` names what a root or
-    an absolute value is, ``logs[log f]`` the factors of f, ``signs[f]`` a formula with the same
-    image whose structure shows its sign.
+    ``sums[f(z)]`` writes the argument of exp, sn or theta as a combination of others,
+    ``values[f]`` names what a root or an absolute value is, ``logs[log f]`` the factors of f,
+    ``signs[f]`` a formula with the same image whose structure shows its sign.
     """
 
     sums: Mapping[int, Sum]
@@ -172,7 +172,8 @@ class Field:
                 raise CertificateError("the factors of a linear form must be constant")
             rest = self.ring.generator(place) - self.image(form.shift)
             table.append([*map(self.image, form.factors), rest])
-            self.generators.append(Generator(0, form=tuple(zip(form.factors, primitives, strict=True)), shift=form.shift))
+            pairs = tuple(zip(form.factors, primitives, strict=True))
+            self.generators.append(Generator(0, form=pairs, shift=form.shift))
         for node, value in zip(primitives, solved(table), strict=True):
             self._images[node] = value
             self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
@@ -349,9 +350,9 @@ class Field:
             return known
         value = self._hinted(node, self.hints.values)
         if not (self.image(value) ** q - self.image(base)).is_zero:
-            raise CertificateError(f"the power {q} of what a root is said to be is not its radicand")
+            raise CertificateError(f"the power {q} of what a root is said to be is another")
         if not self.signs.not_negative(value):
-            raise CertificateError("what a root is said to be is not shown to be >= 0 on the domain")
+            raise CertificateError("what a root is said to be is not shown to be >= 0 there")
         return self.image(value)
 
     def _absolute(self, node: int, inner: int) -> Element:
@@ -360,7 +361,7 @@ class Field:
             raise CertificateError("what an absolute value is said to be has another square")
         if not self.signs.not_negative(value):
             raise CertificateError(
-                "what an absolute value is said to be is not shown to be >= 0 on the domain"
+                "what an absolute value is said to be is not shown to be >= 0 there"
             )
         return self.image(value)
 
@@ -391,8 +392,11 @@ class Field:
             "sign": lambda: self.image(first) / self._made("Abs", first),
             "conjugate": lambda: self.image(self.conjugate(first)),
             "re": lambda: self._half(first, +1) * self.ring.number(fmpq(1, 2)),
-            "im": lambda: self._half(first, -1) / self.image(self.nodes.made("I"))
-            * self.ring.number(fmpq(1, 2)),
+            "im": lambda: (
+                self._half(first, -1)
+                / self.image(self.nodes.made("I"))
+                * self.ring.number(fmpq(1, 2))
+            ),
         }
         if name in rules:
             return rules[name]()
@@ -448,7 +452,7 @@ class Field:
             value = self.image(part[1]) if part[0] == "exp" else self._made("log", factor)
             total = total + self.ring.number(q) * value
         if not (product - self.image(inner)).is_zero:
-            raise CertificateError("a logarithm's argument is not the product that it is said to be")
+            raise CertificateError("a logarithm is not of the product that it is said to be of")
         return total
 
     # Elliptic functions.
@@ -473,7 +477,8 @@ class Field:
 
     def _station(self, z: int, m: int, second: str) -> Station:
         if (z, m, second) not in self._stations:
-            parts = [(self._integer(n), u) for n, u in self._sum_of(self.nodes.made("jacobi_sn", z, m))]
+            found = self._sum_of(self.nodes.made("jacobi_sn", z, m))
+            parts = [(self._integer(n), u) for n, u in found]
             total: Station | None = None
             for n, u in parts:
                 if n:

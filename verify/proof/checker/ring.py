@@ -179,9 +179,9 @@ class Element:
                 factor = self.ring.factors[place]
                 rest = {i: n for i, n in inverse.powers.items() if i != place}
                 whole = Element(self.ring, inverse.numerator, rest)
-                other = Element(self.ring, factor ** (degree - 1)) * Element(
-                    self.ring, value
-                ).inverse()
+                other = (
+                    Element(self.ring, factor ** (degree - 1)) * Element(self.ring, value).inverse()
+                )
                 inverse = whole * other**power
         return inverse
 

@@ -118,9 +118,8 @@ class Signs:
             case ("Pow", base, exponent):
                 return self._of_power(self.sign(base), exponent.p, exponent.q)
             case ("Abs", inner):
-                return Sign(abs(s) for s in self.sign(inner)) if self.is_real(inner) else Sign(
-                    (0, 1)
-                )
+                found = self.sign(inner) if self.is_real(inner) else ANY
+                return Sign(abs(s) for s in found)
             case (str(name), *inner) if name in EVERYWHERE_POSITIVE and self.is_real(node):
                 return POSITIVE if len(inner) == 1 or self.below_one(inner[1]) else ANY
             case (str(name), inner) if name in ODD and self.is_real(inner):

@@ -141,9 +141,7 @@ def statement_text(statement: Statement) -> str:
     ]
     kinds = {
         kind: sorted(
-            node[1]
-            for node in statement.nodes.all
-            if node[0] == "symbol" and node[2] == kind
+            node[1] for node in statement.nodes.all if node[0] == "symbol" and node[2] == kind
         )
         for kind in ("real", "complex")
     }
@@ -160,9 +158,7 @@ def statement_text(statement: Statement) -> str:
     return "\n".join(lines)
 
 
-def _term_text(
-    term: Term, statement: Statement, variables: Sequence[str], writer: _Writer
-) -> str:
+def _term_text(term: Term, statement: Statement, variables: Sequence[str], writer: _Writer) -> str:
     value, known, jets = term
     parts = [f"({value})" if value < 0 or value.q != 1 else f"{value}"] if value != 1 else []
     parts += [f"({writer.text(node)})" for node in known]
@@ -188,9 +184,8 @@ class _Writer:
                 uses.update(dict.fromkeys(nodes.all[node][2:], LONG))
         for node in nodes.below(roots):
             text = self._text(node)
-            if uses[node] > 1 < len(text) - 8 and uses[node] * len(text) > 2 * LONG or (
-                len(text) > 100 * LONG
-            ):
+            often = uses[node] > 1 and len(text) > 8 and uses[node] * len(text) > 2 * LONG
+            if often or len(text) > 100 * LONG:
                 name = f"f{len(self.named) + 1}"
                 while name in taken:
                     name += "_"
