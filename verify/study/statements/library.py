@@ -13,6 +13,9 @@ from . import branches, complexes, constants, equations, near, vanishing, waves,
 from .record import Statement
 from .setting import Setting, random_setting
 
+LONGEST = 160
+"""Operations of a statement; longer ones took the prover seconds, a few of them a minute."""
+
 Maker = Callable[[Setting], Statement | None]
 
 KINDS: Mapping[str, tuple[Maker, float]] = {
@@ -53,8 +56,13 @@ def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
         (name,) = draw.choices(names, [KINDS[name][1] for name in names])
         maker, _ = KINDS[name]
         found = maker(random_setting(draw))
-        if found is not None and _is_plain(found):
+        if found is not None and _is_short(found) and _is_plain(found):
             return found.numbered(seed, index)
+
+
+def _is_short(found: Statement) -> bool:
+    """Whether a verdict may be expected within a part of a second."""
+    return bool(found.left.count_ops() + found.right.count_ops() <= LONGEST)
 
 
 def _is_plain(found: Statement) -> bool:
