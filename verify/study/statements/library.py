@@ -5,9 +5,16 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Mapping
 
+import sympy as sp
+
+from verify.tree import distinct_nodes
+
 from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
 from .record import Statement
 from .setting import Setting, random_setting
+
+LONGEST = 160
+"""Operations of a statement; longer ones took the prover seconds, a few of them a minute."""
 
 Maker = Callable[[Setting], Statement | None]
 
@@ -49,5 +56,18 @@ def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
         (name,) = draw.choices(names, [KINDS[name][1] for name in names])
         maker, _ = KINDS[name]
         found = maker(random_setting(draw))
-        if found is not None:
+        if found is not None and _is_short(found) and _is_plain(found):
             return found.numbered(seed, index)
+
+
+def _is_short(found: Statement) -> bool:
+    """Whether a verdict may be expected within a part of a second."""
+    return bool(found.left.count_ops() + found.right.count_ops() <= LONGEST)
+
+
+def _is_plain(found: Statement) -> bool:
+    """Whether SymPy left no derivative of a known function, and none of a sign, behind."""
+    undone = (sp.Derivative, sp.Subs, sp.DiracDelta)
+    nodes = (node for side in (found.left, found.right) for node in distinct_nodes(side))
+    left = (node for node in nodes if isinstance(node, undone))
+    return all(found.unknown is not None and node.has(found.unknown) for node in left)

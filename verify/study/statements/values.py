@@ -144,6 +144,8 @@ class Values:
             return IMPLEMENTATIONS[node.func.__name__](context, *values)
         if node.func in CUT:
             values = [self._clean(value) for value in values]
+        if node.func not in UNARY:
+            raise ValueMissing(f"no value of {node.func.__name__} is known")
         return getattr(context, UNARY[node.func])(*values)
 
     def _power(self, node: sp.Expr, base: Any, exponent: Any) -> Any:
