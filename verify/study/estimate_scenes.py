@@ -14,7 +14,7 @@ import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from scipy.special import ellipkm1  # type: ignore[import-untyped]
+from scipy.special import ellipkm1
 
 from verify.lattice.scene import ENGINES, Scene
 
@@ -27,7 +27,7 @@ BUDGET = 6.0
 """Predicted seconds, of the run and its reference, beyond which a scene is drawn anew."""
 
 EVALUATION = 4e-9
-"""Seconds per site and time unit 1/c of a reference at a tolerance of 1: steps, stages, two runs."""
+"""Seconds per site and time 1/c of a reference at a tolerance of 1: steps, stages, two runs."""
 
 PASSES = 4.0
 """What a plan site by site takes, in units of one reference on the same sites."""
@@ -281,8 +281,6 @@ def _breather_sn(draw: Draw) -> Shape:
     alpha = _short(0.999 * quarter * share)
     values = {"k": k, "alpha": alpha, "X_0": _place(draw, 1.0)}
     return Shape(values, 1.0, draw.choice([-1.0 - k**2, -4.0]), "periodic", 1.0)
-
-
 
 
 WAVES: Mapping[str, Callable[[Draw], Shape]] = {

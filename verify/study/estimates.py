@@ -8,6 +8,7 @@ reference may err.
 
 import json
 import math
+import re
 import signal
 import threading
 import time
@@ -54,7 +55,7 @@ UPDATE = 4e-10
 REFERENCE_SECONDS = 30.0
 """Predicted seconds beyond which a reference is not refined."""
 
-ANSWER_SECONDS = 40.0
+ANSWER_SECONDS = 20.0
 """Processor seconds after which a run counts as one without an answer."""
 
 VERDICTS = ("honest", "dishonest", "undecided", "refused", "false alarm", "no answer")
@@ -94,6 +95,11 @@ class Judged:
         if self.estimate > 0:
             return self.true / self.estimate
         return math.inf if self.true > 0 else 0.0
+
+    @property
+    def kind(self) -> str:
+        """The reason without its numbers."""
+        return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
 
     @property
     def sound(self) -> bool:
