@@ -80,13 +80,16 @@ class _Span:
 
 
 class CausalReference:
-    """Runs of one scene with different steps, on the sites that matter."""
+    """Runs of one scene with different steps, on the sites that matter.
 
-    def __init__(self, scene: Scene, wave: Wave) -> None:
+    ``faster`` is the factor on the speed in the data that is tried at first.
+    """
+
+    def __init__(self, scene: Scene, wave: Wave, faster: float = FASTER) -> None:
         self.scene = scene
         self._wave = wave
         self._scheme: Scheme = scheme_named(SCHEME)
-        self._faster = FASTER
+        self._faster = faster
 
     @cached_property
     def longest_step(self) -> float:

@@ -46,8 +46,8 @@ ORDER = 6
 ROUNDING = 4 * 2.0**-52
 """Part of max|Y| that the reference is not trusted with, whatever its step."""
 
-REFINEMENTS = 6
-"""Most runs of a reference."""
+FLOOR = 1e-12
+"""Part of max|Y| below which a reference's error is good enough for any estimate."""
 
 UPDATE = 4e-10
 """Seconds per site and force evaluation of a reference."""
@@ -208,14 +208,14 @@ def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
         return ("false alarm" if alarm else "refused"), math.nan, math.nan
     assert given.strain is not None
     try:
-        true, own = _true_error(scene, given.strain, given.estimate)
+        true, own, good = _true_error(scene, given.strain, given.estimate)
     except SoftenedError:
         return ("refused" if given.reason else "dishonest"), math.inf, math.nan
     if not true - own <= given.estimate:
         return "dishonest", true, own
     if given.reason:
         return "false alarm", true, own
-    return ("honest" if true + own <= given.estimate else "undecided"), true, own
+    return ("honest" if good or true + own <= given.estimate else "undecided"), true, own
 
 
 def _softens(scene: Scene) -> bool:
@@ -228,25 +228,26 @@ def _softens(scene: Scene) -> bool:
     return False
 
 
-def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, float]:
-    """Largest difference of y/eps to the reference, and what the reference may err."""
+def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, float, bool]:
+    """Largest difference of y/eps to the reference, what that may err, and whether it is good."""
     reference = CausalReference(scene, build_wave(scene))
-    begin = min(FIRST, FIRST * (max(estimate, 1e-13) / 1e-5) ** (1.0 / (ORDER + 1)))
-    share = max(begin, SHORTEST)
+    wanted = GOOD * max(estimate, 1e-13)
+    share = max(SHORTEST, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain
-    floor = ROUNDING * float(np.max(np.abs(coarse))) / scene.eps
+    largest = float(np.max(np.abs(coarse))) / scene.eps
+    wanted = max(GOOD * estimate, FLOOR * largest)
     shorter = RATIO
     while True:
         share *= shorter
         fine = reference.run(share * reference.longest_step).strain
-        own = floor + float(np.max(np.abs(fine - coarse))) / scene.eps
+        own = ROUNDING * largest + float(np.max(np.abs(fine - coarse))) / scene.eps
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
-        if own <= GOOD * max(estimate, abs(true - estimate)) or share < SHORTEST:
-            return true, own
-        shorter = min(RATIO, 0.9 * (GOOD * max(estimate, floor) / own) ** (1.0 / ORDER))
+        clear = own <= GOOD * (true - estimate)
+        shorter = min(RATIO, 0.9 * (wanted / own) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
-        if UPDATE * reference.evaluations(step) > REFERENCE_SECONDS:
-            return true, own
+        dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS
+        if own <= wanted or clear or dear or share < SHORTEST:
+            return true, own, own <= wanted
         coarse = fine
 
 
