@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solutions import Wave
 from verify.lattice.blow_up import BlowUp
@@ -17,11 +18,16 @@ from verify.lattice.initial import initial_data, transported_data
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
 
+Array = NDArray[np.float64]
+
 STRIDE = 64
 """Most sites by which a window moves at once."""
 
 MARGIN = 64
-"""Sites beyond the distance of sound that a signal's dispersive front may reach."""
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
 
 
 class Domain(Protocol):
@@ -61,7 +67,7 @@ def least_window(compared: int) -> int:
     return 2 * (compared + 2 * (STRIDE + MARGIN))
 
 
-def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
+def least_ring(scene: Scene, strain: Array) -> int:
     """Fewest sites of a ring whose seam cannot be felt at the compared sites.
 
     ``strain`` holds strains about which waves may run; the fastest of them counts.
@@ -69,7 +75,19 @@ def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]
     duration = scene.end - scene.t0
     fastest = scene.constants.highest_frequency(strain) / 2.0
     travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
-    return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
+    return 2 * (scene.compared + math.ceil(travelled + front(fastest, duration)))
+
+
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return MARGIN + FRONT * (speed * duration / 8.0) ** (1.0 / 3.0)
+
+
+def creeping(scene: Scene, wave: Wave) -> int:
+    """Sites by which sound on the wave's constant background gains on c t during the scene."""
+    background = scene.eps * (wave.constant_background or 0.0)
+    gain = scene.constants.sound_speed(background) - scene.constants.sound_speed()
+    return math.ceil(max(0.0, gain) * (scene.end - scene.t0))
 
 
 def window_moves(scene: Scene) -> tuple[float, ...]:

@@ -13,12 +13,17 @@ import numpy as np
 
 from solutions import Wave
 from verify.exponential.adams import ORDER
-from verify.lattice.extent import extent_of
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import ring_data
 from verify.lattice.spectral_scale import first_density
-from verify.lattice.stencil_plan import PREFERRED, domain_kind, least_sites, longest_step
+from verify.lattice.stencil_plan import (
+    PREFERRED,
+    domain_kind,
+    extent_of,
+    least_sites,
+    longest_step,
+)
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -76,7 +81,7 @@ def stencil_seconds(scene: Scene, wave: Wave) -> float:
     """What a window would take, or on a periodic background a ring."""
     scheme, extent = scheme_named(PREFERRED), extent_of(scene, wave)
     steps = (scene.end - scene.t0) / longest_step(scene, scheme, extent)
-    sites = least_sites(scene, domain_kind(scene, wave), extent)
+    sites = least_sites(scene, wave, domain_kind(scene, wave), extent)
     return RATES.stencil_start + RATES.stencil * steps * scheme.stages * sites
 
 
@@ -100,10 +105,16 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
     periodic one by what the wave radiates.
     """
     assert scene.tolerance is not None
-    width, duration = 2 * scene.compared + 1, scene.end - scene.t0
-    data = RingData(scene.constants, wave, scene.eps, scene.t0, width, duration)
+    data = ring_data(
+        scene.constants,
+        wave,
+        scene.eps,
+        (scene.t0, *scene.snapshots),
+        scene.compared,
+        scene.tolerance,
+    )
     level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
-    tried = [data.smallest * data.unit]
+    tried = [data.smallest]
     assert data.causal is not None
     while tried[-1] < data.causal.circumference:
         change = level / (scene.eps * tried[-1]) ** power
