@@ -8,7 +8,7 @@ from verify.study.estimates import Judged
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:
     return Judged(
-        1, index, "wave_cn", "", "stencil", 1e-4, verdict, 1e-5, true, 1e-9, reason, 1.0, 2.0, 0
+        1, index, "wave_cn", "", "stencil", 1e-4, verdict, 1e-5, true, 1e-9, reason, 1.0, 2.0, 0, ""
     )
 
 

@@ -32,7 +32,7 @@ EVALUATION = 4e-9
 PASSES = 4.0
 """What a plan site by site takes, in units of one reference on the same sites."""
 
-POINT = 5e-7
+POINT = 3e-6
 """Seconds per point and its log2 on the last spectral ring, at a tolerance of 1 and without turns:
 evaluations on all rings."""
 
@@ -44,8 +44,8 @@ FARTHEST = 1e7
 class Shape:
     """A wave's parameters, its largest |U| and wave number in xi, and its drift d xi/d tau.
 
-    ``tails``: "short" ones are gone some widths away, "long" ones fall like a power; a "periodic"
-    wave has no end.
+    ``tails``: "short" ones are gone some widths away, those of a "step" to different constants;
+    "long" ones fall like a power; a "periodic" wave has no end.
     """
 
     values: Values
@@ -127,11 +127,12 @@ def predicted_seconds(scene: Scene, shape: Shape, e: float) -> float:
     window = 2.0 * scene.compared + 1000.0 + 60.0 / e + 0.2 * min(e, 2.0) ** 2 * way
     work = EVALUATION * tolerance ** (-1.0 / 6.0) * way
     planned = {
-        "stencil": PASSES * work * (cone if shape.tails == "periodic" else window),
+        "stencil": PASSES * work * (cone if shape.tails in ("periodic", "step") else window),
         "spectral": _ring_seconds(scene.compared, way, tolerance, shape, e),
     }
     seconds = planned[scene.engine] if scene.engine else min(planned.values())
-    return seconds + work * (window if shape.tails == "short" else 0.6 * cone)
+    short = shape.tails in ("short", "step")
+    return seconds + work * (window if short else 0.6 * cone)
 
 
 def _ring_seconds(compared: int, way: float, tolerance: float, shape: Shape, e: float) -> float:
@@ -226,7 +227,7 @@ def _soliton_sech(draw: Draw) -> Shape:
 
 def _kink(draw: Draw) -> Shape:
     A = _amplitude(draw)
-    return Shape({"A": A}, A, -2.0 * A**2, "short")
+    return Shape({"A": A}, A, -2.0 * A**2, "step")
 
 
 def _kink_antikink(draw: Draw) -> Shape:

@@ -71,7 +71,8 @@ else, such as an estimate that is not finite, another exception than ValueError,
 class Judged:
     """What was found about the scene (seed, index); numbers are NaN where there are none.
 
-    ``own`` is the reference's error, ``seconds`` the processor time of run and reference.
+    ``own`` is the reference's error, ``seconds`` the processor time of run and reference, ``scene``
+    the scene as JSON.
     """
 
     seed: int
@@ -88,6 +89,7 @@ class Judged:
     seconds: float
     reference_seconds: float
     redrawn: int
+    scene: str
 
     @property
     def ratio(self) -> float:
@@ -151,6 +153,7 @@ def judge_scene(drawn: RandomScene, answer: Callable[[Scene], xr.Dataset] | None
         between - begun,
         time.process_time() - between,
         drawn.redrawn,
+        scene.json(),
     )
 
 
