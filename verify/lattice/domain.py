@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from solutions import Wave
 from verify.lattice.blow_up import BlowUp
+from verify.lattice.closing import REACH, blend_seam, negate_at_seam, rest_at_seam
 from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
 from verify.lattice.scene import Scene
@@ -25,6 +26,9 @@ STRIDE = 64
 
 MARGIN = 64
 """Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+KINK = 80.0
+"""Room for a kink at the seam, in units of its width."""
 
 FRONT = 12.0
 """Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
@@ -80,7 +84,17 @@ def least_ring(scene: Scene, strain: Array) -> int:
 
 def front(speed: float, duration: float) -> float:
     """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return MARGIN + FRONT * (speed * duration / 8.0) ** (1.0 / 3.0)
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def seam_room(wave: Wave, eps: float) -> float:
+    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    if wave.constant_background is not None:
+        return 0.0
+    if wave.wavelength is not None:
+        return 2.0 * REACH * wave.wavelength / eps
+    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
+    return KINK / (float(wave.normal_form.a) * eps * height)
 
 
 def creeping(scene: Scene, wave: Wave) -> int:
@@ -115,9 +129,36 @@ class Ring:
         scene = self.scene
         middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
         state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
-        state.store(state.sites, *initial_data(self.wave, scene, state.sites))
+        state.store(state.sites, *self._data(state))
         self._check(state)
         return state
+
+    def _data(self, state: State) -> tuple[Array, Array]:
+        """The wave's data, made to pass smoothly over the seam if the ring has room for that.
+
+        A jump there could be more than the lattice bears.
+        """
+        scene, wave, (y, s) = (
+            self.scene,
+            self.wave,
+            initial_data(self.wave, self.scene, state.sites),
+        )
+        room = seam_room(wave, scene.eps)
+        if room == 0.0 or scene.sites < least_ring(scene, y) + room:
+            return y, s
+        middle = state.left + 0.5 * state.size
+        length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
+
+        def profile(x: Array) -> Array:
+            return np.stack(initial_data(wave, scene, x + middle))
+
+        if wave.wavelength is None:
+            crest = wave.phase_zeros(scene.t0, scene.eps)[0] - middle
+            y, s = negate_at_seam(profile, length, crest, x)
+            return y, s
+        width = 0.5 * room / REACH
+        y, s = blend_seam(profile, length, width, x)
+        return y, rest_at_seam(s, length, width, x)
 
     def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""

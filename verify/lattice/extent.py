@@ -135,4 +135,4 @@ def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
         return True
     beyond = crest + 2.0 * (x[index] - crest)
     rest = x >= beyond if x[index] > crest else x <= beyond
-    return bool(rest.any()) and float(np.max(deviation[rest])) > POWER * float(deviation[index])
+    return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])

@@ -38,14 +38,20 @@ TIGHTER = 1.5
 ATTEMPTS = 12
 """Most control runs."""
 
-BLOWN = 5
+BLOWN = 3
 """Control runs after which a lattice that still blows up does so by itself."""
+
+CURE = 32.0
+"""By how much all errors are to fall after a blow-up."""
 
 PATIENCE = 4
 """Control runs without a new smallest error after which rounding is what is left."""
 
 SURE = 50.0
 """A step's error that is to be divided by at most this is taken to obey its law."""
+
+LAWFUL = 3.0
+"""What is left of a step's error obeys its law if it is at most this much larger."""
 
 LONG = 10.0
 """Seconds from which a run is announced."""
@@ -91,6 +97,10 @@ class Engine(Protocol):
     """What can be varied."""
     threads: int
     """Runs that may be done at once."""
+    order: int
+    """The time step's error falls like step^order."""
+    unstable: int
+    """Steps tried, each shorter, until one is stable."""
 
     def first(self) -> Choices:
         """Where the search begins."""
@@ -184,13 +194,27 @@ class _Search:
         self.seconds = 0.0
 
     def with_step(self, choices: Choices) -> float:
-        """The step that keeps its share. Where the law leads not far, it is taken at its word."""
+        """The step that keeps its share.
+
+        The law is taken at its word where it does not lead far or has held twice.
+        """
+        before, unstable, held = choices, 0, False
+        last = math.inf
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
-            if excess <= 1.0:
+            unstable += math.isinf(excess)
+            if excess <= 1.0 or unstable == self._engine.unstable:
                 break
+            expected = last * (choices.step / before.step) ** self._engine.order
+            held = excess <= LAWFUL * expected and math.isfinite(last)
+            before, last = choices, excess
             choices = self._engine.better(choices, "step", excess)
             if excess <= SURE:
+                break
+            if held:
+                shorter = excess * (choices.step / before.step) ** self._engine.order
+                if shorter > 1.0:
+                    choices = self._engine.better(choices, "step", shorter)
                 break
         return choices.step
 
@@ -205,7 +229,7 @@ class _Search:
         engine, choices = self._engine, trial.choices
         if trial.values is None:
             for kind in engine.kinds:
-                choices = engine.better(choices, kind, TIGHTER)
+                choices = engine.better(choices, kind, CURE)
             return choices
         found = choices
         for kind in engine.kinds:

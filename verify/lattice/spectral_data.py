@@ -9,9 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.lattice.closing import REACH, blend_seam, close_circumference, rest_at_seam
+from verify.lattice.closing import (
+    REACH,
+    blend_seam,
+    close_circumference,
+    negate_at_seam,
+    rest_at_seam,
+)
 from verify.lattice.constants import Constants
-from verify.lattice.domain import front
+from verify.lattice.domain import front, seam_room
 from verify.lattice.extent import Extent, find_extent
 from verify.lattice.initial import lattice_data
 from verify.lattice.ring_state import RingState
@@ -82,7 +88,7 @@ class RingData:
         least = ROOM * self.extent.width
         if self.periodic:
             return max(LEAST * self.unit, least + 2.0 * self.unit)
-        return least + 2.0 * SCALES / (float(self.wave.normal_form.a) * self.eps)
+        return least + 2.0 * self._reach(least)
 
     @property
     def absorbed(self) -> float:
@@ -132,17 +138,28 @@ class RingData:
         """The ring at t0, blended at its seam, without mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
+        left = self._middle + ring.ahead - 0.5 * length
+        if self._kink:
+            crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
+            y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
+            return RingState(self.t0, left, length, y, s)
         width = self._reach(length) / REACH
         y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
-        left = self._middle + ring.ahead - 0.5 * length
         return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
 
     def _reach(self, circumference: float) -> float:
         """The data within this distance of the seam are not the wave's."""
         if self.periodic:
             return self.unit
-        scale = SCALES / (float(self.wave.normal_form.a) * self.eps)
-        return max(min(circumference, 2.0 * self.smallest) / BLEND, scale)
+        if self._kink:
+            return 0.5 * seam_room(self.wave, self.eps)
+        least = SCALES / (float(self.wave.normal_form.a) * self.eps)
+        return max(min(circumference, 4.0 * self.extent.width) / BLEND, least)
+
+    @property
+    def _kink(self) -> bool:
+        """Whether the far fields are constants that differ."""
+        return self.wave.constant_background is None and not self.periodic
 
     def _closed(self, circumference: float, ahead: float) -> float:
         """On a periodic background the length about ``circumference`` that closes the ring."""

@@ -19,7 +19,7 @@ from verify.exponential.adams import ORDER
 from verify.lattice.estimate import Estimate, rounding_error
 from verify.lattice.refine import Announce, Choices, Engine, Kind, Progress, Trial, refine
 from verify.lattice.ring_state import RingState
-from verify.lattice.spectral import NotHyperbolicError, SamplingError, SpectralRing
+from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from verify.lattice.spectral_absorber import STRENGTH
 from verify.lattice.spectral_data import Ring, ring_data
 from verify.lattice.spectral_scale import first_density, first_step
@@ -44,8 +44,9 @@ REACHES = (0.3, 3.0)
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""
 
-SOFTENED = 3
-"""Runs in which waves cease to exist, after which it is not the step that does it."""
+SOFTENED = 0.1
+"""If the times at which waves cease to exist in two runs differ less, in units of the time since
+the beginning, it is not the step that does it."""
 
 MOST_POINTS = 2**22
 """Points on the largest ring."""
@@ -86,6 +87,8 @@ class SpectralEngine:
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     threads = 1
+    order = ORDER
+    unstable = 10
 
     def __init__(self, task: SpectralTask) -> None:
         self._task = task
@@ -101,7 +104,7 @@ class SpectralEngine:
         self._density = first_density(task.wave, task.eps)
         self._rings: dict[tuple[float, float, bool], Ring] = {}
         self._states: dict[tuple[Ring, int], RingState] = {}
-        self._softened = 0
+        self._softened = math.inf
 
     @property
     def decay(self) -> int:
@@ -123,8 +126,8 @@ class SpectralEngine:
         """A run, with more points if the spectrum's tail calls for them.
 
         A step that is too long lets short waves grow, however densely they are sampled. A lattice
-        on which waves cease to exist is told from it by losing them again with shorter steps, or by
-        its initial data.
+        on which waves cease to exist is told from it by losing them at the same time with another
+        step, or by its initial data.
         """
         kept = self._density
         while True:
@@ -135,10 +138,8 @@ class SpectralEngine:
                 self._density = 1.5 * dense.density
                 continue
             except FloatingPointError as error:
-                if isinstance(error, NotHyperbolicError):
-                    self._softened += 1
-                    if error.t == self._task.t0 or self._softened >= SOFTENED:
-                        raise
+                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
+                    raise
                 self._density = kept
                 return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
             wider = self._outrun(dense, trial.payload.strain)
@@ -184,6 +185,13 @@ class SpectralEngine:
         if limit is not None and size >= limit.circumference:
             return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
         return replace(choices, size=size)
+
+    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
+        """Whether waves cease to exist whatever the step: at first, or when they did before."""
+        passed, before = error.t - self._task.t0, self._softened
+        self._softened = passed
+        resolved = passed > 4 * WATCH * step and abs(passed - before) <= SOFTENED * passed
+        return passed == 0.0 or resolved
 
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
         """The choices on a wider causal ring, if the strains met were too fast for this one."""

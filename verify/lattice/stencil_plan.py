@@ -6,7 +6,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from solutions import Wave
-from verify.lattice.domain import Array, creeping, least_ring, least_window, window_moves
+from verify.lattice.domain import (
+    Array,
+    creeping,
+    least_ring,
+    least_window,
+    seam_room,
+    window_moves,
+)
 from verify.lattice.extent import Extent, find_extent
 from verify.lattice.moments import moments_of
 from verify.lattice.observables import entry_named
@@ -53,7 +60,7 @@ def least_sites(scene: Scene, wave: Wave, domain: str, extent: Extent) -> int:
     A window's also keep off the rear's signals, which are faster than it on some backgrounds.
     """
     if domain == "ring":
-        return round_up(least_ring(scene, extent.strain))
+        return round_up(least_ring(scene, extent.strain) + seam_room(wave, scene.eps))
     return round_up(least_window(extent.reach + creeping(scene, wave)))
 
 

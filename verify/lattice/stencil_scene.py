@@ -9,7 +9,7 @@ import xarray as xr
 
 from solutions import Wave
 from verify.lattice.discretisation import StrainSamples
-from verify.lattice.domain import least_ring, window_moves
+from verify.lattice.domain import window_moves
 from verify.lattice.estimate import Estimate, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
@@ -73,10 +73,11 @@ class StencilEngine:
 
     kinds: tuple[Kind, ...] = ("step", "domain")
     threads = 2
+    unstable = 1
 
     def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:
         scheme = scheme_named(scene.scheme or PREFERRED)
-        self.order = scheme.order
+        self.order: int = scheme.order
         self._scene, self._wave, self._extent = scene, wave, extent
         self._domain = domain_kind(scene, wave)
         self._least = least_sites(scene, wave, self._domain, extent)
@@ -117,11 +118,11 @@ class StencilEngine:
             strain = np.array([trial.payload.attrs[key] for key in ("least_strain", "most_strain")])
             if trial.values is None or not choices.causal:
                 return trial
-            least = least_ring(self._base, strain)
+            extent = replace(self._extent, strain=strain)
+            least = least_sites(self._base, self._wave, "ring", extent)
             if choices.size >= least:
                 return trial
-            choices = replace(choices, size=round_up(least))
-            self._least = max(self._least, round_up(least))
+            choices, self._extent = replace(choices, size=least), extent
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more sites."""
@@ -150,7 +151,7 @@ class StencilEngine:
 
     def _sized(self, choices: Choices, sites: float) -> Choices:
         """With that many sites, or a causal ring if that takes fewer."""
-        causal = round_up(least_ring(self._base, self._extent.strain))
+        causal = least_sites(self._base, self._wave, "ring", self._extent)
         if not choices.causal and sites >= causal:
             return replace(choices, size=causal, causal=True)
         return replace(choices, size=round_up(sites))
