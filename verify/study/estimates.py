@@ -99,6 +99,11 @@ class Judged:
         return math.inf if self.true > 0 else 0.0
 
     @property
+    def told(self) -> bool:
+        """Whether the reference is so good that the ratio means something."""
+        return self.verdict == "honest" and self.own <= GOOD * self.estimate
+
+    @property
     def kind(self) -> str:
         """The reason without its numbers."""
         return re.sub(r"-?\d[\d.e+-]*", "N", self.reason)[:100]
@@ -256,7 +261,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
 
 @dataclass(frozen=True)
 class Row:
-    """Counts, and quantiles of true/estimate, of the scenes of one wave or engine."""
+    """Counts, and quantiles of true/estimate where that is told, of a wave's or engine's scenes."""
 
     name: str
     count: int
@@ -286,7 +291,7 @@ def _names(judged: Sequence[Judged]) -> list[str]:
 
 
 def _row(name: str, group: Sequence[Judged]) -> Row:
-    ratios = [one.ratio for one in group if one.verdict in ("honest", "dishonest", "undecided")]
+    ratios = [one.ratio for one in group if one.verdict == "dishonest" or one.told]
     quantiles = np.quantile(ratios, QUANTILES, method="lower") if ratios else [math.nan] * 4
     return Row(
         name,
