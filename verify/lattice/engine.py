@@ -64,6 +64,8 @@ class Rates:
     tail: float = 20.0
     """What doubling a ring to the circumference L changes, on a constant background, times
     (eps L/2)^3 and per unit of the peak: the absorbed ring's law."""
+    radiated: float = 1.0
+    """Of a kink, which has no absorber, times (a eps peak)^4 and the passages of sound."""
     phase: float = 0.1
     """On a periodic one, times (eps L/2)^2 and per unit of b eps^3 t times peak^3."""
 
@@ -114,6 +116,9 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
         scene.tolerance,
     )
     level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
+    if not data.periodic and not data.absorbed:
+        passages = 2.0 * scene.constants.sound_speed() * data.duration
+        level, power = RATES.radiated * (data.steepness * peak) ** 4 * passages * scene.eps, 1
     tried = [data.smallest]
     assert data.causal is not None
     while tried[-1] < data.causal.circumference:

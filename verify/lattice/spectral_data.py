@@ -83,6 +83,11 @@ class RingData:
         return 1.0 if wavelength is None else wavelength / self.eps
 
     @property
+    def steepness(self) -> float:
+        """The wave's variable xi per site."""
+        return float(self.wave.normal_form.a) * self.eps
+
+    @property
     def smallest(self) -> float:
         """The smallest circumference: it holds the wave at all times, and the compared sites."""
         least = ROOM * self.extent.width
@@ -153,7 +158,7 @@ class RingData:
             return self.unit
         if self._kink:
             return 0.5 * seam_room(self.wave, self.eps)
-        least = SCALES / (float(self.wave.normal_form.a) * self.eps)
+        least = SCALES / self.steepness
         return max(min(circumference, 4.0 * self.extent.width) / BLEND, least)
 
     @property

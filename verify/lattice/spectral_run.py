@@ -44,9 +44,13 @@ REACHES = (0.3, 3.0)
 TAIL_SHARE = 0.1
 """Bound of the spectrum's tail, in units of the tolerance."""
 
-SOFTENED = 0.1
-"""If the times at which waves cease to exist in two runs differ less, in units of the time since
-the beginning, it is not the step that does it."""
+SOFTENED = 0.01
+"""If the times at which waves cease to exist in three runs differ less, in units of the time since
+the beginning, and beside what the watch resolves, it is not the step that does it."""
+
+SHORTEST = 0.05
+"""Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
+less."""
 
 MOST_POINTS = 2**22
 """Points on the largest ring."""
@@ -54,6 +58,10 @@ MOST_POINTS = 2**22
 
 class RingTooLargeError(ValueError):
     """A tolerance that needs more points than a ring may have."""
+
+
+class StepTooShortError(ValueError):
+    """A tolerance, or a wave, that needs shorter steps than the engine should take."""
 
 
 def spectral_run(
@@ -104,7 +112,7 @@ class SpectralEngine:
         self._density = first_density(task.wave, task.eps)
         self._rings: dict[tuple[float, float, bool], Ring] = {}
         self._states: dict[tuple[Ring, int], RingState] = {}
-        self._softened = math.inf
+        self._softened: list[tuple[float, float]] = []
 
     @property
     def decay(self) -> int:
@@ -166,7 +174,10 @@ class SpectralEngine:
         """By the laws of the method's order and of the ring's size."""
         if kind == "step":
             factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
-            return replace(choices, step=factor * choices.step)
+            shorter = replace(choices, step=factor * choices.step)
+            if shorter.step * self._task.constants.sound_speed() < SHORTEST < self._duration:
+                raise StepTooShortError(f"steps below {choices.step:.2g}")
+            return shorter
         if kind == "sampling":
             density = max(choices.density, self._density)
             return replace(choices, density=1.4 * density)
@@ -188,9 +199,12 @@ class SpectralEngine:
 
     def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
         """Whether waves cease to exist whatever the step: at first, or when they did before."""
-        passed, before = error.t - self._task.t0, self._softened
-        self._softened = passed
-        resolved = passed > 4 * WATCH * step and abs(passed - before) <= SOFTENED * passed
+        passed = error.t - self._task.t0
+        known = [
+            t for t, _ in self._softened if abs(t - passed) <= SOFTENED * passed + WATCH * step
+        ]
+        self._softened = [*self._softened[-1:], (passed, step)]
+        resolved = passed > 4 * WATCH * step and len(known) == len(self._softened) == 2
         return passed == 0.0 or resolved
 
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:

@@ -16,7 +16,13 @@ from verify.lattice.recorder import Observable, build_recorders
 from verify.lattice.recording import Progress
 from verify.lattice.refine import Announce
 from verify.lattice.scene import Scene
-from verify.lattice.spectral_run import RingTooLargeError, SpectralRun, SpectralTask, spectral_run
+from verify.lattice.spectral_run import (
+    RingTooLargeError,
+    SpectralRun,
+    SpectralTask,
+    StepTooShortError,
+    spectral_run,
+)
 from verify.lattice.state import empty_state
 
 SCHEME = "exponential_adams"
@@ -43,6 +49,11 @@ def run_spectral(
         raise ValueError(
             f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
             "(raise it, end earlier or compare fewer sites)"
+        ) from None
+    except StepTooShortError as error:
+        raise ValueError(
+            f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': it needs "
+            f"{error} (the wave is hardly longer than the distance of sites)"
         ) from None
     except FloatingPointError as error:
         raise ValueError(

@@ -94,6 +94,8 @@ def mean_step(stops: Array, step: float, order: int) -> float:
     """
     gaps = np.diff(stops)
     gaps = gaps[gaps > 0]
+    if gaps.size == 0:
+        return step
     taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
     return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
 

@@ -1,4 +1,7 @@
-"""Running a scene to a tolerance: by the engine it names, or by the cheaper one."""
+"""Running a scene to a tolerance: by the engine it names, or by the cheaper one.
+
+What the spectral engine refuses, though it was not named, is run site by site.
+"""
 
 from collections.abc import Callable, Mapping
 
@@ -31,10 +34,14 @@ def run_to_tolerance(
     more) and ``planning_seconds``. Raises ValueError as `run` does.
     """
     wave = build_wave(scene)
-    engine = ENGINES[choose_engine(scene, wave)]
-    run, estimate, planning_seconds = engine(
-        scene, wave, progress or (lambda _: None), announce or (lambda _: None)
-    )
+    name = choose_engine(scene, wave)
+    callbacks = progress or (lambda _: None), announce or (lambda _: None)
+    try:
+        run, estimate, planning_seconds = ENGINES[name](scene, wave, *callbacks)
+    except ValueError:
+        if scene.engine or name == "stencil":
+            raise
+        run, estimate, planning_seconds = run_stencil(scene, wave, *callbacks)
     return run.assign_attrs(
         tolerance=scene.tolerance,
         error_estimate=estimate.total,
