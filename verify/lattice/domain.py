@@ -92,7 +92,7 @@ def seam_room(wave: Wave, eps: float) -> float:
     if wave.constant_background is not None:
         return 0.0
     if wave.wavelength is not None:
-        return 2.0 * REACH * wave.wavelength / eps
+        return 2.0 * wave.wavelength / eps
     height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
     return KINK / (float(wave.normal_form.a) * eps * height)
 
@@ -115,8 +115,8 @@ def window_moves(scene: Scene) -> tuple[float, ...]:
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
-    Its seam, where the wave does not close up, sends signals at the speed of sound. Raises
-    ValueError if they could reach a compared site before the run ends.
+    Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
+    Raises ValueError if they could reach a compared site before the run ends.
     """
 
     scene: Scene
@@ -134,18 +134,14 @@ class Ring:
         return state
 
     def _data(self, state: State) -> tuple[Array, Array]:
-        """The wave's data, made to pass smoothly over the seam if the ring has room for that.
+        """The wave's data; on a closed ring they pass smoothly over the seam.
 
         A jump there could be more than the lattice bears.
         """
-        scene, wave, (y, s) = (
-            self.scene,
-            self.wave,
-            initial_data(self.wave, self.scene, state.sites),
-        )
+        scene, wave = self.scene, self.wave
         room = seam_room(wave, scene.eps)
-        if room == 0.0 or scene.sites < least_ring(scene, y) + room:
-            return y, s
+        if scene.domain == "ring" or room == 0.0:
+            return initial_data(wave, scene, state.sites)
         middle = state.left + 0.5 * state.size
         length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
 
@@ -165,6 +161,8 @@ class Ring:
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
+        if self.scene.domain == "closed_ring":
+            return found
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
         reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found

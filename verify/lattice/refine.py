@@ -63,7 +63,8 @@ class Choices:
 
     ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
     a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
-    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none.
+    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
+    step at first, until what the data send to the left has left the wave, 0 if there is none.
     """
 
     step: float
@@ -72,6 +73,7 @@ class Choices:
     density: float = 1.0
     shift: float = 0.0
     absorber: float = 0.0
+    start: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -191,6 +193,8 @@ class _Search:
         self._progress, self._announce = progress, announce
         self._done: dict[Choices, Trial] = {}
         self._announced = LONG
+        self._shown = 0.0
+        self._stopped = False
         self.seconds = 0.0
 
     def with_step(self, choices: Choices) -> float:
@@ -248,7 +252,8 @@ class _Search:
         other = self._engine.varied(choices, (kind,))
         self._run({choices: False, other: False})
         change = difference(self._done[choices], self._done[other])
-        return SAFETY * change / (SHARES[kind] * self._tolerance)
+        share = SHARES[kind] if len(self._engine.kinds) > 1 else 1.0
+        return SAFETY * change / (share * self._tolerance)
 
     def _run(self, wanted: dict[Choices, bool]) -> None:
         missing = [choices for choices in wanted if choices not in self._done]
@@ -257,13 +262,23 @@ class _Search:
         def run(choices: Choices) -> Trial:
             return self._engine.run(choices, wanted[choices], self._share)
 
-        with ThreadPoolExecutor(self._engine.threads) as pool:
-            trials = list(pool.map(run, missing))
+        if self._engine.threads == 1:
+            trials = [run(choices) for choices in missing]
+        else:
+            with ThreadPoolExecutor(self._engine.threads) as pool:
+                try:
+                    trials = list(pool.map(run, missing))
+                except KeyboardInterrupt:
+                    self._stopped = True
+                    raise
         self._done.update(zip(missing, trials, strict=True))
         self.seconds += sum(trial.seconds for trial in trials)
 
     def _share(self, share: float) -> None:
-        self._progress(1.0 - 0.5 ** (len(self._done) + share))
+        if self._stopped:
+            raise KeyboardInterrupt
+        self._shown = max(self._shown, 1.0 - 0.5 ** (len(self._done) + share))
+        self._progress(self._shown)
 
     def _tell(self, missing: Collection[Choices]) -> None:
         """Announce runs that will take long, going by what those before them took."""

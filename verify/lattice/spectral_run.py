@@ -8,7 +8,7 @@ taken for causal is checked against the strains that were met on it.
 
 import math
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 import ducc0  # type: ignore[import-not-found]
@@ -22,14 +22,14 @@ from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from verify.lattice.spectral_absorber import STRENGTH
 from verify.lattice.spectral_data import Ring, ring_data
-from verify.lattice.spectral_scale import first_density, first_step
+from verify.lattice.spectral_scale import first_density, first_step, typical_number
 from verify.lattice.spectral_task import SpectralCost, SpectralRun, SpectralTask
 
 __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
 
-STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.7, 1.25, 1.5
+STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
 """Step, density and circumference of a control run, in units of those of the run before it."""
 
 SHIFT = 0.07
@@ -48,7 +48,17 @@ SOFTENED = 0.01
 """If the times at which waves cease to exist in three runs differ less, in units of the time since
 the beginning, and beside what the watch resolves, it is not the step that does it."""
 
-SHORTEST = 0.05
+STARTED = 15.0
+"""A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
+
+START = 0.1
+"""Step of the start, in units of the time in which sound goes 1/k."""
+
+STEEPEST = 0.75
+"""Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
+pay (a soliton's width in sites is 1/(a |y|))."""
+
+SHORTEST = 0.02
 """Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
 less."""
 
@@ -109,10 +119,15 @@ class SpectralEngine:
             task.compared,
             task.tolerance,
         )
+        steepness = float(task.wave.normal_form.a) * float(np.max(np.abs(self._data.extent.strain)))
+        if steepness > STEEPEST:
+            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(task.wave, task.eps)
+        self._started = task.t0
         self._rings: dict[tuple[float, float, bool], Ring] = {}
         self._states: dict[tuple[Ring, int], RingState] = {}
-        self._softened: list[tuple[float, float]] = []
+        self._softened: list[float] = []
+        self._soft: NotHyperbolicError | None = None
 
     @property
     def decay(self) -> int:
@@ -122,9 +137,13 @@ class SpectralEngine:
     def first(self) -> Choices:
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
-        step = first_step(self._task.constants, self._state(choices), self._duration)
+        state, c = self._state(choices), self._task.constants.sound_speed()
+        step = first_step(self._task.constants, state, self._duration)
+        length = 1.0 / (c * typical_number(state))
+        start = START * length if STARTED * length < self._duration else 0.0
         absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
-        return replace(choices, step=step, absorber=absorber)
+        self._started = self._task.t0 + STARTED * length
+        return replace(choices, step=step, absorber=absorber, start=start)
 
     def scout(self) -> Engine:
         """None: a ring must hold what it holds."""
@@ -148,8 +167,11 @@ class SpectralEngine:
             except FloatingPointError as error:
                 if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
                     raise
+                if not isinstance(error, NotHyperbolicError):
+                    self._soft = None
                 self._density = kept
                 return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
+            self._soft = None
             wider = self._outrun(dense, trial.payload.strain)
             if wider is None:
                 return trial
@@ -158,7 +180,8 @@ class SpectralEngine:
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, more points, a wider ring with its seam elsewhere."""
         if "step" in kinds:
-            choices = replace(choices, step=STEP_RATIO * choices.step)
+            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
+            choices = replace(choices, step=step, start=start)
         if "sampling" in kinds:
             density = max(choices.density, self._density)
             choices = replace(choices, density=DENSITY_RATIO * density)
@@ -174,9 +197,10 @@ class SpectralEngine:
         """By the laws of the method's order and of the ring's size."""
         if kind == "step":
             factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
-            shorter = replace(choices, step=factor * choices.step)
+            start = factor * choices.start if math.isfinite(excess) else choices.start
+            shorter = replace(choices, step=factor * choices.step, start=start)
             if shorter.step * self._task.constants.sound_speed() < SHORTEST < self._duration:
-                raise StepTooShortError(f"steps below {choices.step:.2g}")
+                raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
             density = max(choices.density, self._density)
@@ -199,13 +223,11 @@ class SpectralEngine:
 
     def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
         """Whether waves cease to exist whatever the step: at first, or when they did before."""
-        passed = error.t - self._task.t0
-        known = [
-            t for t, _ in self._softened if abs(t - passed) <= SOFTENED * passed + WATCH * step
-        ]
-        self._softened = [*self._softened[-1:], (passed, step)]
-        resolved = passed > 4 * WATCH * step and len(known) == len(self._softened) == 2
-        return passed == 0.0 or resolved
+        passed, self._soft = error.t - self._task.t0, error
+        apart = SOFTENED * passed + WATCH * step
+        alike = [abs(t - passed) <= apart for t in self._softened]
+        self._softened = [*self._softened[-1:], passed]
+        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
 
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
         """The choices on a wider causal ring, if the strains met were too fast for this one."""
@@ -223,33 +245,41 @@ class SpectralEngine:
         tail = TAIL_SHARE * task.tolerance * task.eps
         cutoff = self._data.absorbed if choices.absorber else 0.0
         state = self._state(choices)
-        ring = SpectralRing(
-            task.constants,
-            state,
-            choices.step,
-            tail,
-            absorbed=cutoff,
-            strength=choices.absorber,
-        )
+        rings: list[SpectralRing] = []
         rows = []
-        for t in task.times:
-            rows.append(ring.at(t).strain(task.sites(t)) / task.eps)
-            progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+        for start, times, step in self._phases(choices):
+            state = state if not rings else rings[-1].at(start)
+            rings.append(
+                SpectralRing(
+                    task.constants, state, step, tail, absorbed=cutoff, strength=choices.absorber
+                )
+            )
+            for t in times:
+                rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
+                progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
         values = np.array(rows)
-        integrator, points = ring.integrator, state.y.size
+        strain = min(r.strain[0] for r in rings), max(r.strain[1] for r in rings)
+        steps = sum(ring.integrator.steps for ring in rings)
+        evaluations = sum(ring.integrator.evaluations for ring in rings)
+        points = state.y.size
         seconds = time.perf_counter() - begun
-        cost = SpectralCost(
-            integrator.steps,
-            points,
-            integrator.evaluations,
-            state.circumference,
-            ring.strain,
-            seconds,
-        )
-        largest = max(map(abs, ring.strain)) / task.eps
-        rounding = rounding_error(largest, integrator.evaluations)
-        work = integrator.evaluations * points * math.log2(points)
+        cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
+        rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
+        work = evaluations * points * math.log2(points)
         return Trial(choices, values, work, seconds, rounding, cost)
+
+    def _phases(self, choices: Choices) -> Iterator[tuple[float, list[float], float]]:
+        """The start, if it has a step of its own, and what follows: beginning, times, step.
+
+        The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
+        leaves the wave would replace it by its mean, whatever their length.
+        """
+        t0, times, began = self._task.t0, list(self._task.times), self._started
+        if not 0.0 < choices.start < choices.step:
+            yield t0, times, choices.step
+            return
+        yield t0, [t for t in times if t < began], choices.start
+        yield began, [t for t in times if t >= began], choices.step
 
     def _ring(self, choices: Choices) -> Ring:
         key = (choices.size, choices.shift, choices.causal)

@@ -71,7 +71,6 @@ def run_stencil(
 class StencilEngine:
     """Runs of a scene in windows or, where the background is not constant, on causal rings."""
 
-    kinds: tuple[Kind, ...] = ("step", "domain")
     threads = 2
     unstable = 1
 
@@ -80,6 +79,7 @@ class StencilEngine:
         self.order: int = scheme.order
         self._scene, self._wave, self._extent = scene, wave, extent
         self._domain = domain_kind(scene, wave)
+        self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self._least = least_sites(scene, wave, self._domain, extent)
         self._longest = longest_step(scene, scheme, extent)
         self._base = replace(
@@ -125,13 +125,14 @@ class StencilEngine:
             choices, self._extent = replace(choices, size=least), extent
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, more sites."""
+        """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
-        if "domain" in kinds:
-            wider = choices.size + WIDER if choices.causal else SIZE_RATIO * choices.size
-            choices = self._sized(choices, wider)
+            if choices.causal:
+                choices = replace(choices, size=choices.size + WIDER)
+        if "domain" in kinds and not choices.causal:
+            choices = self._sized(choices, SIZE_RATIO * choices.size)
         return choices
 
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
@@ -162,8 +163,8 @@ class StencilEngine:
             self._base,
             step=choices.step,
             sites=int(choices.size),
-            domain="ring" if choices.causal else "window",
-            observables=self._base.observables if shown else (),
+            domain="closed_ring" if choices.causal else "window",
+            observables=self._base.observables if shown or choices.causal else (),
         )
         run = run_from(stated, None, progress, [samples])
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]

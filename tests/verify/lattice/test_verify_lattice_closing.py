@@ -85,7 +85,7 @@ def _rational(t0: float) -> RingData:
 def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
-    inside = np.abs(state.points - data.constants.sound_speed() * data.t0)
+    inside = np.abs(state.points - data.constants.sound_speed() * data.t0 - ring.ahead)
     inside = inside < 0.5 * ring.circumference - data._reach(ring.circumference)
     value = data.wave.at(state.points[inside], data.t0, data.eps)
     y, s = lattice_data(value, data.constants.sound_speed(), data.eps)
