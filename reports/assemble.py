@@ -10,7 +10,17 @@ from reports.figures.paper import draw_all
 from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
 from reports.paper import SOURCES
-from reports.sections import claims, costs, derivation, evaluation, further, proofs, runs, solutions
+from reports.sections import (
+    claims,
+    costs,
+    derivation,
+    estimates,
+    evaluation,
+    further,
+    proofs,
+    runs,
+    solutions,
+)
 from reports.studies import Studies
 from reports.tables import write
 from reports.work import Findings
@@ -44,6 +54,8 @@ STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
     "peak_table": lambda found: further.peak_table(found.peaks) if found.peaks else "",
     "split_table": lambda found: further.split_table(found.split),
     "long_table": lambda found: further.long_table(found.long_runs),
+    "estimate_table": lambda found: estimates.estimate_table(found.estimates),
+    "estimate_reasons": lambda found: estimates.reason_table(found.estimates),
 }
 """The tables of the studies."""
 

@@ -1,7 +1,7 @@
 """The studies of cost and of hard cases, as jobs for the pool, and what they find."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
@@ -14,6 +14,7 @@ from verify.lattice.families import EPS, ORDERS
 from verify.study.cost_evaluation import EvaluationCost, evaluation_costs
 from verify.study.cost_precision import PROBLEMS, CostPoint, work_precision
 from verify.study.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error
+from verify.study.estimates import Judged, judge
 from verify.study.hard_case import HardCase
 from verify.study.hard_cases import HARD_CASES, hard_case
 from verify.study.long_runs import LONG_SCENES, SHARES, LongRun, by_ring, by_sites
@@ -25,13 +26,16 @@ EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
 RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
 WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
 SPLIT_SCENE = "split_rational_3"
+ESTIMATES, ESTIMATE_SEED = 240, 3
+"""Random scenes whose estimates are judged; other ones than those of the tests."""
+
 PEAK_SECONDS = {2: 5.0, 3: 15.0, 4: 30.0, 5: 60.0}
 """About what a member of the family takes, by its order."""
 
 
 @dataclass(frozen=True)
 class Studies:
-    """What the studies found; ``peaks``, ``split`` and ``long_runs`` are empty in the short report.
+    """What the studies found; what the short report leaves out is empty there.
 
     ``split`` holds the run of the split wave under its scene's name.
     """
@@ -45,12 +49,14 @@ class Studies:
     peaks: list[PeakError]
     split: Mapping[str, xr.Dataset]
     long_runs: Mapping[str, LongRun]
+    estimates: list[Judged] = field(default_factory=list)
 
     @property
     def sound(self) -> bool:
-        """Whether every hard case holds and every long run keeps its tolerance."""
+        """Whether hard cases hold, long runs keep their tolerance and estimates are honest."""
         cases = all(case.passed for case in self.hard_cases)
-        return cases and all(found.kept for found in self.long_runs.values())
+        long = all(found.kept for found in self.long_runs.values())
+        return cases and long and all(found.sound for found in self.estimates)
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:
@@ -81,6 +87,8 @@ def _further_jobs() -> dict[Key, Job]:
         jobs["ring", name] = Job(by_ring, (name,), 5.0, tells=True)
         for share in SHARES:
             jobs["sites", (name, share)] = Job(by_sites, (name, share), 4.0 / share, tells=True)
+    for index in range(ESTIMATES):
+        jobs["estimate", index] = Job(judge, (ESTIMATE_SEED, index), 2.0)
     return jobs
 
 
@@ -107,6 +115,7 @@ def studies(found: Mapping[Key, Any]) -> Studies:
             for name in LONG_SCENES
             if ("ring", name) in found
         },
+        estimates=of("estimate"),
     )
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from derive.command_line import OneLineParser, fail
+from derive.command_line import OneLineParser, announce, fail, interrupted
 from verify.lattice.families import rational_family_scenes
 from verify.lattice.restart import save_run
 from verify.lattice.run import run
@@ -28,7 +28,7 @@ def run_command(arguments: Sequence[str]) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
 
     ``arguments`` are the words after ``run``. Exit status 0, 1 if the run blew up, 2 for bad
-    input, which is told in one line.
+    input and 130 after Ctrl-C, which are told in one line. More than 10 s are announced.
     """
     options = _parser().parse_args(list(arguments))
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -40,6 +40,8 @@ def run_command(arguments: Sequence[str]) -> int:
             save_run(dataset, options.output)
     except (ValueError, OSError) as error:
         return fail(error)
+    except KeyboardInterrupt:
+        return interrupted("python -m verify run")
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
     print_summary(dataset, scene, Console(highlight=False))
@@ -88,4 +90,10 @@ def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(scene.name, total=1.0)
-        return run(scene, lambda share: bar.update(task, completed=share))
+
+        def tell(seconds: float) -> None:
+            bar.stop()
+            announce(f"{scene.name} to {scene.tolerance:g}", seconds)
+            bar.start()
+
+        return run(scene, lambda share: bar.update(task, completed=share), tell)

@@ -6,6 +6,9 @@ spectral ring is any real number: the one for which Y(x + L) = Y(x) across the s
 least squares leaves a miss of a higher order. Where the phase jumps by a constant, as across the
 dark breather, it closes exactly.
 
+A kink between -A and A closes with its own negative, which is a wave of the lattice, too, where the
+force is odd: it stands at the seam.
+
 What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
 off at the seam, not everywhere: the data elsewhere are the wave's own.
 """
@@ -67,6 +70,22 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
         share = 0.5 * erfc(-inside[near] / width)
         copy = profile(x[near] - sign * circumference)
         values[..., near] += share * (np.asarray(copy) - values[..., near])
+    return values
+
+
+def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Array) -> Array:
+    """A kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
+
+    ``crest`` is the kink's place. Half-way between it and the seam the two pass into each other.
+
+    >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
+    >>> values.round(3) + 0.0
+    array([ 0.   , -1.   ,  0.   ,  1.   ,  0.762])
+    """
+    values = np.array(profile(x), dtype=np.float64)
+    past = x - np.where(x > 0.0, 0.5, -0.5) * circumference
+    near = np.abs(past) < 0.5 * (0.5 * circumference - abs(crest))
+    values[..., near] = -np.asarray(profile(past[near] + crest))
     return values
 
 

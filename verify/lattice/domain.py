@@ -9,19 +9,29 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solutions import Wave
 from verify.lattice.blow_up import BlowUp
+from verify.lattice.closing import REACH, blend_seam, negate_at_seam, rest_at_seam
 from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
 
+Array = NDArray[np.float64]
+
 STRIDE = 64
 """Most sites by which a window moves at once."""
 
 MARGIN = 64
-"""Sites beyond the distance of sound that a signal's dispersive front may reach."""
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+KINK = 80.0
+"""Room for a kink at the seam, in units of its width."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
 
 
 class Domain(Protocol):
@@ -61,7 +71,7 @@ def least_window(compared: int) -> int:
     return 2 * (compared + 2 * (STRIDE + MARGIN))
 
 
-def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
+def least_ring(scene: Scene, strain: Array) -> int:
     """Fewest sites of a ring whose seam cannot be felt at the compared sites.
 
     ``strain`` holds strains about which waves may run; the fastest of them counts.
@@ -69,7 +79,29 @@ def least_ring(scene: Scene, strain: np.ndarray[tuple[int], np.dtype[np.float64]
     duration = scene.end - scene.t0
     fastest = scene.constants.highest_frequency(strain) / 2.0
     travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
-    return 2 * (scene.compared + math.ceil(travelled) + MARGIN)
+    return 2 * (scene.compared + math.ceil(travelled + front(fastest, duration)))
+
+
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def seam_room(wave: Wave, eps: float) -> float:
+    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    if wave.constant_background is not None:
+        return 0.0
+    if wave.wavelength is not None:
+        return 2.0 * wave.wavelength / eps
+    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
+    return KINK / (float(wave.normal_form.a) * eps * height)
+
+
+def creeping(scene: Scene, wave: Wave) -> int:
+    """Sites by which sound on the wave's constant background gains on c t during the scene."""
+    background = scene.eps * (wave.constant_background or 0.0)
+    gain = scene.constants.sound_speed(background) - scene.constants.sound_speed()
+    return math.ceil(max(0.0, gain) * (scene.end - scene.t0))
 
 
 def window_moves(scene: Scene) -> tuple[float, ...]:
@@ -83,8 +115,8 @@ def window_moves(scene: Scene) -> tuple[float, ...]:
 class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
-    Its seam, where the wave does not close up, sends signals at the speed of sound. Raises
-    ValueError if they could reach a compared site before the run ends.
+    Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
+    Raises ValueError if they could reach a compared site before the run ends.
     """
 
     scene: Scene
@@ -97,15 +129,40 @@ class Ring:
         scene = self.scene
         middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
         state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
-        state.store(state.sites, *initial_data(self.wave, scene, state.sites))
+        state.store(state.sites, *self._data(state))
         self._check(state)
         return state
+
+    def _data(self, state: State) -> tuple[Array, Array]:
+        """The wave's data; on a closed ring they pass smoothly over the seam.
+
+        A jump there could be more than the lattice bears.
+        """
+        scene, wave = self.scene, self.wave
+        room = seam_room(wave, scene.eps)
+        if scene.domain == "ring" or room == 0.0:
+            return initial_data(wave, scene, state.sites)
+        middle = state.left + 0.5 * state.size
+        length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
+
+        def profile(x: Array) -> Array:
+            return np.stack(initial_data(wave, scene, x + middle))
+
+        if wave.wavelength is None:
+            crest = wave.phase_zeros(scene.t0, scene.eps)[0] - middle
+            y, s = negate_at_seam(profile, length, crest, x)
+            return y, s
+        width = 0.5 * room / REACH
+        y, s = blend_seam(profile, length, width, x)
+        return y, rest_at_seam(s, length, width, x)
 
     def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
+        if self.scene.domain == "closed_ring":
+            return found
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
         reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found

@@ -13,12 +13,17 @@ import numpy as np
 
 from solutions import Wave
 from verify.exponential.adams import ORDER
-from verify.lattice.extent import extent_of
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import ring_data
 from verify.lattice.spectral_scale import first_density
-from verify.lattice.stencil_plan import PREFERRED, domain_kind, least_sites, longest_step
+from verify.lattice.stencil_plan import (
+    PREFERRED,
+    domain_kind,
+    extent_of,
+    least_sites,
+    longest_step,
+)
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -59,6 +64,8 @@ class Rates:
     tail: float = 20.0
     """What doubling a ring to the circumference L changes, on a constant background, times
     (eps L/2)^3 and per unit of the peak: the absorbed ring's law."""
+    radiated: float = 1.0
+    """Of a kink, which has no absorber, times (a eps peak)^4 and the passages of sound."""
     phase: float = 0.1
     """On a periodic one, times (eps L/2)^2 and per unit of b eps^3 t times peak^3."""
 
@@ -76,7 +83,7 @@ def stencil_seconds(scene: Scene, wave: Wave) -> float:
     """What a window would take, or on a periodic background a ring."""
     scheme, extent = scheme_named(PREFERRED), extent_of(scene, wave)
     steps = (scene.end - scene.t0) / longest_step(scene, scheme, extent)
-    sites = least_sites(scene, domain_kind(scene, wave), extent)
+    sites = least_sites(scene, wave, domain_kind(scene, wave), extent)
     return RATES.stencil_start + RATES.stencil * steps * scheme.stages * sites
 
 
@@ -100,10 +107,19 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
     periodic one by what the wave radiates.
     """
     assert scene.tolerance is not None
-    width, duration = 2 * scene.compared + 1, scene.end - scene.t0
-    data = RingData(scene.constants, wave, scene.eps, scene.t0, width, duration)
+    data = ring_data(
+        scene.constants,
+        wave,
+        scene.eps,
+        (scene.t0, *scene.snapshots),
+        scene.compared,
+        scene.tolerance,
+    )
     level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
-    tried = [data.smallest * data.unit]
+    if not data.periodic and not data.absorbed:
+        passages = 2.0 * scene.constants.sound_speed() * data.duration
+        level, power = RATES.radiated * (data.steepness * peak) ** 4 * passages * scene.eps, 1
+    tried = [data.smallest]
     assert data.causal is not None
     while tried[-1] < data.causal.circumference:
         change = level / (scene.eps * tried[-1]) ** power

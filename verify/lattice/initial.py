@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import derive
 from solutions import ClosedForm, Wave, WaveValues, closed_form
@@ -57,8 +57,8 @@ def _initial_velocity() -> _InitialVelocity:
     return function
 
 
-def initial_data(wave: Wave, scene: Scene, sites: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Strain y_n = eps Y and velocity s_n of the ansatz at the sites, at time t0."""
+def initial_data(wave: Wave, scene: Scene, sites: ArrayLike) -> tuple[Array, Array]:
+    """Strain y_n = eps Y and velocity s_n of the ansatz at the sites (any real), at time t0."""
     value = wave.at(sites, scene.t0, scene.eps)
     return lattice_data(value, scene.constants.sound_speed(), scene.eps)
 

@@ -18,7 +18,8 @@ class March:
 
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
     longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
-    at the run's beginning. ``blow_up`` is set when the march had to stop; ``steps`` counts.
+    at the run's beginning. ``strain`` holds the smallest and the largest that was met at a stop, on
+    any site. ``blow_up`` is set when the march had to stop; ``steps`` counts.
     """
 
     def __init__(
@@ -37,6 +38,7 @@ class March:
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
+        self.strain = (math.inf, -math.inf)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
     def through(self, times: Sequence[float]) -> Iterator[State]:
@@ -89,5 +91,7 @@ class March:
 
         Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
         """
+        y, (least, most) = self.state.y, self.strain
+        self.strain = min(least, float(y.min())), max(most, float(y.max()))
         found = find_blow_up(self.constants, self.state, self._amplitude)
         return None if found is None else self.domain.locate(found, self.state)

@@ -15,7 +15,7 @@ from verify.lattice.scheme import Scheme
 from verify.lattice.schemes import scheme_named
 
 OBSERVABLES = NAMES
-DOMAINS = ("window", "ring")
+DOMAINS = ("window", "ring", "closed_ring")
 ENGINES = ("stencil", "spectral")
 DEFAULT_SCHEME = "kahan_li_8"
 FOLDER = files("verify.lattice.scenes")
@@ -30,7 +30,8 @@ class Scene:
     compared region about the site nearest to c t. How it is computed is stated in one of two ways:
 
     * ``step`` (the largest time step), ``domain`` (a ``window`` that moves with the wave, for
-      constant backgrounds, or a fixed ``ring``), its size ``sites``, and ``scheme``;
+      constant backgrounds, a fixed ``ring``, or a ``closed_ring``, whose ends pass smoothly into
+      each other), its size ``sites``, and ``scheme``;
     * ``tolerance``: the sup error of y/eps over the compared sites, against the infinite lattice
       started from the same data. The program then chooses engine, scheme, step and domain;
       ``engine`` and ``scheme`` may be named.
@@ -108,7 +109,7 @@ class Scene:
                 "tolerance must be given for engine 'spectral', got none (it takes no step)"
             )
         for name in self.observables:
-            if entry_named(name).needs_ring and self.domain != "ring":
+            if entry_named(name).needs_ring and self.domain == "window":
                 raise ValueError(
                     f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
                 )

@@ -10,8 +10,12 @@ In the frame that moves at c the characteristic variables
     p_-+ = s -+ i w y,    p_-+' = i (c k -+ w) p_-+ + N,    w = 2 sqrt(K2 + b) |sin(k/2)|
 
 hold the right- and left-going waves. The linear part about the background, b = mean of V''(y) - K2,
-is integrated exactly; N = D (V'(y) - (K2 + b) y) is what is left of the force. The mean of y, for
-which w = 0, is kept in the place of p_-'s mode 0: it is driven by the constant mean of s.
+is integrated exactly; N = D (V'(y) - (K2 + b) y) is what is left of the force.
+
+Where w = 0 there is no force: for the mean, and on circumferences that are whole numbers for the
+waves of numbers 2 pi m, which every site sees as a constant. There s stays as it is and y grows
+linearly: p_- holds y - s t and p_+ holds s, each carried along with the frame. In the place of mode
+0 stands the time t; the means are kept beside.
 """
 
 import math
@@ -23,13 +27,16 @@ from solutions.jit import njit
 from verify.exponential.adams import ExponentialAdams
 from verify.lattice.constants import Constants
 from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail
-from verify.lattice.spectral_absorber import LeftAbsorber
+from verify.lattice.spectral_absorber import STRENGTH, LeftAbsorber
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 WATCH = 16
 """Steps between two looks at the tail."""
+
+STILL = 1e-7
+"""Frequencies below it count as none: within t they turn a phase by STILL t, squared."""
 
 
 class SamplingError(ArithmeticError):
@@ -47,7 +54,6 @@ class NotHyperbolicError(FloatingPointError):
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
     """y = (p_+ - p_-)/(2 i w), mode by mode."""
-    out[0] = p[0, 0].real
     for k in range(1, p.shape[1]):
         difference = p[1, k] - p[0, k]
         out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
@@ -74,7 +80,8 @@ class SpectralRing:
     and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
     the modes of the force above half of the highest one (exact for a cubic force); without it the
     tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
-    seam (`spectral_absorber.py`).
+    seam (`spectral_absorber.py`), by ``strength``. ``strain`` holds the smallest and the largest
+    strain that was met.
     """
 
     def __init__(
@@ -85,32 +92,39 @@ class SpectralRing:
         tail: float = math.inf,
         dealias: bool = False,
         absorbed: float = 0.0,
+        strength: float = STRENGTH,
     ) -> None:
         self._constants, self._start, self._bound = constants, state, tail
         count = state.y.size
         k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
         self._amplitude = float(np.max(np.abs(state.y)))
+        self.strain = (math.inf, -math.inf)
         stiffness = float(np.mean(self._sound(state.y, state.t)))
         self._b = stiffness - constants.K2
         self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
             self._symbol[k.size // 2 :] = 0.0
+        still = self._w <= STILL
+        self._still = np.flatnonzero(still)[1:]
+        self._symbol[still] = 0.0
         self._inverse = np.zeros_like(k)
-        np.divide(0.5, self._w, out=self._inverse, where=self._w > 1e-14)
+        np.divide(0.5, self._w, out=self._inverse, where=~still)
         self._modes = np.empty(k.size, dtype=np.complex128)
         self._values = np.empty(count)
         y, s = forward(state.y), forward(state.s)
-        self._drift = float(s[0].real)
+        self._mean, self._drift = float(y[0].real), float(s[0].real)
         p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
-        p[:, 0] = y[0].real
+        p[:, still] = y[still], s[still]
+        p[:, 0] = 0.0
         speed = constants.sound_speed()
-        linear = 1j * np.stack([speed * k - self._w, speed * k + self._w])
+        turn = np.where(still, 0.0, self._w)
+        linear = 1j * np.stack([speed * k - turn, speed * k + turn])
         self._watch(p, state.t)
         self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
         self._absorber = None
         if absorbed > 0.0:
-            self._absorber = LeftAbsorber(state, p, self._w, speed, step, absorbed)
+            self._absorber = LeftAbsorber(state, p, self._w, speed, step, absorbed, strength)
 
     def at(self, t: float) -> RingState:
         """The ring at time ``t``, which must not lie before the last one; its points move at c."""
@@ -129,6 +143,7 @@ class SpectralRing:
         start = self._start
         y = backward(self._strain(p), start.y.size)
         velocity = 0.5 * (p[0] + p[1])
+        velocity[self._still] = p[1, self._still]
         velocity[0] = self._drift
         s = backward(velocity, start.y.size)
         left = start.left + self._constants.sound_speed() * (t - start.t)
@@ -137,7 +152,7 @@ class SpectralRing:
     def _absorb(self) -> None:
         absorber = self._absorber
         if absorber and absorber.every and self.integrator.steps % absorber.every == 0:
-            absorber.absorb(self.integrator.p)
+            self._mean += absorber.absorb(self.integrator.p)
 
     def _watch(self, p: Complex, t: float) -> None:
         modes = self._strain(p)
@@ -152,6 +167,8 @@ class SpectralRing:
         """The stiffness about the strains ``y``, if waves exist about all of them."""
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = self._constants.stiffness(y)
+        least, most = self.strain
+        self.strain = min(least, float(np.min(y))), max(most, float(np.max(y)))
         worst = int(np.argmin(stiffness))
         if stiffness[worst] <= 0:
             start = self._start
@@ -160,7 +177,10 @@ class SpectralRing:
         return stiffness
 
     def _strain(self, p: Complex) -> Complex:
+        t, still = p[0, 0].real, self._still
         _strain_modes(p, self._inverse, self._modes)
+        self._modes[still] = p[0, still] + t * p[1, still]
+        self._modes[0] = self._mean + self._drift * t
         return self._modes
 
     def _nonlinearity(self, p: Complex) -> Complex:
@@ -168,5 +188,5 @@ class SpectralRing:
         _residual_force(y, self._b, self._constants.K3, self._constants.K4)
         force = forward(y)
         _bend(force, self._symbol)
-        force[0] = self._drift
+        force[0] = 1.0
         return force

@@ -26,7 +26,7 @@ WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences: it is exp(-(distance to the seam/width)^2) strong."""
 
 STRENGTH = 14.0
-"""Logarithm of what one passage divides a wave by."""
+"""Logarithm of what one passage divides a wave by, usually."""
 
 OFTEN = 1.0 / 64.0
 """A left-going wave travels this far between two absorptions, in circumferences, or one step."""
@@ -46,7 +46,14 @@ class LeftAbsorber:
     """
 
     def __init__(
-        self, state: RingState, p: Complex, w: Array, speed: float, step: float, cutoff: float
+        self,
+        state: RingState,
+        p: Complex,
+        w: Array,
+        speed: float,
+        step: float,
+        cutoff: float,
+        strength: float = STRENGTH,
     ) -> None:
         length, travel = state.circumference, 2.0 * speed * step
         self.every = 0 if travel > FARTHEST * length else max(1, int(OFTEN * length / travel))
@@ -56,18 +63,21 @@ class LeftAbsorber:
         self._share = np.exp(-((numbers[: self._kept] / cutoff) ** 8))
         self._lift = 2j * w[: self._kept]
         distance = 0.5 - np.abs(np.arange(self._count) / self._count - 0.5)
-        strength = np.exp(-((distance / WIDTH) ** 2))
-        self._loss = np.expm1(-_along(strength, self.every * travel / length))
+        profile = np.exp(-((distance / WIDTH) ** 2))
+        self._loss = np.expm1(-strength * _along(profile, self.every * travel / length))
         self._level = 0.0
-        self._level = -float(np.average(self._strain(p), weights=strength))
+        self._level = -float(np.average(self._strain(p), weights=profile))
 
-    def absorb(self, p: Complex) -> None:
-        """Take off, in place, what has passed the absorber since the last time."""
+    def absorb(self, p: Complex) -> float:
+        """Take off, in place, what has passed the absorber since the last time.
+
+        The mean, which has no place in p, changes by what is returned.
+        """
         change = forward(self._strain(p) * self._loss)[: self._kept] * self._share
         p[1, : self._kept] += self._lift * change
         mean = float(change[0].real)
-        p[:, 0] += mean
         self._level += mean
+        return mean
 
     def _strain(self, p: Complex) -> Array:
         """The left-going strain."""
@@ -77,10 +87,10 @@ class LeftAbsorber:
         return backward(modes, self._count)
 
 
-def _along(strength: Array, travel: float) -> Array:
-    """The logarithm of the loss on the way of length ``travel`` that ends at each point."""
-    modes = forward(strength)
+def _along(profile: Array, travel: float) -> Array:
+    """The share of the absorber on the way of length ``travel`` that ends at each point."""
+    modes = forward(profile)
     phase = 2j * math.pi * np.arange(modes.size)
     share = np.ones_like(modes)
     share[1:] = np.expm1(phase[1:] * travel) / (phase[1:] * travel) if travel > 0 else 1.0
-    return travel * STRENGTH / float(modes[0].real) * backward(modes * share, strength.size)
+    return travel / float(modes[0].real) * backward(modes * share, profile.size)

@@ -1,6 +1,7 @@
 """The initial data of a spectral ring, from a closed form."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,9 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.lattice.closing import REACH, blend_seam, close_circumference, rest_at_seam
+from verify.lattice.closing import (
+    REACH,
+    blend_seam,
+    close_circumference,
+    negate_at_seam,
+    rest_at_seam,
+)
 from verify.lattice.constants import Constants
-from verify.lattice.domain import MARGIN
+from verify.lattice.domain import front, seam_room
+from verify.lattice.extent import Extent, find_extent
 from verify.lattice.initial import lattice_data
 from verify.lattice.ring_state import RingState
 
@@ -19,23 +27,20 @@ Array = NDArray[np.float64]
 LEAST = 16
 """Fewest wavelengths on a ring."""
 
-BLEND = 16.0
-"""On a constant background the data are blended within width/BLEND of the seam."""
+ROOM = 1.5
+"""Least circumference, in units of what it must hold, beside the blended parts."""
+
+BLEND = 32.0
+"""On a constant background the data are blended within circumference/BLEND of the seam."""
 
 SCALES = 6.0
 """They are blended within so many units of the wave's variable xi at least."""
-
-FRONT = 8.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(8) is 5e-8."""
 
 SEEN = 4096
 """Points at which the largest strain is looked for."""
 
 ABSORBED = 2.0
-"""On a constant background left-going waves of numbers below this are absorbed."""
-
-ABSORBED_SHARE = 0.25
-"""On a periodic one those below this share of its own wave number."""
+"""Left-going waves of numbers below this are absorbed."""
 
 
 @dataclass(frozen=True)
@@ -54,15 +59,16 @@ class Ring:
 class RingData:
     """A wave on the lattice at time ``t0``, ready to be put on rings of any size.
 
-    ``width`` is that of the compared region. A run that takes the time ``duration`` needs no ring
-    wider than the causal one.
+    ``extent`` holds the wave and the compared sites, the ``compared`` ones on either side of c t,
+    at all times. A run that takes the time ``duration`` needs no ring wider than the causal one.
     """
 
     constants: Constants
     wave: Wave
     eps: float
     t0: float
-    width: int
+    compared: int
+    extent: Extent
     duration: float = math.inf
 
     @property
@@ -72,72 +78,100 @@ class RingData:
 
     @property
     def unit(self) -> float:
-        """What circumferences are counted in: the wavelength in sites, else ``width``."""
+        """The background's wavelength in sites; one site, if it is constant."""
         wavelength = self.wave.wavelength
-        return float(self.width) if wavelength is None else wavelength / self.eps
+        return 1.0 if wavelength is None else wavelength / self.eps
 
     @property
-    def smallest(self) -> int:
-        """Units on the smallest ring: it is twice as wide as the compared region."""
-        if not self.periodic:
-            return 2
-        return max(LEAST, math.ceil(2 * self.width / self.unit))
+    def steepness(self) -> float:
+        """The wave's variable xi per site."""
+        return float(self.wave.normal_form.a) * self.eps
 
     @property
-    def reach(self) -> float:
-        """The data within this distance of the seam are not the wave's."""
+    def smallest(self) -> float:
+        """The smallest circumference: it holds the wave at all times, and the compared sites."""
+        least = ROOM * self.extent.width
         if self.periodic:
-            return self.unit
-        scale = SCALES / (float(self.wave.normal_form.a) * self.eps)
-        return max(self.unit / BLEND, scale)
+            return max(LEAST * self.unit, least + 2.0 * self.unit)
+        return least + 2.0 * self._reach(least)
 
-    def absorbed(self, ring: Ring) -> float:
-        """Left-going waves of numbers below this are absorbed at the seam; 0 if none are."""
-        if ring.causal:
-            return 0.0
-        return 2.0 * math.pi / self.unit * ABSORBED_SHARE if self.periodic else ABSORBED
+    @property
+    def absorbed(self) -> float:
+        """Left-going waves of numbers below this may be absorbed at the seam; 0 if none may.
 
-    def ring(self, count: int) -> Ring:
-        """About ``count`` units, or the causal ring if that is not wider."""
+        A periodic background has such waves of its own, and so has the step in strain that closes
+        the ring of a kink.
+        """
+        return 0.0 if self.wave.constant_background is None else ABSORBED
+
+    def ring(self, circumference: float, shift: float = 0.0) -> Ring:
+        """A ring of about that circumference, its middle off the usual place by ``shift`` of it.
+
+        It is the causal ring if that is not wider.
+        """
         limit = self.causal
-        if limit is not None and count * self.unit >= limit.circumference:
+        if limit is not None and circumference >= limit.circumference:
             return limit
-        return Ring(self._closed(count, 0.0))
+        ahead = self.extent.middle + shift * circumference
+        return Ring(self._closed(circumference, ahead), ahead)
 
     @cached_property
     def causal(self) -> Ring | None:
         """The ring whose seam cannot be felt within ``duration``, None if that is infinite.
 
         No signal is faster than sqrt(max V'') about the strains that it runs through, here those
-        of the data, except that the front of a dispersive one is some Airy lengths wide. In the
+        of the wave, except that the front of a dispersive one is some Airy lengths wide. In the
         frame that moves at c the compared sites rest, and the seam's signals cover the distances
         (c_max - c) t from behind and (c_max + c) t from the front.
         """
         if math.isinf(self.duration):
             return None
-        c = self.constants.sound_speed()
-        strain = self._strain(self.unit * self.smallest * (np.arange(SEEN) / SEEN - 0.5))
-        fastest = self.constants.highest_frequency(strain) / 2.0
-        front = MARGIN + FRONT * (c * self.duration / 8.0) ** (1.0 / 3.0)
-        half = 0.5 * self.width + fastest * self.duration + front + self.reach
+        c, fastest = self.constants.sound_speed(), self.fastest
+        reach = self._reach(2.0 * fastest * self.duration + 2 * self.compared)
+        half = self.compared + fastest * self.duration + front(fastest, self.duration) + reach
         ahead = c * self.duration
-        count = math.ceil(2.0 * half / self.unit + 0.5) if self.periodic else 2.0 * half / self.unit
-        return Ring(self._closed(count, ahead), ahead, causal=True)
+        return Ring(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
+
+    @property
+    def fastest(self) -> float:
+        """The largest speed of sound about the strains of the extent and of the data."""
+        x = self.smallest * (np.arange(SEEN) / SEEN - 0.5) + self.extent.middle
+        strain = np.concatenate([self._strain(x), self.extent.strain])
+        return self.constants.highest_frequency(strain) / 2.0
 
     def state(self, ring: Ring, points: int) -> RingState:
         """The ring at t0, blended at its seam, without mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
-        width = self.reach / REACH
-        y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
         left = self._middle + ring.ahead - 0.5 * length
+        if self._kink:
+            crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
+            y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
+            return RingState(self.t0, left, length, y, s)
+        width = self._reach(length) / REACH
+        y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
         return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
 
-    def _closed(self, count: float, ahead: float) -> float:
-        """About ``count`` units; on a periodic background the length that closes the ring."""
+    def _reach(self, circumference: float) -> float:
+        """The data within this distance of the seam are not the wave's."""
+        if self.periodic:
+            return self.unit
+        if self._kink:
+            return 0.5 * seam_room(self.wave, self.eps)
+        least = SCALES / self.steepness
+        return max(min(circumference, 4.0 * self.extent.width) / BLEND, least)
+
+    @property
+    def _kink(self) -> bool:
+        """Whether the far fields are constants that differ."""
+        return self.wave.constant_background is None and not self.periodic
+
+    def _closed(self, circumference: float, ahead: float) -> float:
+        """On a periodic background the length about ``circumference`` that closes the ring."""
         if not self.periodic:
-            return count * self.unit
-        return close_circumference(lambda x: self._strain(x + ahead), self.unit, round(count))
+            return circumference
+        count = round(circumference / self.unit)
+        return close_circumference(lambda x: self._strain(x + ahead), self.unit, count)
 
     @property
     def _middle(self) -> float:
@@ -150,3 +184,17 @@ class RingData:
     def _data(self, x: Array) -> Array:
         value = self.wave.at(self._middle + x, self.t0, self.eps)
         return np.stack(lattice_data(value, self.constants.sound_speed(), self.eps))
+
+
+def ring_data(
+    constants: Constants,
+    wave: Wave,
+    eps: float,
+    times: Sequence[float],
+    compared: int,
+    tolerance: float,
+) -> RingData:
+    """The data of a wave at the first of ``times``, with its extent until the last of them."""
+    extent = find_extent(constants, wave, eps, times, compared, tolerance)
+    t0, duration = times[0], times[-1] - times[0]
+    return RingData(constants, wave, eps, t0, compared, extent, duration)

@@ -1,49 +1,66 @@
-"""A run by the spectral engine, with the step, the sampling and the domain that a tolerance needs.
+"""A run by the spectral engine, with the step, the sampling and the ring that a tolerance needs.
 
-Each of the three is measured by doubling. The time step and the sampling do not depend on the
-circumference, so both are settled on the smallest ring: the step is halved, and the density of
-points doubled, until the compared strains differ by less than their share of the tolerance. Then
-the circumference is doubled until the difference says that its share is met, or until no signal
-from the seam can reach the compared sites: then there is no error. At all times the tail of the
-spectrum is watched; where it rises above the share of the sampling, the run is begun again
-with twice the points.
+The choices are judged by `refine.py`: a control run has a shorter step, more points, a wider ring
+with its seam elsewhere, and an absorber of half the strength. At all times the tail of the spectrum
+is watched; where it rises above its bound, the run is begun again with more points. A ring that is
+taken for causal is checked against the strains that were met on it.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from dataclasses import replace
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.exponential.halving import Halving, halve, sup_difference
+from verify.exponential.adams import ORDER
+from verify.lattice.estimate import Estimate, rounding_error
+from verify.lattice.refine import Announce, Choices, Engine, Kind, Progress, Trial, refine
 from verify.lattice.ring_state import RingState
-from verify.lattice.spectral import NotHyperbolicError, SamplingError, SpectralRing
-from verify.lattice.spectral_data import Ring, RingData
-from verify.lattice.spectral_scale import first_density, first_step
-from verify.lattice.spectral_task import Estimates, SpectralCost, SpectralRun, SpectralTask
+from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
+from verify.lattice.spectral_absorber import STRENGTH
+from verify.lattice.spectral_data import Ring, ring_data
+from verify.lattice.spectral_scale import first_density, first_step, typical_number
+from verify.lattice.spectral_task import SpectralCost, SpectralRun, SpectralTask
 
 __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
-Progress = Callable[[float], None]
 
-STEP_SHARE, SAMPLING_SHARE, DOMAIN_SHARE = 0.25, 0.25, 0.5
-"""Shares of the tolerance."""
+STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
+"""Step, density and circumference of a control run, in units of those of the run before it."""
 
-DOMAIN_RATIO = (2.0, 16.0)
-"""Doubling the domain divides its error by what was measured, but by no more than L^-4 says."""
+SHIFT = 0.07
+"""By how much its middle moves, in circumferences."""
 
-UNMEASURED_RATIO = 4.0
-"""The law L^-2 of a ring that is not closed, as long as there is one difference only."""
+WEAKER = 0.5
+"""Strength of its absorber, in units of that of the run before it."""
 
-TINY = 1e-300
-"""Keeps the ratio of two differences finite."""
+REACHES = (0.3, 3.0)
+"""Least factor on a step, and largest factor on a size, from one choice to the next."""
 
-SOFTENED = 3
-"""Attempts in which waves cease to exist, after which it is not the step that does it."""
+TAIL_SHARE = 0.1
+"""Bound of the spectrum's tail, in units of the tolerance."""
+
+SOFTENED = 0.01
+"""If the times at which waves cease to exist in three runs differ less, in units of the time since
+the beginning, and beside what the watch resolves, it is not the step that does it."""
+
+STARTED = 15.0
+"""A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
+
+START = 0.1
+"""Step of the start, in units of the time in which sound goes 1/k."""
+
+STEEPEST = 0.75
+"""Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
+pay (a soliton's width in sites is 1/(a |y|))."""
+
+SHORTEST = 0.02
+"""Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
+less."""
 
 MOST_POINTS = 2**22
 """Points on the largest ring."""
@@ -53,148 +70,229 @@ class RingTooLargeError(ValueError):
     """A tolerance that needs more points than a ring may have."""
 
 
-def spectral_run(task: SpectralTask, progress: Progress | None = None) -> SpectralRun:
+class StepTooShortError(ValueError):
+    """A tolerance, or a wave, that needs shorter steps than the engine should take."""
+
+
+def spectral_run(
+    task: SpectralTask,
+    progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> SpectralRun:
     """Run the task to its tolerance.
 
-    ``progress`` is called with the share of the work that is done, 0 .. 1, each attempt taken to
-    cost as much as all before it. Raises RingTooLargeError if the tolerance cannot be met, and
-    FloatingPointError if the lattice blows up.
+    ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the tolerance
+    needs too many points, ValueError if it is below what rounding leaves, and FloatingPointError if
+    the lattice blows up.
     """
-    return _Planner(task, progress).run()
+    engine = SpectralEngine(task)
+    found = refine(engine, task.tolerance, progress, announce)
+    trial = found.trial
+    if trial.values is None:
+        step = trial.choices.step
+        raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
+    progress(1.0)
+    decade = 10.0 ** (1.0 / ORDER)
+    if not trial.choices.causal:
+        decade *= 10.0 ** (1.0 / engine.decay)
+    estimate = Estimate(found.error, found.rounding, decade)
+    cost = replace(trial.payload, planning_seconds=found.before)
+    return SpectralRun(task, trial.values, trial.choices, estimate, cost)
 
 
-@dataclass(frozen=True)
-class _Attempt:
-    states: tuple[RingState, ...]
-    values: Array
-    steps: int
-    evaluations: int
-    seconds: float
+class SpectralEngine:
+    """Runs of a task on rings, its initial data kept."""
+
+    kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
+    threads = 1
+    order = ORDER
+    unstable = 10
+
+    def __init__(self, task: SpectralTask) -> None:
+        self._task = task
+        self._duration = task.times[-1] - task.t0
+        self._data = ring_data(
+            task.constants,
+            task.wave,
+            task.eps,
+            (task.t0, *task.times),
+            task.compared,
+            task.tolerance,
+        )
+        steepness = float(task.wave.normal_form.a) * float(np.max(np.abs(self._data.extent.strain)))
+        if steepness > STEEPEST:
+            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
+        self._density = first_density(task.wave, task.eps)
+        self._started = task.t0
+        self._rings: dict[tuple[float, float, bool], Ring] = {}
+        self._states: dict[tuple[Ring, int], RingState] = {}
+        self._softened: list[float] = []
+        self._soft: NotHyperbolicError | None = None
 
     @property
-    def work(self) -> float:
-        return float(self.evaluations) * self.states[0].y.size
+    def decay(self) -> int:
+        """A ring's error falls at least like L^-decay, from what was measured."""
+        return 2 if self._data.periodic else 3
 
+    def first(self) -> Choices:
+        """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
+        choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
+        state, c = self._state(choices), self._task.constants.sound_speed()
+        step = first_step(self._task.constants, state, self._duration)
+        length = 1.0 / (c * typical_number(state))
+        start = START * length if STARTED * length < self._duration else 0.0
+        absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
+        self._started = self._task.t0 + STARTED * length
+        return replace(choices, step=step, absorber=absorber, start=start)
 
-class _Planner:
-    """The search: the density it has come to, the initial rings, and the attempts so far."""
+    def scout(self) -> Engine:
+        """None: a ring must hold what it holds."""
+        return self
 
-    def __init__(self, task: SpectralTask, progress: Progress | None) -> None:
-        self._task, self._progress = task, progress
-        width, duration = 2 * task.compared + 1, task.times[-1] - task.t0
-        self._data = RingData(task.constants, task.wave, task.eps, task.t0, width, duration)
-        self._density = first_density(task.wave, task.eps)
-        self._rings: dict[int, Ring] = {}
-        self._states: dict[tuple[Ring, int], RingState] = {}
-        self._attempts: list[_Attempt] = []
-        self._softened = 0
-
-    def run(self) -> SpectralRun:
-        tolerance, count = self._task.tolerance, self._data.smallest
-        duration = self._task.times[-1] - self._task.t0
-        start = first_step(self._task.constants, self._state(self._ring(count)), duration)
-        halving = halve(lambda step: self._values(count, step), start, STEP_SHARE * tolerance)
-        values, sampling = self._settle_sampling(count, halving)
-        domain, ratio = self._settle_domain(count, halving.step, values)
-        if self._progress is not None:
-            self._progress(1.0)
-        estimates = Estimates(halving.error, sampling, domain, ratio)
-        states = self._attempts[-1].states
-        return SpectralRun(self._task, states, halving.step, estimates, self._cost())
-
-    def _settle_sampling(self, count: int, halving: Halving) -> tuple[Array, float]:
-        """Double the density until that no longer matters; the values, and by how much it did."""
-        bound, values = SAMPLING_SHARE * self._task.tolerance, halving.values
-        while True:
-            kept = self._density
-            self._density = 2.0 * kept
-            fine = self._values(count, halving.step)
-            difference = sup_difference(fine, values)
-            if difference <= bound:
-                self._density = kept
-                return values, difference
-            values = fine
-
-    def _settle_domain(self, count: int, step: float, values: Array) -> tuple[float, float]:
-        """Double the ring until its share is met; the error, and the ratio that it comes from."""
-        ratio, before = UNMEASURED_RATIO, None
-        while not self._ring(count).causal:
-            count *= 2
-            fine = self._values(count, step)
-            difference = sup_difference(fine, values)
-            if before is not None:
-                ratio = float(np.clip(before / max(difference, TINY), *DOMAIN_RATIO))
-            if difference <= DOMAIN_SHARE * self._task.tolerance * (ratio - 1.0):
-                return difference / (ratio - 1.0), ratio
-            values, before = fine, difference
-        return 0.0, math.inf
-
-    def _values(self, count: int, step: float) -> Array:
-        """The compared y/eps; the density grows until the tail keeps down, infinity if it cannot.
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run, with more points if the spectrum's tail calls for them.
 
         A step that is too long lets short waves grow, however densely they are sampled. A lattice
-        on which waves cease to exist is told from it by losing them again with shorter steps, or by
-        its initial data.
+        on which waves cease to exist is told from it by losing them at the same time with another
+        step, or by its initial data.
         """
         kept = self._density
         while True:
+            dense = replace(choices, density=max(choices.density, self._density))
             try:
-                attempt = self._attempt(count, step)
+                trial = self._run(dense, progress)
             except SamplingError:
-                self._density *= 2.0
+                self._density = 1.5 * dense.density
+                continue
             except FloatingPointError as error:
-                if isinstance(error, NotHyperbolicError):
-                    self._softened += 1
-                    if error.t == self._task.t0 or self._softened >= SOFTENED:
-                        raise
+                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
+                    raise
+                if not isinstance(error, NotHyperbolicError):
+                    self._soft = None
                 self._density = kept
-                return np.array([np.inf])
-            else:
-                self._attempts.append(attempt)
-                return attempt.values
+                return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
+            self._soft = None
+            wider = self._outrun(dense, trial.payload.strain)
+            if wider is None:
+                return trial
+            choices = wider
 
-    def _attempt(self, count: int, step: float) -> _Attempt:
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, more points, a wider ring with its seam elsewhere."""
+        if "step" in kinds:
+            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
+            choices = replace(choices, step=step, start=start)
+        if "sampling" in kinds:
+            density = max(choices.density, self._density)
+            choices = replace(choices, density=DENSITY_RATIO * density)
+        if "domain" in kinds and not choices.causal:
+            choices = replace(
+                self._sized(choices, SIZE_RATIO * choices.size),
+                shift=choices.shift + SHIFT,
+                absorber=WEAKER * choices.absorber,
+            )
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the laws of the method's order and of the ring's size."""
+        if kind == "step":
+            factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
+            start = factor * choices.start if math.isfinite(excess) else choices.start
+            shorter = replace(choices, step=factor * choices.step, start=start)
+            if shorter.step * self._task.constants.sound_speed() < SHORTEST < self._duration:
+                raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
+            return shorter
+        if kind == "sampling":
+            density = max(choices.density, self._density)
+            return replace(choices, density=1.4 * density)
+        if choices.causal:
+            return choices
+        factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
+        return self._sized(choices, factor * choices.size)
+
+    def work(self, choices: Choices) -> float:
+        """Evaluations times points times their logarithm."""
+        points = choices.size * max(choices.density, self._density)
+        return self._duration / choices.step * points * math.log2(points + 2.0)
+
+    def _sized(self, choices: Choices, size: float) -> Choices:
+        limit = self._data.causal
+        if limit is not None and size >= limit.circumference:
+            return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
+        return replace(choices, size=size)
+
+    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
+        """Whether waves cease to exist whatever the step: at first, or when they did before."""
+        passed, self._soft = error.t - self._task.t0, error
+        apart = SOFTENED * passed + WATCH * step
+        alike = [abs(t - passed) <= apart for t in self._softened]
+        self._softened = [*self._softened[-1:], passed]
+        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
+
+    def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
+        """The choices on a wider causal ring, if the strains met were too fast for this one."""
+        data, constants = self._data, self._task.constants
+        strain = np.array([*met, *data.extent.strain])
+        if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
+            return None
+        self._data = replace(data, extent=replace(data.extent, strain=strain))
+        self._rings.clear()
+        return self._sized(choices, math.inf)
+
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
         task = self._task
         begun = time.perf_counter()
-        tail = SAMPLING_SHARE * task.tolerance * task.eps
-        where = self._ring(count)
-        cutoff = self._data.absorbed(where)
-        ring = SpectralRing(task.constants, self._state(where), step, tail, absorbed=cutoff)
-        states = tuple(self._through(ring))
-        values = [state.strain(task.sites(state.t)) / task.eps for state in states]
+        tail = TAIL_SHARE * task.tolerance * task.eps
+        cutoff = self._data.absorbed if choices.absorber else 0.0
+        state = self._state(choices)
+        rings: list[SpectralRing] = []
+        rows = []
+        for start, times, step in self._phases(choices):
+            state = state if not rings else rings[-1].at(start)
+            rings.append(
+                SpectralRing(
+                    task.constants, state, step, tail, absorbed=cutoff, strength=choices.absorber
+                )
+            )
+            for t in times:
+                rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
+                progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+        values = np.array(rows)
+        strain = min(r.strain[0] for r in rings), max(r.strain[1] for r in rings)
+        steps = sum(ring.integrator.steps for ring in rings)
+        evaluations = sum(ring.integrator.evaluations for ring in rings)
+        points = state.y.size
         seconds = time.perf_counter() - begun
-        integrator = ring.integrator
-        return _Attempt(states, np.array(values), integrator.steps, integrator.evaluations, seconds)
+        cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
+        rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
+        work = evaluations * points * math.log2(points)
+        return Trial(choices, values, work, seconds, rounding, cost)
 
-    def _through(self, ring: SpectralRing) -> Iterator[RingState]:
-        t0, end = self._task.t0, self._task.times[-1]
-        for t in self._task.times:
-            yield ring.at(t)
-            if self._progress is not None and end > t0:
-                share = (t - t0) / (end - t0)
-                self._progress(1.0 - 0.5 ** (len(self._attempts) + share))
+    def _phases(self, choices: Choices) -> Iterator[tuple[float, list[float], float]]:
+        """The start, if it has a step of its own, and what follows: beginning, times, step.
 
-    def _ring(self, count: int) -> Ring:
-        if count not in self._rings:
-            self._rings[count] = self._data.ring(count)
-        return self._rings[count]
+        The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
+        leaves the wave would replace it by its mean, whatever their length.
+        """
+        t0, times, began = self._task.t0, list(self._task.times), self._started
+        if not 0.0 < choices.start < choices.step:
+            yield t0, times, choices.step
+            return
+        yield t0, [t for t in times if t < began], choices.start
+        yield began, [t for t in times if t >= began], choices.step
 
-    def _state(self, ring: Ring) -> RingState:
-        wanted = ring.circumference * self._density
+    def _ring(self, choices: Choices) -> Ring:
+        key = (choices.size, choices.shift, choices.causal)
+        if key not in self._rings:
+            self._rings[key] = self._data.ring(choices.size, choices.shift)
+        return self._rings[key]
+
+    def _state(self, choices: Choices) -> RingState:
+        ring = self._ring(choices)
+        wanted = ring.circumference * choices.density
         if wanted > MOST_POINTS:
             raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
         points = 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))
         if (ring, points) not in self._states:
             self._states[ring, points] = self._data.state(ring, points)
         return self._states[ring, points]
-
-    def _cost(self) -> SpectralCost:
-        *before, last = self._attempts
-        return SpectralCost(
-            last.steps,
-            last.states[0].y.size,
-            last.evaluations,
-            last.seconds,
-            sum(attempt.work for attempt in before),
-            sum(attempt.seconds for attempt in before),
-        )

@@ -30,11 +30,15 @@ def first_step(constants: Constants, state: RingState, duration: float) -> float
     """
     stiffness = constants.stiffness(state.y)
     spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
+    longest = duration / FEWEST if duration > 0 else 1.0
+    if spread == 0.0:
+        return longest
+    return min(longest, 2.0 * constants.sound_speed() / (spread * typical_number(state)))
+
+
+def typical_number(state: RingState) -> float:
+    """The root mean square wave number of the strain's spectrum, its mean apart."""
     power = np.abs(forward(state.y)[1:]) ** 2
     k = 2.0 * math.pi / state.circumference * np.arange(1, power.size + 1)
     total = float(np.sum(power))
-    longest = duration / FEWEST if duration > 0 else 1.0
-    if total == 0.0 or spread == 0.0:
-        return longest
-    typical = math.sqrt(float(np.sum(power * k**2)) / total)
-    return min(longest, 2.0 * constants.sound_speed() / (spread * typical))
+    return math.sqrt(float(np.sum(power * k**2)) / total) if total > 0.0 else float(k[0])

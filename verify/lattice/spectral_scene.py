@@ -14,25 +14,23 @@ from verify.lattice.dataset import build_dataset
 from verify.lattice.estimate import Estimate
 from verify.lattice.recorder import Observable, build_recorders
 from verify.lattice.recording import Progress
+from verify.lattice.refine import Announce
 from verify.lattice.scene import Scene
-from verify.lattice.spectral_run import RingTooLargeError, SpectralRun, SpectralTask, spectral_run
+from verify.lattice.spectral_run import (
+    RingTooLargeError,
+    SpectralRun,
+    SpectralTask,
+    StepTooShortError,
+    spectral_run,
+)
 from verify.lattice.state import empty_state
 
 SCHEME = "exponential_adams"
 """The one scheme of the spectral engine."""
 
-SAMPLING_SAFETY = 5.0
-"""Factor on the sampling's error: it was measured on another circumference, with other points."""
-
-DOMAIN_SAFETY = 1.5
-"""Factor on the domain's error, which rests on a law for its decay."""
-
-ASKED = 0.4
-"""Share of the tolerance asked of the engine, so that the estimates with their factors fit."""
-
 
 def run_spectral(
-    scene: Scene, wave: Wave, progress: Progress
+    scene: Scene, wave: Wave, progress: Progress, announce: Announce
 ) -> tuple[xr.Dataset, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
@@ -44,13 +42,18 @@ def run_spectral(
     assert scene.tolerance is not None
     scene_run = _with_looks(scene)
     recorders = build_recorders(scene_run)
-    task = _task(scene_run, wave, recorders, ASKED * scene.tolerance)
+    task = _task(scene_run, wave, recorders, scene.tolerance)
     try:
-        solved = spectral_run(task, progress)
+        solved = spectral_run(task, progress, announce)
     except RingTooLargeError as error:
         raise ValueError(
             f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
             "(raise it, end earlier or compare fewer sites)"
+        ) from None
+    except StepTooShortError as error:
+        raise ValueError(
+            f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': it needs "
+            f"{error} (the wave is hardly longer than the distance of sites)"
         ) from None
     except FloatingPointError as error:
         raise ValueError(
@@ -61,7 +64,7 @@ def run_spectral(
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
     run = build_dataset(scene, reached, variables, cost)
-    return run, _estimate(solved), solved.cost.planning_seconds
+    return run, solved.estimate, solved.cost.planning_seconds
 
 
 def _with_looks(scene: Scene) -> Scene:
@@ -90,7 +93,7 @@ def _show(
 
     Return the snapshots that were shown and what was wrong afterwards, if anything was.
     """
-    amplitude = float(np.max(np.abs(solved.states[0].y)))
+    amplitude = max(map(abs, solved.cost.strain))
     for index, t in enumerate(solved.task.times):
         sites = solved.task.sites(t)
         state = empty_state(t, int(sites[0]), sites.size)
@@ -105,12 +108,6 @@ def _show(
     return scene.snapshots, None
 
 
-def _estimate(solved: SpectralRun) -> Estimate:
-    found = solved.estimates
-    space = SAMPLING_SAFETY * found.sampling + DOMAIN_SAFETY * found.domain
-    return Estimate(found.time_step, space, found.next_decade)
-
-
 def _cost(solved: SpectralRun) -> dict[str, object]:
     cost = solved.cost
     return {
@@ -120,7 +117,7 @@ def _cost(solved: SpectralRun) -> dict[str, object]:
         "steps": cost.steps,
         "force_evaluations": cost.evaluations,
         "sites": cost.points,
-        "circumference": solved.circumference,
-        "step": solved.step,
+        "circumference": cost.circumference,
+        "step": solved.choices.step,
         "seconds": cost.seconds,
     }

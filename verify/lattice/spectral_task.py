@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.exponential.adams import ORDER
 from verify.lattice.constants import Constants
-from verify.lattice.ring_state import RingState
+from verify.lattice.estimate import Estimate
+from verify.lattice.refine import Choices
 
 Array = NDArray[np.float64]
 
@@ -47,65 +47,41 @@ class SpectralTask:
 
 
 @dataclass(frozen=True)
-class Estimates:
-    """Measured errors of y/eps on the compared sites (sup over sites and times).
-
-    ``domain_ratio`` is what the last doubling of the domain divided its difference by.
-    """
-
-    time_step: float
-    sampling: float
-    domain: float
-    domain_ratio: float
-
-    @property
-    def total(self) -> float:
-        """Their sum: the error against the infinite lattice."""
-        return self.time_step + self.sampling + self.domain
-
-    @property
-    def next_decade(self) -> float:
-        """The factor by which ten times more accuracy costs more (steps times points)."""
-        return float(10.0 ** (1.0 / ORDER + 1.0 / math.log2(self.domain_ratio)))
-
-
-@dataclass(frozen=True)
 class SpectralCost:
-    """The last run (``steps``, ``points``, ``evaluations`` of the force, ``seconds``), and all.
+    """A run: ``steps``, ``points``, ``evaluations`` of the force, ``circumference``, ``seconds``.
 
-    ``work`` counts force evaluations times points, ``planning_*`` those of the runs before the
-    last, which measured its errors.
+    ``strain`` is the smallest and the largest that was met; ``planning_seconds`` are those of the
+    runs before it.
     """
 
     steps: int
     points: int
     evaluations: int
+    circumference: float
+    strain: tuple[float, float]
     seconds: float
-    planning_work: float
-    planning_seconds: float
+    planning_seconds: float = 0.0
 
     @property
     def work(self) -> float:
-        """Evaluations of the force times points, of the last run."""
+        """Evaluations of the force times points."""
         return float(self.evaluations) * self.points
 
 
 @dataclass(frozen=True)
 class SpectralRun:
-    """The ring at the task's times, the step and circumference it took, and the errors measured."""
+    """``values`` of y/eps on the compared sites at the task's times, of shape (times, sites).
+
+    With the choices that it took, its estimated error and its cost.
+    """
 
     task: SpectralTask
-    states: tuple[RingState, ...]
-    step: float
-    estimates: Estimates
+    values: Array
+    choices: Choices
+    estimate: Estimate
     cost: SpectralCost
-
-    @property
-    def circumference(self) -> float:
-        """Circumference of the ring, in sites."""
-        return self.states[0].circumference
 
     def strain(self, index: int) -> Array:
         """Strain on the compared sites at ``task.times[index]``."""
-        state = self.states[index]
-        return state.strain(self.task.sites(state.t))
+        strain: Array = self.values[index] * self.task.eps
+        return strain

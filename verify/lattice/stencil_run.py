@@ -76,6 +76,8 @@ def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
         "sites": scene.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
+        "least_strain": march.strain[0],
+        "most_strain": march.strain[1],
         "feed_mismatch": march.domain.mismatch,
         "blow_up": "" if march.blow_up is None else str(march.blow_up),
     }

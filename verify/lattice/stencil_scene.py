@@ -1,50 +1,177 @@
-"""A scene with a tolerance by the stencil: pilots, then the run, in a window wide enough."""
+"""A scene with a tolerance by the stencil, in a window that holds the wave or on a causal ring."""
 
-import math
 import time
+from collections.abc import Collection
+from dataclasses import replace
 
+import numpy as np
 import xarray as xr
 
 from solutions import Wave
 from verify.lattice.discretisation import StrainSamples
-from verify.lattice.estimate import Estimate
+from verify.lattice.domain import window_moves
+from verify.lattice.estimate import Estimate, rounding_error
+from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
+from verify.lattice.refine import Announce, Choices, Engine, Kind, Trial, refine
 from verify.lattice.scene import Scene
-from verify.lattice.stencil_plan import StencilPlan, plan_stencil
+from verify.lattice.schemes import scheme_named
+from verify.lattice.stencil_plan import (
+    PREFERRED,
+    domain_kind,
+    exact_times,
+    extent_of,
+    judged_times,
+    least_sites,
+    longest_step,
+    round_up,
+    shorter_step,
+)
 from verify.lattice.stencil_run import run_from
 
-ATTEMPTS = 6
-"""Most windows tried."""
+STEP_RATIO = 0.8
+"""Step of a control run, in units of the one before it."""
 
-PLANNING_SHARE = 0.4
-"""Share of the progress that the pilots are taken to be."""
+SIZE_RATIO = 1.5
+"""Size of a control run's window."""
+
+WIDER = 256
+"""Sites by which the control run's ring is wider, which is causal as it is."""
+
+DECAY = 5
+"""A window's error falls at least like N^-DECAY (measured: between 5.8 and 7.4)."""
+
+CLEARANCE = 128
+"""Sites beyond the wave on which runs of a scout are compared."""
+
+REACHES = (0.2, 4.0)
+"""Least factor on a step, and largest factor on a size, from one choice to the next."""
 
 
-def run_stencil(scene: Scene, wave: Wave, progress: Progress) -> tuple[xr.Dataset, Estimate, float]:
+def run_stencil(
+    scene: Scene, wave: Wave, progress: Progress, announce: Announce
+) -> tuple[xr.Dataset, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
-    Runs in windows that turned out too small count as planning. If the last window tried is too
-    small as well, the estimate says so. Raises ValueError for what wave or lattice do not admit.
+    The error is infinite if the lattice blows up by itself; what came before is kept. Raises
+    ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves.
     """
+    assert scene.tolerance is not None
     begun = time.perf_counter()
-    plan = plan_stencil(scene, wave, lambda share: progress(PLANNING_SHARE * share))
-    done = PLANNING_SHARE
-    for _ in range(ATTEMPTS):
-        planned = time.perf_counter() - begun
-        run, space = _attempt(plan, _rest(progress, done))
-        if plan.settled(space):
-            break
-        plan, done = plan.wider(space), 0.5 * (1.0 + done)
-    return run, Estimate(plan.time, space, plan.next_decade), planned
+    engine = StencilEngine(scene, wave, extent_of(scene, wave))
+    found = refine(engine, scene.tolerance, progress, announce)
+    run = found.trial.payload
+    planned = time.perf_counter() - begun - found.trial.seconds
+    decade = 10.0 ** (1.0 / engine.order)
+    if not found.trial.choices.causal:
+        decade *= 10.0 ** (1.0 / DECAY)
+    return run, Estimate(found.error, found.rounding, decade), planned
 
 
-def _attempt(plan: StencilPlan, progress: Progress) -> tuple[xr.Dataset, float]:
-    """The run as planned, and its domain's error."""
-    seen = StrainSamples(plan.pilots.times)
-    run = run_from(plan.scene, None, progress, [seen])
-    return run, math.inf if run.attrs["blow_up"] else plan.space(seen.samples)
+class StencilEngine:
+    """Runs of a scene in windows or, where the background is not constant, on causal rings."""
 
+    threads = 2
+    unstable = 1
 
-def _rest(progress: Progress, done: float) -> Progress:
-    """The progress of what is left when a share is done."""
-    return lambda share: progress(done + (1.0 - done) * share)
+    def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:
+        scheme = scheme_named(scene.scheme or PREFERRED)
+        self.order: int = scheme.order
+        self._scene, self._wave, self._extent = scene, wave, extent
+        self._domain = domain_kind(scene, wave)
+        self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
+        self._least = least_sites(scene, wave, self._domain, extent)
+        self._longest = longest_step(scene, scheme, extent)
+        self._base = replace(
+            scene,
+            tolerance=None,
+            engine="stencil",
+            scheme=scheme.name,
+            step=self._longest,
+            domain=self._domain,
+            sites=self._least,
+            compared=compared or scene.compared,
+        )
+        exact = exact_times(self._base)
+        self._times = judged_times(scene, exact, self._domain)
+        moves = window_moves(scene) if self._domain == "window" else ()
+        self._stops = np.array(sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)}))
+
+    def first(self) -> Choices:
+        """The longest step and the smallest domain."""
+        return Choices(self._longest, self._least, self._domain == "ring")
+
+    def scout(self) -> Engine:
+        """The same about the wave alone, if that saves sites."""
+        scene = replace(self._scene, compared=1, observables=())
+        extent = extent_of(scene, self._wave)
+        compared = min(self._scene.compared, extent.reach + CLEARANCE)
+        if self._domain == "ring" or compared == self._scene.compared:
+            return self
+        scene = replace(scene, compared=compared)
+        return StencilEngine(scene, self._wave, extent_of(scene, self._wave))
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run; on a ring that proves not to be causal, another one on a wider ring."""
+        while True:
+            trial = self._run(choices, shown, progress)
+            strain = np.array([trial.payload.attrs[key] for key in ("least_strain", "most_strain")])
+            if trial.values is None or not choices.causal:
+                return trial
+            extent = replace(self._extent, strain=strain)
+            least = least_sites(self._base, self._wave, "ring", extent)
+            if choices.size >= least:
+                return trial
+            choices, self._extent = replace(choices, size=least), extent
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
+        if "step" in kinds:
+            step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
+            choices = replace(choices, step=step)
+            if choices.causal:
+                choices = replace(choices, size=choices.size + WIDER)
+        if "domain" in kinds and not choices.causal:
+            choices = self._sized(choices, SIZE_RATIO * choices.size)
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the laws of the scheme's order and of the window's size."""
+        if kind == "step":
+            factor = max(REACHES[0], 0.95 * excess ** (-1.0 / self.order))
+            return replace(choices, step=factor * choices.step)
+        if choices.causal:
+            return choices
+        factor = min(REACHES[1], max(1.2, 1.05 * excess ** (1.0 / DECAY)))
+        return self._sized(choices, factor * choices.size)
+
+    def work(self, choices: Choices) -> float:
+        """Site updates."""
+        steps = (self._scene.end - self._scene.t0) / choices.step
+        return steps * self._base.scheme_table.stages * choices.size
+
+    def _sized(self, choices: Choices, sites: float) -> Choices:
+        """With that many sites, or a causal ring if that takes fewer."""
+        causal = least_sites(self._base, self._wave, "ring", self._extent)
+        if not choices.causal and sites >= causal:
+            return replace(choices, size=causal, causal=True)
+        return replace(choices, size=round_up(sites))
+
+    def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        samples = StrainSamples(self._times)
+        stated = replace(
+            self._base,
+            step=choices.step,
+            sites=int(choices.size),
+            domain="closed_ring" if choices.causal else "window",
+            observables=self._base.observables if shown or choices.causal else (),
+        )
+        run = run_from(stated, None, progress, [samples])
+        steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
+        values = None
+        if not run.attrs["blow_up"]:
+            values = np.array(samples.samples) / self._scene.eps
+        largest = max(abs(run.attrs["least_strain"]), abs(run.attrs["most_strain"]))
+        rounding = rounding_error(largest / self._scene.eps, steps)
+        seconds = float(run.attrs["seconds"])
+        return Trial(choices, values, float(steps) * size, seconds, rounding, run)

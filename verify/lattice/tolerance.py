@@ -1,4 +1,7 @@
-"""Running a scene to a tolerance: by the engine it names, or by the cheaper one."""
+"""Running a scene to a tolerance: by the engine it names, or by the cheaper one.
+
+What the spectral engine refuses, though it was not named, is run site by site.
+"""
 
 from collections.abc import Callable, Mapping
 
@@ -9,32 +12,40 @@ from verify.lattice.engine import choose_engine
 from verify.lattice.estimate import Estimate
 from verify.lattice.initial import build_wave
 from verify.lattice.recording import Progress
+from verify.lattice.refine import Announce
 from verify.lattice.scene import Scene
 from verify.lattice.spectral_scene import run_spectral
 from verify.lattice.stencil_scene import run_stencil
 
-Engine = Callable[[Scene, Wave, Progress], tuple[xr.Dataset, Estimate, float]]
+Engine = Callable[[Scene, Wave, Progress, Announce], tuple[xr.Dataset, Estimate, float]]
 
 ENGINES: Mapping[str, Engine] = {"stencil": run_stencil, "spectral": run_spectral}
 """Run, estimated error and seconds of planning of a scene with a tolerance."""
 
 
-def run_to_tolerance(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+def run_to_tolerance(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
     """Run a scene that has a tolerance.
 
-    The run carries, beside what any run does, ``tolerance``, ``error_estimate`` (sup error of y/eps
-    over the compared sites, to be expected against the infinite lattice), its parts
-    ``time_error_estimate`` and ``space_error_estimate``, ``next_decade`` (the factor by which ten
-    times more accuracy costs more) and ``planning_seconds``. Raises ValueError as `run` does.
+    The run carries, beside what any run does, ``tolerance``, ``error_estimate`` (of y/eps, sup over
+    the compared sites and all exact times, against the infinite lattice), ``rounding_estimate``
+    (its part for rounding), ``next_decade`` (the factor by which ten times more accuracy costs
+    more) and ``planning_seconds``. Raises ValueError as `run` does.
     """
     wave = build_wave(scene)
-    engine = ENGINES[choose_engine(scene, wave)]
-    run, estimate, planning_seconds = engine(scene, wave, progress or (lambda _: None))
+    name = choose_engine(scene, wave)
+    callbacks = progress or (lambda _: None), announce or (lambda _: None)
+    try:
+        run, estimate, planning_seconds = ENGINES[name](scene, wave, *callbacks)
+    except ValueError:
+        if scene.engine or name == "stencil":
+            raise
+        run, estimate, planning_seconds = run_stencil(scene, wave, *callbacks)
     return run.assign_attrs(
         tolerance=scene.tolerance,
         error_estimate=estimate.total,
-        time_error_estimate=estimate.time,
-        space_error_estimate=estimate.space,
+        rounding_estimate=estimate.rounding,
         next_decade=estimate.next_decade,
         planning_seconds=planning_seconds,
     )

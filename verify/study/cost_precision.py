@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from verify.lattice import SCHEMES, Scene, load_scene, run, stability_limit
 from verify.lattice.initial import build_wave
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import Ring, RingData
+from verify.lattice.spectral_data import Ring, ring_data
 
 Array = NDArray[np.float64]
 
@@ -143,14 +143,13 @@ def warmed(scheme: str) -> None:
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
-    width, duration = 2 * scene.compared + 1, scene.end - scene.t0
-    data = RingData(scene.constants, build_wave(scene), scene.eps, scene.t0, width, duration)
-    ring, causal = Ring(float(found.attrs["circumference"])), data.causal
-    if causal is not None and causal.circumference == ring.circumference:
-        ring = causal
+    task_times = (scene.t0, *scene.snapshots)
+    wave, tolerance = build_wave(scene), scene.tolerance or FINEST_TOLERANCE
+    data = ring_data(scene.constants, wave, scene.eps, task_times, scene.compared, tolerance)
+    ring = Ring(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()
-    SpectralRing(scene.constants, state, step, absorbed=data.absorbed(ring)).at(scene.end)
+    SpectralRing(scene.constants, state, step, absorbed=data.absorbed).at(scene.end)
     return time.perf_counter() - begun
 
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 import xarray as xr
 
 from verify.lattice import Scene, load_scene, run, scheme_named
-from verify.lattice.extent import extent_of
 from verify.lattice.initial import build_wave
 from verify.lattice.recording import Progress
 from verify.lattice.restart import scene_of
-from verify.lattice.stencil_plan import PREFERRED, least_sites, longest_step
+from verify.lattice.stencil_plan import PREFERRED, extent_of, least_sites, longest_step
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
 
@@ -67,7 +66,8 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
-    extent = extent_of(scene, build_wave(scene))
+    wave = build_wave(scene)
+    extent = extent_of(scene, wave)
     return replace(
         scene,
         tolerance=None,
@@ -75,5 +75,5 @@ def site_by_site(scene: Scene, share: float) -> Scene:
         scheme=PREFERRED,
         step=share * longest_step(scene, scheme_named(PREFERRED), extent),
         domain="ring",
-        sites=least_sites(scene, "ring", extent),
+        sites=least_sites(scene, wave, "ring", extent),
     )

@@ -47,7 +47,10 @@ BAD_NUMBERS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"observables": "strain"}, r"observables must be a list of names, got 'strain'"),
     ({"scheme": "euler"}, r"scheme must be a known one, got 'euler' \(one of rk4, "),
-    ({"domain": "torus"}, r"domain must be a known one, got 'torus' \(one of window, ring\)"),
+    (
+        {"domain": "torus"},
+        r"domain must be a known one, got 'torus' \(one of window, ring, clo",
+    ),
     ({"sites": 12.5}, r"sites must be a whole number, 1 <= sites <= 1e.09, got 12.5"),
     ({"compared": 0}, r"compared must be a whole number, 1 <= compared <= 1e.09, got 0"),
     ({"look_points": 0}, r"look_points must be a whole number, 1 <= look_points <= 1e.09, got 0"),

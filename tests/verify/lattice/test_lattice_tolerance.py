@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from verify.lattice.engine import choose_engine
 from verify.lattice.families import rational_family_scenes
 from verify.lattice.initial import build_wave
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import ring_data
 
 Array = NDArray[np.float64]
 
@@ -46,11 +45,12 @@ def stencil_reference(scene: Scene) -> Array:
 def spectral_reference(scene: Scene) -> Array:
     """The same by the spectral ring, with stated step, sampling and circumference."""
     wave, duration = build_wave(scene), scene.end - scene.t0
-    data = RingData(scene.constants, wave, scene.eps, scene.t0, 2 * scene.compared + 1, duration)
-    where = data.ring(RING_UNITS)
+    times = (scene.t0, *scene.snapshots)
+    data = ring_data(scene.constants, wave, scene.eps, times, scene.compared, 1e-8)
+    where = data.ring(RING_UNITS * (2 * scene.compared + 1))
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
-    step, cutoff = duration / RING_STEPS[scene.wave], data.absorbed(where)
-    ring = SpectralRing(scene.constants, state, step, absorbed=cutoff)
+    step = duration / RING_STEPS[scene.wave]
+    ring = SpectralRing(scene.constants, state, step, absorbed=data.absorbed)
     return np.array([ring.at(t).strain(compared_sites(scene, t)) for t in scene.snapshots])
 
 
@@ -70,7 +70,7 @@ def test_a_short_window_keeps_its_tolerance(
     window_scene: Callable[..., Scene], tolerance: float
 ) -> None:
     scene = window_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.2, sites=4096)).strain.values
+    exact = run(replace(scene, step=0.08, sites=4096)).strain.values
     check(with_tolerance(scene, tolerance), exact)
 
 
@@ -80,7 +80,6 @@ def test_stops_that_shorten_the_steps_do_not_widen_a_ring() -> None:
     measured = run(replace(scene, engine="stencil"))
     assert "error_curve" in scene.observables
     assert measured.attrs["sites"] < 2048
-    assert measured.attrs["space_error_estimate"] < 1e-12
 
 
 @pytest.mark.parametrize("engine", ["stencil", "spectral"])
@@ -88,7 +87,7 @@ def test_both_engines_keep_a_tolerance_on_a_periodic_background(
     ring_scene: Callable[..., Scene], engine: str
 ) -> None:
     scene = ring_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.2, sites=800)).strain.values
+    exact = run(replace(scene, step=0.08, sites=800)).strain.values
     check(replace(with_tolerance(scene, 1e-4), engine=engine), exact)
 
 
@@ -225,29 +224,20 @@ def test_the_stencil_tells_a_blow_up_and_keeps_what_came_before(
 ) -> None:
     """K4 < 0 and an amplitude near the point where K2 + 3 K4 y^2 changes sign."""
     scene = with_tolerance(ring_scene(**SOFT), 1e-3)
-    measured = run(replace(scene, eps=0.5, engine="stencil"))
+    measured = run(replace(scene, eps=0.8, engine="stencil"))
     assert measured.attrs["blow_up"].startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = ")
     assert measured.sizes["time"] == measured.strain.shape[0] == 1
     assert measured.attrs["error_estimate"] == float("inf")
 
 
-@pytest.mark.parametrize(("eps", "t"), [(0.8, "-1"), (1.2, "-20")])
-def test_the_spectral_ring_refuses_what_blows_up(
-    ring_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch, eps: float, t: str
+def test_the_spectral_ring_refuses_a_wave_as_short_as_the_lattice(
+    ring_scene: Callable[..., Scene],
 ) -> None:
-    """Waves cease to exist on the way, or do not exist about the initial data; it is soon told."""
-    tried: list[float] = []
-    begin = SpectralRing.__init__
-
-    def begin_and_count(ring: SpectralRing, *args: Any, **options: Any) -> None:
-        tried.append(args[2])
-        begin(ring, *args, **options)
-
-    monkeypatch.setattr(SpectralRing, "__init__", begin_and_count)
-    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=eps, engine="spectral")
-    with pytest.raises(ValueError, match=f"K4 y\\^2 <= 0 at t = {t}.*take a smaller eps"):
-        run(scene)
-    assert len(set(tried)) <= (1 if t == "-20" else 6)
+    """Its steps would have to be as short as the stencil's, and it would find a plateau first."""
+    scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=0.8)
+    with pytest.raises(ValueError, match=r"engine must be 'stencil' .* longer than 0\.73 sites"):
+        run(replace(scene, engine="spectral"))
+    assert run(scene).attrs["engine"] == "stencil"
 
 
 def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(

@@ -12,13 +12,13 @@ from verify.lattice.closing import blend_seam, close_circumference
 from verify.lattice.constants import Constants
 from verify.lattice.initial import lattice_data
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import Ring, RingData
+from verify.lattice.spectral_data import Ring, RingData, ring_data
 
 
 def _data(name: str, t0: float, **parameters: object) -> RingData:
     K4 = closed_form(name).equation.s
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, K4), **parameters)
-    return RingData(Constants(1.0, 0.0, float(K4)), wave, 0.05, t0, 201, -2 * t0 or math.inf)
+    return ring_data(Constants(1.0, 0.0, float(K4)), wave, 0.05, (t0, -t0), 100, 1e-4)
 
 
 def test_closing_finds_the_phase_jump() -> None:
@@ -30,9 +30,9 @@ def test_closing_finds_the_phase_jump() -> None:
 @pytest.mark.parametrize("alpha", [0.3, 0.7])
 def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     """The sn waves on the two sides are 4 alpha apart in xi, exactly."""
-    data = _data("breather_sn", 0.0, k=0.5, alpha=alpha, X_0=0)
+    data = _data("breather_sn", -1000.0, k=0.5, alpha=alpha, X_0=0)
     a = float(data.wave.normal_form.a)
-    jump = (data.ring(40).circumference - 40 * data.unit) * a * data.eps
+    jump = (Ring(data._closed(40 * data.unit, 0.0)).circumference - 40 * data.unit) * a * data.eps
     period = data.unit * a * data.eps
     apart = min(
         abs((jump - sign * 4 * alpha + period / 2) % period - period / 2) for sign in (1, -1)
@@ -55,7 +55,7 @@ def _errors(data: RingData, rings: tuple[Ring, ...], density: float, absorb: boo
 
     def strain(ring: Ring) -> np.ndarray:
         state = data.state(ring, 2 * round(density * ring.circumference / 2))
-        cutoff = data.absorbed(ring) if absorb else 0.0
+        cutoff = data.absorbed if absorb else 0.0
         run = SpectralRing(data.constants, state, step, absorbed=cutoff)
         return run.at(-data.t0).strain(sites)
 
@@ -63,18 +63,6 @@ def _errors(data: RingData, rings: tuple[Ring, ...], density: float, absorb: boo
     assert data.causal is not None
     exact = strain(data.causal)
     return [float(np.abs(strain(ring) - exact).max()) / data.eps for ring in rings]
-
-
-@pytest.mark.slow
-def test_what_absorbing_is_worth_on_a_periodic_background() -> None:
-    """cn rogue wave to |t| = 10^4: what it radiates to the left comes round again and again."""
-    data = _data("rogue_cn", -1e4, k=0.5)
-    rings = (data.ring(32), data.ring(64))
-    left = _errors(data, rings, 48 / data.unit, absorb=False)
-    right = _errors(data, rings, 48 / data.unit, absorb=True)
-    assert left[0] < 4 * left[1]
-    assert right[0] > 8 * right[1]
-    assert left[1] > 10 * right[1]
 
 
 @pytest.mark.slow
@@ -90,15 +78,15 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
 
 def _rational(t0: float) -> RingData:
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
-    return RingData(Constants(4.0, 0.0, 1.0), wave, 0.1, t0, 201, -2 * t0)
+    return ring_data(Constants(4.0, 0.0, 1.0), wave, 0.1, (t0, -t0), 100, 1e-4)
 
 
 @pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])
 def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
-    inside = np.abs(state.points - data.constants.sound_speed() * data.t0)
-    inside = inside < 0.5 * ring.circumference - data.reach
+    inside = np.abs(state.points - data.constants.sound_speed() * data.t0 - ring.ahead)
+    inside = inside < 0.5 * ring.circumference - data._reach(ring.circumference)
     value = data.wave.at(state.points[inside], data.t0, data.eps)
     y, s = lattice_data(value, data.constants.sound_speed(), data.eps)
     assert np.count_nonzero(inside) > 1000
@@ -112,7 +100,7 @@ def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
     """A disturbance at the seam is not seen on the compared sites; on a ring that lags it is."""
     ring = data.causal
     assert ring is not None
-    assert ring == data.ring(1000)
+    assert ring == data.ring(2.0 * ring.circumference)
     changes = [_seen(data, ring, disturbance) for disturbance in (0.0, 0.1)]
     assert abs(changes[1] - changes[0]).max() < 1e-6
     behind = replace(ring, ahead=-ring.ahead)
@@ -124,7 +112,7 @@ def _seen(data: RingData, ring: Ring, disturbance: float) -> np.ndarray:
     """y/eps on the compared sites at the end, with a hump at the seam."""
     state = data.state(ring, 2 * round(ring.circumference))
     distance = np.minimum(state.points - state.left, state.left + ring.circumference - state.points)
-    hump = disturbance * data.eps * np.exp(-((4 * distance / data.reach) ** 2))
+    hump = disturbance * data.eps * np.exp(-((4 * distance / data._reach(ring.circumference)) ** 2))
     state = replace(state, y=state.y + hump)
     end = data.t0 + data.duration
     sites = round(data.constants.sound_speed() * end) + np.arange(-100, 101)

@@ -91,3 +91,20 @@ def test_interpolation() -> None:
     exact = np.cos(2 * math.pi * 3 * (at - 0.7) / 20.5) + 0.5
     np.testing.assert_allclose(state.strain(at), exact, atol=1e-10)
     np.testing.assert_allclose(state.resampled(100).strain(at), exact, atol=1e-10)
+
+
+def test_waves_that_every_site_sees_as_a_constant_stay() -> None:
+    """On a circumference of whole sites the modes k = 2 pi m have no frequency, and no force."""
+    length, count = 32.0, 256
+    x = length / count * np.arange(count)
+    y = 0.1 * np.cos(2 * np.pi * x / length) + 0.02 * np.cos(2 * np.pi * x)
+    s = 0.001 * np.sin(4 * np.pi * x)
+    ring = SpectralRing(Constants(1.0, 0.0, 1e-12), RingState(0.0, 0.0, length, y, s), 0.5)
+    for t in (0.0, 7.3, 20.0):
+        state = ring.at(t)
+        frequency = 2.0 * np.sin(np.pi / length)
+        for offset in (0.0, 0.2):
+            sites = offset + np.arange(32)
+            long = 0.1 * np.cos(2 * np.pi * sites / length) * np.cos(frequency * t)
+            still = 0.02 * np.cos(2 * np.pi * offset) + 0.001 * t * np.sin(4 * np.pi * offset)
+            np.testing.assert_allclose(state.strain(sites), long + still, rtol=0, atol=1e-9)

@@ -11,7 +11,7 @@ from verify.lattice.constants import Constants
 from verify.lattice.initial import lattice_data
 from verify.lattice.schemes import scheme_named
 from verify.lattice.spectral import SpectralRing
-from verify.lattice.spectral_data import RingData
+from verify.lattice.spectral_data import ring_data
 from verify.lattice.spectral_run import SpectralTask, spectral_run
 
 SCENES = {
@@ -57,7 +57,7 @@ def _check(name: str, tolerance: float, end: float = 80.0) -> None:
         float(np.abs(run.strain(i) / task.eps - _stencil(name, i, end)).max()) for i in (0, 1)
     )
     assert error <= tolerance
-    assert run.estimates.total <= tolerance
+    assert error <= run.estimate.total <= tolerance
 
 
 @pytest.mark.parametrize(
@@ -100,11 +100,11 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     times = tuple(np.linspace(-1e4, 1e4, 11))
     task = SpectralTask(Constants(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
     run = spectral_run(task)
-    assert run.estimates.total <= 1e-4
-    data = RingData(task.constants, wave, 0.05, -1e4, 801, 2e4)
+    assert run.estimate.total <= 1e-4
+    data = ring_data(task.constants, wave, 0.05, times, 400, 1e-4)
     assert data.causal is not None
-    points = 2 * round(run.cost.points * data.causal.circumference / run.circumference / 2)
-    ring = SpectralRing(task.constants, data.state(data.causal, points), run.step)
+    points = 2 * round(run.cost.points * data.causal.circumference / run.cost.circumference / 2)
+    ring = SpectralRing(task.constants, data.state(data.causal, points), run.choices.step)
     for i, t in enumerate(times):
         assert np.abs(run.strain(i) - ring.at(t).strain(task.sites(t))).max() <= 1e-4 * 0.05
 

@@ -1,0 +1,291 @@
+"""The one judge of a run's error: run again, finer, wider and elsewhere, and compare.
+
+Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
+once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
+Its result is the one that is given; what separates it from the run before it, times ``SAFETY``, is
+its estimated error. That bounds the error as soon as the control run is no worse than two thirds
+of the run before it, in each of the things that were varied.
+
+How the choices are come by does not matter for that. They are searched for by laws: the error of a
+step falls like step^order, that of a domain like a power of its size. Where a control run says
+that it is not enough, each of the choices is varied by itself, to see which one it is.
+"""
+
+import math
+from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Kind = Literal["step", "sampling", "domain"]
+Announce = Callable[[float], None]
+"""Called with the seconds that the runs to come are expected to take."""
+Progress = Callable[[float], None]
+
+SAFETY = 2.0
+"""Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
+
+SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
+"""Shares of the tolerance, where each of the choices is varied by itself."""
+
+TIGHTER = 1.5
+"""By how much all errors are to fall where each keeps its share and their sum does not."""
+
+ATTEMPTS = 12
+"""Most control runs."""
+
+BLOWN = 3
+"""Control runs after which a lattice that still blows up does so by itself."""
+
+CURE = 32.0
+"""By how much all errors are to fall after a blow-up."""
+
+PATIENCE = 4
+"""Control runs without a new smallest error after which rounding is what is left."""
+
+SURE = 50.0
+"""A step's error that is to be divided by at most this is taken to obey its law."""
+
+LAWFUL = 3.0
+"""What is left of a step's error obeys its law if it is at most this much larger."""
+
+LONG = 10.0
+"""Seconds from which a run is announced."""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """All numerical choices of a run.
+
+    ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
+    a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
+    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
+    step at first, until what the data send to the left has left the wave, 0 if there is none.
+    """
+
+    step: float
+    size: float
+    causal: bool = False
+    density: float = 1.0
+    shift: float = 0.0
+    absorber: float = 0.0
+    start: float = 0.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
+
+    They are None after a blow-up. ``rounding`` estimates what rounding has done to them.
+    ``payload`` is the engine's own.
+    """
+
+    choices: Choices
+    values: Array | None
+    work: float
+    seconds: float
+    rounding: float
+    payload: Any
+
+
+class Engine(Protocol):
+    """What is to be known of an engine: its runs, and how its errors depend on its choices."""
+
+    kinds: tuple[Kind, ...]
+    """What can be varied."""
+    threads: int
+    """Runs that may be done at once."""
+    order: int
+    """The time step's error falls like step^order."""
+    unstable: int
+    """Steps tried, each shorter, until one is stable."""
+
+    def first(self) -> Choices:
+        """Where the search begins."""
+
+    def scout(self) -> "Engine":
+        """An engine that finds the step on fewer sites; itself, if there is none."""
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run; ``shown`` if its observables may be asked for afterwards."""
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """Finer, wider or elsewhere in each of the kinds, and not in the others."""
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+
+    def work(self, choices: Choices) -> float:
+        """What a run costs, in any unit, as `Trial` counts it."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The last control run, its estimated error (sup of y/eps), and what it took to get there.
+
+    ``rounding`` is the part of ``error`` that stands for rounding; ``before`` are the seconds of
+    all runs but the last. The error is infinite if the lattice blows up by itself.
+    """
+
+    trial: Trial
+    error: float
+    rounding: float
+    before: float
+
+
+def difference(one: Trial, other: Trial) -> float:
+    """Largest difference of y/eps between two runs; infinite if either blew up."""
+    if one.values is None or other.values is None:
+        return math.inf
+    with np.errstate(invalid="ignore", over="ignore"):
+        found = float(np.max(np.abs(one.values - other.values)))
+    return found if math.isfinite(found) else math.inf
+
+
+def refine(
+    engine: Engine,
+    tolerance: float,
+    progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> Refined:
+    """Run until the estimated error is at most ``tolerance``.
+
+    ``progress`` is called with the share of the work that is done, 0 .. 1, each run taken to cost
+    as much as all before it. Raises ValueError if the tolerance cannot be reached: the error
+    ceases to fall above it.
+    """
+    search = _Search(engine, tolerance, progress, announce)
+    choices, scout = engine.first(), engine.scout()
+    scouting = search if scout is engine else _Search(scout, tolerance, progress, announce)
+    choices = replace(choices, step=scouting.with_step(replace(scout.first(), step=choices.step)))
+    search.seconds = scouting.seconds
+    best, since, blown = math.inf, 0, 0
+    for _ in range(ATTEMPTS):
+        trial, control = search.pair(choices)
+        rounding = max(trial.rounding, control.rounding)
+        error = SAFETY * difference(trial, control) + rounding
+        blown = blown + 1 if math.isinf(error) else 0
+        if error <= tolerance or blown == BLOWN:
+            return Refined(control, error, rounding, search.seconds - control.seconds)
+        since = 0 if error < best or math.isinf(error) else since + 1
+        best = min(best, error)
+        if since == PATIENCE:
+            break
+        choices = search.improved(trial, error)
+    raise ValueError(
+        f"tolerance must satisfy tolerance >= {1.05 * best:.2g} here, got {tolerance:g} "
+        "(finer steps and wider domains no longer help: rounding or an instability is what is "
+        "left; raise it or end earlier)"
+    )
+
+
+class _Search:
+    """The runs so far, and the laws by which the next choices are made."""
+
+    def __init__(
+        self, engine: Engine, tolerance: float, progress: Progress, announce: Announce
+    ) -> None:
+        self._engine, self._tolerance = engine, tolerance
+        self._progress, self._announce = progress, announce
+        self._done: dict[Choices, Trial] = {}
+        self._announced = LONG
+        self._shown = 0.0
+        self._stopped = False
+        self.seconds = 0.0
+
+    def with_step(self, choices: Choices) -> float:
+        """The step that keeps its share.
+
+        The law is taken at its word where it does not lead far or has held twice.
+        """
+        before, unstable, held = choices, 0, False
+        last = math.inf
+        for _ in range(ATTEMPTS):
+            excess = self._excess(choices, "step")
+            unstable += math.isinf(excess)
+            if excess <= 1.0 or unstable == self._engine.unstable:
+                break
+            expected = last * (choices.step / before.step) ** self._engine.order
+            held = excess <= LAWFUL * expected and math.isfinite(last)
+            before, last = choices, excess
+            choices = self._engine.better(choices, "step", excess)
+            if excess <= SURE:
+                break
+            if held:
+                shorter = excess * (choices.step / before.step) ** self._engine.order
+                if shorter > 1.0:
+                    choices = self._engine.better(choices, "step", shorter)
+                break
+        return choices.step
+
+    def pair(self, choices: Choices) -> tuple[Trial, Trial]:
+        """The run with these choices and its control, which is shown."""
+        control = self._engine.varied(choices, self._engine.kinds)
+        self._run({choices: False, control: True})
+        return self._done[choices], self._done.pop(control)
+
+    def improved(self, trial: Trial, error: float) -> Choices:
+        """Better choices: in what exceeds its share when it is varied by itself, or in all."""
+        engine, choices = self._engine, trial.choices
+        if trial.values is None:
+            for kind in engine.kinds:
+                choices = engine.better(choices, kind, CURE)
+            return choices
+        found = choices
+        for kind in engine.kinds:
+            excess = self._excess(choices, kind)
+            if excess > 1.0:
+                found = engine.better(found, kind, excess)
+            if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
+                break
+        if found == choices:
+            for kind in engine.kinds:
+                found = engine.better(found, kind, max(TIGHTER, error / self._tolerance))
+        return found
+
+    def _excess(self, choices: Choices, kind: Kind) -> float:
+        """By how much the error is above its share when that kind alone is varied."""
+        other = self._engine.varied(choices, (kind,))
+        self._run({choices: False, other: False})
+        change = difference(self._done[choices], self._done[other])
+        share = SHARES[kind] if len(self._engine.kinds) > 1 else 1.0
+        return SAFETY * change / (share * self._tolerance)
+
+    def _run(self, wanted: dict[Choices, bool]) -> None:
+        missing = [choices for choices in wanted if choices not in self._done]
+        self._tell(missing)
+
+        def run(choices: Choices) -> Trial:
+            return self._engine.run(choices, wanted[choices], self._share)
+
+        if self._engine.threads == 1:
+            trials = [run(choices) for choices in missing]
+        else:
+            with ThreadPoolExecutor(self._engine.threads) as pool:
+                try:
+                    trials = list(pool.map(run, missing))
+                except KeyboardInterrupt:
+                    self._stopped = True
+                    raise
+        self._done.update(zip(missing, trials, strict=True))
+        self.seconds += sum(trial.seconds for trial in trials)
+
+    def _share(self, share: float) -> None:
+        if self._stopped:
+            raise KeyboardInterrupt
+        self._shown = max(self._shown, 1.0 - 0.5 ** (len(self._done) + share))
+        self._progress(self._shown)
+
+    def _tell(self, missing: Collection[Choices]) -> None:
+        """Announce runs that will take long, going by what those before them took."""
+        spent = sum(trial.seconds for trial in self._done.values())
+        work = sum(trial.work for trial in self._done.values())
+        if work > 0.0:
+            expected = spent / work * sum(map(self._engine.work, missing))
+            if expected > self._announced:
+                self._announce(expected)
+                self._announced = 2.0 * expected
