@@ -29,10 +29,10 @@ from verify.lattice.stencil_plan import (
 )
 from verify.lattice.stencil_run import run_from
 
-STEP_RATIO = 0.8
+STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
 
-SIZE_RATIO = 1.5
+SIZE_RATIO = 1.25
 """Size of a control run's window."""
 
 WIDER = 256
