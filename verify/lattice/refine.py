@@ -101,6 +101,8 @@ class Engine(Protocol):
     """Runs that may be done at once."""
     order: int
     """The time step's error falls like step^order."""
+    safety: float
+    """Factor on the difference of two runs whose domains are not causal, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
 
@@ -167,7 +169,8 @@ def refine(
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        error = SAFETY * difference(trial, control) + rounding
+        factor = SAFETY if control.choices.causal else engine.safety
+        error = factor * difference(trial, control) + rounding
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)

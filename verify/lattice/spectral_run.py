@@ -54,7 +54,7 @@ STARTED = 15.0
 START = 0.1
 """Step of the start, in units of the time in which sound goes 1/k."""
 
-STEEPEST = 0.75
+STEEPEST = 0.65
 """Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
 pay (a soliton's width in sites is 1/(a |y|))."""
 
@@ -105,6 +105,8 @@ class SpectralEngine:
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     threads = 1
+    safety = 4.0
+    """What short waves leave behind comes round the ring: measured to fall as slowly as L^-1/2."""
     order = ORDER
     unstable = 10
 

@@ -13,7 +13,7 @@ from verify.lattice.domain import window_moves
 from verify.lattice.estimate import Estimate, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
-from verify.lattice.refine import Announce, Choices, Engine, Kind, Trial, refine
+from verify.lattice.refine import SAFETY, Announce, Choices, Engine, Kind, Trial, refine
 from verify.lattice.scene import Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.stencil_plan import (
@@ -29,10 +29,10 @@ from verify.lattice.stencil_plan import (
 )
 from verify.lattice.stencil_run import run_from
 
-STEP_RATIO = 0.8
+STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
 
-SIZE_RATIO = 1.5
+SIZE_RATIO = 1.25
 """Size of a control run's window."""
 
 WIDER = 256
@@ -72,6 +72,7 @@ class StencilEngine:
     """Runs of a scene in windows or, where the background is not constant, on causal rings."""
 
     threads = 2
+    safety = SAFETY
     unstable = 1
 
     def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:

@@ -40,7 +40,7 @@ WAVE_CN = _scene(
     parameters=(("k", 0.5),),
 )
 STEEP = _scene(
-    "rational_2", 0.12, K2=4.0, t0=-800.0, snapshots=(0.0, 400.0), compared=100, tolerance=1e-3
+    "rational_2", 0.1, K2=4.0, t0=-800.0, snapshots=(0.0, 400.0), compared=100, tolerance=1e-3
 )
 FAST = _scene(
     "soliton_sech",
