@@ -65,7 +65,6 @@ class Lattice:
         return tuple(sorted(found - {x}, key=str))
 
 
-# The paper's eq. "FPUT in strain".
 FPUT_STRAIN = Lattice(
     name="fput_strain",
     title="FPUT lattice in the strain y_n = u_{n+1} - u_n",
@@ -79,5 +78,6 @@ FPUT_STRAIN = Lattice(
         ),
     ),
 )
+"""The lattice of the paper's eqs. (2) and (3), in the strain: the paper's eq. (4)."""
 
 LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in (FPUT_STRAIN,)}

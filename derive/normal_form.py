@@ -19,7 +19,7 @@ class NormalForm:
     """``Y(X, T) = U(a X, b T)`` with ``X = eps (n - c t)``, ``T = eps^3 t``; s = +-1.
 
     s = +1 is the focusing equation (K4 > 0), s = -1 the defocusing one.  All four are exact
-    SymPy expressions.
+    SymPy expressions; a and b are those of the paper's eq. (22), with |K4| for its K4.
     """
 
     a: Expr
@@ -30,7 +30,10 @@ class NormalForm:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Frame speed, coefficient of the nonlinear term and of Y_XXX in the reduced equation."""
+    """Frame speed, coefficient of the nonlinear term and of Y_XXX in the reduced equation.
+
+    In the paper's eq. (15) ``nonlinear`` is beta and ``dispersive`` is -gamma_3.
+    """
 
     c: Expr
     nonlinear: Expr

@@ -16,7 +16,10 @@ __all__ = ["ClosedForm", "FarFields", "Reference"]
 
 @dataclass(frozen=True)
 class Reference:
-    """Where a formula is printed: a citation, and the paper's equation label or section."""
+    """Where a formula is printed: a citation, and the paper's label of the equation or section.
+
+    An equation without a label is called by its number, as in "(27)".
+    """
 
     citation: str
     label: str
