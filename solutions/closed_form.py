@@ -60,6 +60,10 @@ class ClosedForm:
         default=None, compare=False, repr=False
     )
 
+    def __repr__(self) -> str:
+        domains = "".join(f", {parameter.domain}" for parameter in self.parameters)
+        return f"<ClosedForm {self.name}: {self.title}{domains}>"
+
     @cached_property
     def stable(self) -> sp.Expr:
         """The same function in a form that neither overflows nor cancels."""

@@ -25,7 +25,8 @@ class Holder:
     """An object that says which of the paper's equations or figures it holds.
 
     `name` is its dotted name inside `module`, empty for the module itself; `lines` are the first
-    and the last line of its text in `path`, and `kind` is that of a Sphinx role.
+    and the last line of its text in `path`, and `kind` is that of a Sphinx role. `described` is
+    False for a record that has no docstring of its own.
     """
 
     path: Path
@@ -33,6 +34,7 @@ class Holder:
     name: str
     kind: str
     lines: tuple[int, int]
+    described: bool = True
 
     @property
     def target(self) -> str:
@@ -94,17 +96,17 @@ def _claims(house: Path, rooms: Sequence[str]) -> Iterator[tuple[str, Holder]]:
             text = path.read_text(encoding="utf-8")
             parts = path.relative_to(house).with_suffix("").parts
             module = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-            for place, name, kind, lines in _said(ast.parse(text), len(text.splitlines())):
-                yield place, Holder(path.relative_to(house), module, name, kind, lines)
+            yield from _said(ast.parse(text), path.relative_to(house), module)
 
 
-def _said(tree: ast.Module, length: int) -> Iterator[tuple[str, str, str, tuple[int, int]]]:
-    """Yield (place, name, kind, lines) of every claim in one file, in the order of the text."""
+def _said(tree: ast.Module, path: Path, module: str) -> Iterator[tuple[str, Holder]]:
+    """Yield the claims of one file, in the order of the text."""
     for place in _by_docstring(ast.get_docstring(tree)):
-        yield place, "", "mod", (1, length)
+        yield place, Holder(path, module, "", "mod", (1, 1))
     for name, kind, node, text in _objects(tree.body, ""):
         for place in sorted({*_by_docstring(text), *_by_label(node)}):
-            yield place, name, kind, (node.lineno, _last_line(node))
+            lines = node.lineno, node.end_lineno or node.lineno
+            yield place, Holder(path, module, name, kind, lines, text is not None)
 
 
 def _by_docstring(text: str | None) -> list[str]:
@@ -141,7 +143,3 @@ def _text(node: Statement | None) -> str | None:
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
         return node.value.value if isinstance(node.value.value, str) else None
     return None
-
-
-def _last_line(node: Statement) -> int:
-    return node.end_lineno or node.lineno

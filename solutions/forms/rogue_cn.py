@@ -20,7 +20,7 @@ from solutions.precision import HardRange
 from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.symbols import complementary_modulus, k, tau, xi
 
-__all__ = ["ROGUE_CN", "integral", "integrand"]
+__all__ = ["ROGUE_CN", "integral", "integrand", "theta"]
 
 _y, _slope, _kp = sp.symbols("y slope k_prime", real=True)
 _theta_re, _theta_im = sp.symbols("theta_re theta_im", real=True)
