@@ -34,7 +34,7 @@ def scene(scheme: str) -> Scene:
 
 def picture() -> Figure:
     """The relative change of the energy, on a logarithmic axis."""
-    figure = Figure((4.5, 2.6), layout="constrained")
+    figure = Figure((6.5, 2.6), layout="constrained")
     ax = figure.subplots()
     for scheme, look in zip(("rk4", "mclachlan_4", "kahan_li_8"), CURVES, strict=False):
         energy = run(scene(scheme))["energy"]
@@ -42,5 +42,5 @@ def picture() -> Figure:
         ax.semilogy(change[energy.dims[0]], change, label=scheme, **look | {"marker": ""})
     ax.set_xlabel("$t$")
     ax.set_ylabel("$|E/E_0 - 1|$")
-    ax.legend()
+    figure.legend(loc="outside right center")
     return figure
