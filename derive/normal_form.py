@@ -1,5 +1,7 @@
 """The map from a reduced mKdV equation to the form the closed solutions are written in.
 
+It takes beta and delta = -gamma_3 of the paper's eq. (15) to a and b of the paper's eq. (22).
+
 With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
 ``Y_T + beta Y^2 Y_X + delta Y_XXX = 0`` becomes ``U_tau + 6 s U^2 U_xi + U_xixixi = 0`` when
 ``b = delta a^3`` and ``beta a = 6 s b``: hence ``a^2 = |beta/(6 delta)|``, s its sign.
@@ -19,7 +21,7 @@ class NormalForm:
     """``Y(X, T) = U(a X, b T)`` with ``X = eps (n - c t)``, ``T = eps^3 t``; s = +-1.
 
     s = +1 is the focusing equation (K4 > 0), s = -1 the defocusing one.  All four are exact
-    SymPy expressions; a and b are those of the paper's eq. (22), with |K4| for its K4.
+    SymPy expressions.
     """
 
     a: Expr
@@ -30,10 +32,7 @@ class NormalForm:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Frame speed, coefficient of the nonlinear term and of Y_XXX in the reduced equation.
-
-    In the paper's eq. (15) ``nonlinear`` is beta and ``dispersive`` is -gamma_3.
-    """
+    """Frame speed, coefficient of the nonlinear term and of Y_XXX in the reduced equation."""
 
     c: Expr
     nonlinear: Expr

@@ -1,4 +1,4 @@
-"""The ansatz as data: amplitude, slow variables, frame speed and background mean."""
+"""The ansatz as data: amplitude, slow variables, frame speed, mean; the paper's eq. (7)."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Scaling:
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The default
-    is the paper's ansatz ``y = eps Y``, ``X = eps (n - c t)``, ``T = eps^3 t`` (the paper's
-    eq. (7)).
+    is the paper's ansatz ``y = eps Y``, ``X = eps (n - c t)``, ``T = eps^3 t`` (eq. "multi-scale
+    variables").
 
     >>> Scaling().leading_order
     5

@@ -58,7 +58,7 @@ def _initial_velocity() -> _InitialVelocity:
 
 
 def initial_data(wave: Wave, scene: Scene, sites: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Strain y_n = eps Y and velocity s_n (the paper's eq. (11)) at the sites, at time t0."""
+    """Strain y_n = eps Y and velocity s_n of the ansatz at the sites, at time t0."""
     value = wave.at(sites, scene.t0, scene.eps)
     return lattice_data(value, scene.constants.sound_speed(), scene.eps)
 
