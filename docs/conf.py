@@ -18,7 +18,6 @@ myst_enable_extensions = ["dollarmath"]
 default_role = "code"
 toc_object_entries = False
 nitpicky = True
-suppress_warnings = ["toc.empty_glob"]
 # Types in signatures are other libraries' as well, and nothing is fetched from them.
 nitpick_ignore_regex = [("py:(class|exc)", r".*")]
 
