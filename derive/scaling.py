@@ -1,4 +1,4 @@
-"""The ansatz as data: amplitude, slow variables, frame speed and background mean."""
+"""The ansatz as data: amplitude, slow variables, frame speed, mean; the paper's eq. (7)."""
 
 from __future__ import annotations
 
