@@ -176,11 +176,11 @@ def test_a_formula_is_defined_somewhere() -> None:
     one = n("number", "1")
     rows = [[[one, n.zero], n.zero], [[n.zero, one], n.zero]]
     forms = ["forms", [first, second], rows]
-    with pytest.raises(CertificateError, match="finite at the point"):
+    with pytest.raises(CertificateError, match=r"finite at the point|a denominator"):
         check_certificate(certificate(n, u, equals(u), [forms], {n.x: "0"}))
     n = Table()
     u = n("log", n.zero)
-    with pytest.raises(CertificateError, match="finite at the point"):
+    with pytest.raises(CertificateError, match=r"finite at the point|a denominator"):
         check_certificate(certificate(n, u, equals(u), [["atom", u]], {n.x: "0"}))
 
 

@@ -22,7 +22,8 @@ def imports(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            found.add("." * node.level + (node.module or ""))
+            modules = [node.module] if node.module else [alias.name for alias in node.names]
+            found |= {"." * node.level + name for name in modules}
     return found
 
 
