@@ -163,11 +163,11 @@ class Signs:
             None if low == -sp.oo else low, None if high == sp.oo else high
         )
         for end, is_open in ((low, found.lower_open), (high, found.upper_open)):
-            if is_open and end.is_finite and polynomial.eval(end) == 0:
+            if is_open and end.is_finite and polynomial(end) == 0:
                 inner -= 1
         if inner:
             return None
-        return POSITIVE if polynomial.eval(_between(low, high)) > 0 else -POSITIVE
+        return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
 
     def _product(self, node: sp.Expr) -> Range | None:
         total = Range(ONE, ONE)

@@ -22,8 +22,8 @@ def imports(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            modules = [node.module] if node.module else [alias.name for alias in node.names]
-            found |= {"." * node.level + name for name in modules}
+            stem = "." * node.level + (node.module or "")
+            found |= {stem} if node.module else {f".{alias.name}" for alias in node.names}
     return found
 
 
