@@ -58,7 +58,7 @@ def test_the_tables_hold_every_object() -> None:
 
 def test_the_maps_table_names_object_file_and_scenes() -> None:
     rows = {line.split("|")[1].strip(): line for line in lists.paper_table().splitlines()}
-    assert "{py:mod}`~derive.scaling`" in rows["eq.&nbsp;(7)"]
+    assert "{py:class}`~derive.scaling.Scaling`" in rows["eq.&nbsp;(7)"]
     assert "`derive/scaling.py`" in rows["eq.&nbsp;(7)"]
     assert "`rational_3_eps_0.075`" in rows["fig.&nbsp;2"]
 
