@@ -32,7 +32,7 @@ KINK = 80.0
 """Room for a kink at the seam, in units of its width."""
 
 AHEAD = 32
-"""Moves of a window whose feeds are evaluated at once: a call costs as much as 300 sites."""
+"""Moves of a window whose feeds are evaluated at once: a call costs as much as 450 sites."""
 
 FRONT = 12.0
 """Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
