@@ -32,8 +32,9 @@ def pays(size: int) -> bool:
 
     Not in a worker process: there the other core has work of its own.
     """
-    cores = os.cpu_count() or 1
-    return size >= SITES and cores > 1 and multiprocessing.parent_process() is None
+    if size < SITES:
+        return False
+    return (os.cpu_count() or 1) > 1 and multiprocessing.parent_process() is None
 
 
 @lru_cache(maxsize=1)

@@ -5,6 +5,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -29,6 +30,9 @@ MARGIN = 64
 
 KINK = 80.0
 """Room for a kink at the seam, in units of its width."""
+
+AHEAD = 32
+"""Moves of a window whose feeds are evaluated at once: a call costs as much as 450 sites."""
 
 FRONT = 12.0
 """Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
@@ -202,7 +206,9 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.moves = frozenset(window_moves(self.scene))
+        self._moves = window_moves(self.scene)
+        self.moves = frozenset(self._moves)
+        self._feeds: dict[float, tuple[Array, Array]] = {}
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
@@ -228,15 +234,35 @@ class Window:
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
-        left = frame(self.scene, state.t) - self.scene.sites // 2
+        left = self._left(state.t)
         moved = left - state.left
         state.left = left
         fed = 2 * moved + MARGIN
         front = state.sites[-(fed + WATCHED) :]
-        y, s = transported_data(self.wave, self.scene, self.background_speed, front, state.t)
+        y, s = (values[-front.size :] for values in self._feed(state.t))
         fault = self.monitor.compare(state, front[:WATCHED], y[:WATCHED])
         state.store(front[WATCHED:], y[WATCHED:], s[WATCHED:])
         return fault
+
+    def _left(self, t: float) -> int:
+        """The first site of the window that has followed the wave until t."""
+        return frame(self.scene, t) - self.scene.sites // 2
+
+    def _feed(self, t: float) -> tuple[Array, Array]:
+        """The far field in front at the move at t, on the most sites that a move feeds or watches.
+
+        Those of some moves to come are evaluated with it.
+        """
+        if t not in self._feeds:
+            first = bisect_right(self._moves, t)
+            times = (t, *self._moves[first : first + AHEAD])
+            most = 2 * (STRIDE + 1) + MARGIN + WATCHED
+            ends = np.array([self._left(move) + self.scene.sites for move in times])
+            sites = ends[:, None] + np.arange(-most, 0)
+            columns = np.array(times)[:, None]
+            y, s = transported_data(self.wave, self.scene, self.background_speed, sites, columns)
+            self._feeds = {move: (y[row], s[row]) for row, move in enumerate(times)}
+        return self._feeds[t]
 
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:

@@ -7,6 +7,7 @@ the wave at all times, so nothing of it can come back round a ring or be cut off
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,21 +77,32 @@ def find_extent(
     if it decays like a power, by more than a share of its largest deviation: the rest is a matter
     of the domain's size.
     """
-    places = [_places(constants, wave, eps, t) for t in _watched(times)]
-    strains = [eps * value for _, _, value in places]
+    ends, strain = _wave_at_all_times(constants, wave, eps, tuple(times), tolerance)
     edge = float(compared)
-    low, high = -edge, edge
-    ends = []
-    for x, deviation, _ in places:
-        support = _support(x, deviation, LEVEL * tolerance)
-        if support is not None:
-            ends.append(support)
+    return Extent(min(-edge, ends[0]), max(edge, ends[1]), strain)
+
+
+@lru_cache(maxsize=4)
+def _wave_at_all_times(
+    constants: Constants, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
+) -> tuple[tuple[float, float], Array]:
+    """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
+
+    Whatever is chosen about a scene asks for it: the engine, the scout and the runs themselves.
+    """
+    places = [_places(constants, wave, eps, t) for t in _watched(times)]
+    supports = [_support(x, deviation, LEVEL * tolerance) for x, deviation, _ in places]
+    ends = [support for support in supports if support is not None]
+    low, high = np.inf, -np.inf
     if ends:
         lows, highs = np.array(ends).T
-        low = min(low, float(lows.min()) - DRIFT_SHARE * float(np.ptp(lows)))
-        high = max(high, float(highs.max()) + DRIFT_SHARE * float(np.ptp(highs)))
+        low = float(lows.min()) - DRIFT_SHARE * float(np.ptp(lows))
+        high = float(highs.max()) + DRIFT_SHARE * float(np.ptp(highs))
+    strains = [eps * value for _, _, value in places]
     least = min(float(strain.min()) for strain in strains)
-    return Extent(low, high, np.array([least, max(float(strain.max()) for strain in strains)]))
+    extremes = np.array([least, max(float(strain.max()) for strain in strains)])
+    extremes.flags.writeable = False
+    return (low, high), extremes
 
 
 def _watched(times: Sequence[float]) -> list[float]:

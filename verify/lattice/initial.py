@@ -69,12 +69,13 @@ def lattice_data(value: WaveValues, c: float, eps: float) -> tuple[Array, Array]
 
 
 def transported_data(
-    wave: Wave, scene: Scene, speed: float, sites: NDArray[np.int64], t: float
+    wave: Wave, scene: Scene, speed: float, sites: NDArray[np.int64], t: float | Array
 ) -> tuple[Array, Array]:
     """The initial strain moved rigidly until ``t``: y_n(t) = y(n - speed (t - t0), t0).
 
     Far from the crest, on a constant background, this is what the lattice itself does with the
-    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there.
+    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there. Sites
+    and times are broadcast.
     """
     X = scene.eps * ((sites - scene.constants.sound_speed() * scene.t0) - speed * (t - scene.t0))
     value = wave(X, scene.eps**3 * scene.t0)

@@ -167,7 +167,7 @@ class CausalReference:
             for block in range(1, blocks + 1):
                 until = stop if block == blocks else begin + (stop - begin) * block / blocks
                 steps = math.ceil((until - t) / step)
-                y, s = cone.closed(span.y, span.s)
+                y, s = cone.closed(t, span.y, span.s)
                 self._scheme.advance(y, s, (until - t) / steps, steps, scene.constants)
                 held = _Span(span.first - cone.room, y, s)
                 t = until
@@ -198,11 +198,16 @@ class _Cone:
         """Sites beyond the needed ones, which grow while signals from the ends come nearer."""
         return math.ceil(2.0 * BLOCK) + _front(BLOCK) + SPARE
 
+    @property
+    def _way(self) -> float:
+        """Sites that the fastest signal goes during the scene."""
+        return self.fastest * (self.scene.end - self.scene.t0)
+
     def needed(self, t: float) -> tuple[int, int]:
         """First and last site that matter at ``t``."""
         scene = self.scene
         sites = compared_sites(scene, scene.end)
-        front = _front(self.fastest * (scene.end - scene.t0))
+        front = _front(self._way)
         reach = math.ceil(self.fastest * (scene.end - t)) + front
         grown = math.ceil(self.fastest * (t - scene.t0)) + front
         compared = compared_sites(scene, t)
@@ -210,15 +215,32 @@ class _Cone:
         last = min(int(sites[-1]) + reach, self.right + grown)
         return int(min(first, compared[0])), int(max(last, compared[-1]))
 
-    def closed(self, y: Array, s: Array) -> tuple[Array, Array]:
+    def closed(self, t: float, y: Array, s: Array) -> tuple[Array, Array]:
         """The data with room on either side, a multiple of eight in all.
 
-        They go on at rest with the strain of their ends; the last sites lead from one to the other.
+        Where they are constant they go on like that. A wave goes on as its mirror image that runs
+        the same way and fades: at rest it would run both ways and double the strains that it
+        meets, which can be more than the lattice bears. The last sites lead from end to end.
         """
         left, right = self.room, self.room + (-(y.size + 2 * self.room) % 8)
-        strain = np.concatenate([np.full(left, y[0]), y, np.full(right, y[-1])])
-        strain[-SPARE:] = np.linspace(y[-1], y[0], SPARE)
-        return strain, np.pad(s, (left, right))
+        first, last = self.needed(t)
+        grown = math.ceil(self.fastest * (t - self.scene.t0)) + _front(self._way)
+        before = _continued(y[::-1], s[::-1], left, first <= self.left - grown)
+        after = _continued(y, s, right, last >= self.right + grown)
+        strain = np.concatenate([before[0][::-1], y, after[0]])
+        strain[-SPARE:] = np.linspace(strain[-SPARE - 1], strain[0], SPARE)
+        return strain, np.concatenate([before[1][::-1], s, after[1]])
+
+
+def _continued(y: Array, s: Array, room: int, constant: bool) -> tuple[Array, Array]:
+    """Strain and velocity on the sites after the data's end."""
+    if constant:
+        return np.full(room, y[-1]), np.zeros(room)
+    fading = np.maximum(0.0, np.linspace(1.0, -SPARE / (room - SPARE), room))
+    image = np.pad(y, (0, room), "symmetric")[-room:]
+    mean = float(np.mean(image))
+    velocity = -np.pad(s, (0, room), "symmetric")[-room:]
+    return mean + fading * (image - mean), fading * velocity
 
 
 def _front(distance: float) -> int:

@@ -97,6 +97,21 @@ def test_the_reference_begins_again_with_a_larger_speed() -> None:
     assert np.max(np.abs(slow.run(step).strain - good.run(step).strain)) / told.eps < 1e-9
 
 
+def test_the_reference_does_not_soften_at_its_own_ends() -> None:
+    """Scene 5:41: a strong wave that stops at the ends of the array doubles its strains there."""
+    told = scene(
+        "breather_sn",
+        -5.363,
+        eps=0.1782,
+        t0=-1276.1417977087203,
+        snapshots=(-1174.912755801266,),
+        compared=709,
+        parameters=(("k", 0.993163335), ("alpha", 2.559), ("X_0", 0.0)),
+    )
+    reference = CausalReference(told, build_wave(told))
+    assert np.abs(reference.run(0.5 * reference.longest_step).strain).max() < 0.22
+
+
 def test_the_reference_tells_that_waves_cease_to_exist() -> None:
     told = scene("kink", -1.0, eps=0.2, parameters=(("A", 2.9),))
     with pytest.raises(SoftenedError):
