@@ -245,15 +245,23 @@ class SpectralEngine:
         task = self._task
         begun = time.perf_counter()
         tail = TAIL_SHARE * task.tolerance * task.eps
-        cutoff = self._data.absorbed if choices.absorber else 0.0
         state = self._state(choices)
+        cutoff = short = 0.0
+        if choices.absorber:
+            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
         rings: list[SpectralRing] = []
         rows = []
         for start, times, step in self._phases(choices):
             state = state if not rings else rings[-1].at(start)
             rings.append(
                 SpectralRing(
-                    task.constants, state, step, tail, absorbed=cutoff, strength=choices.absorber
+                    task.constants,
+                    state,
+                    step,
+                    tail,
+                    absorbed=cutoff,
+                    strength=choices.absorber,
+                    short=short,
                 )
             )
             for t in times:
