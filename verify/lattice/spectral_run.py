@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.exponential.adams import ORDER
-from verify.lattice.estimate import Estimate, rounding_error
+from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.refine import Announce, Choices, Engine, Kind, Progress, Trial, refine
 from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
@@ -54,7 +54,7 @@ STARTED = 15.0
 START = 0.1
 """Step of the start, in units of the time in which sound goes 1/k."""
 
-STEEPEST = 0.65
+STEEPEST = 0.45
 """Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
 pay (a soliton's width in sites is 1/(a |y|))."""
 
@@ -106,7 +106,8 @@ class SpectralEngine:
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     threads = 1
     safety = 4.0
-    """What short waves leave behind comes round the ring: measured to fall as slowly as L^-1/2."""
+    """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
+    average away, as step^1/2."""
     order = ORDER
     unstable = 10
 
@@ -275,6 +276,7 @@ class SpectralEngine:
         seconds = time.perf_counter() - begun
         cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
         rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
+        rounding += clock_error(values, task.constants.sound_speed(), (task.t0, task.times[-1]))
         work = evaluations * points * math.log2(points)
         return Trial(choices, values, work, seconds, rounding, cost)
 
