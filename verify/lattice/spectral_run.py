@@ -54,9 +54,12 @@ STARTED = 15.0
 START = 0.1
 """Step of the start, in units of the time in which sound goes 1/k."""
 
-STEEPEST = 0.45
+STEEPEST = 0.65
 """Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
 pay (a soliton's width in sites is 1/(a |y|))."""
+
+LASTING = 0.5
+"""The same at the beginning: a soliton of 0.61 lay 1.9 estimates off at t = 6000."""
 
 SHORTEST = 0.02
 """Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
@@ -141,6 +144,9 @@ class SpectralEngine:
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._task.constants.sound_speed()
+        steepness = float(self._task.wave.normal_form.a) * float(np.max(np.abs(state.y)))
+        if steepness > LASTING:
+            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
         step = first_step(self._task.constants, state, self._duration)
         length = 1.0 / (c * typical_number(state))
         start = START * length if STARTED * length < self._duration else 0.0
