@@ -1,23 +1,29 @@
 # Two commands matter: `make report` writes reports/build/longwave.pdf, `make test` runs the tests.
 PY := .venv/bin/python
 STAMP := .venv/.longwave-installed
+DOCS_STAMP := .venv/.longwave-docs-installed
 WORKERS ?= 2
 
-.PHONY: report report-full bench test test-slow lint format clean help
+.PHONY: report report-full bench docs test test-slow lint format clean help
 
 help:
 	@echo "make report     derive, check, run the scenes, typeset: reports/build/longwave.pdf"
 	@echo "make report-full  the same with the long scenes and the full studies"
 	@echo "make bench      what accuracy costs, nothing running beside: reports/build/bench"
+	@echo "make docs       the site: docs/build/index.html"
 	@echo "make test       the default test suite (WORKERS=$(WORKERS) processes)"
 	@echo "make test-slow  the tests marked slow"
 	@echo "make lint       ruff check, ruff format --check, mypy"
 	@echo "make format     let ruff rewrite the files"
-	@echo "make clean      remove the report and the tools' caches; .venv stays"
+	@echo "make clean      remove report, site and the tools' caches; .venv stays"
 
 # Reinstalls only when the dependencies or the bootstrap change.
 $(STAMP): pyproject.toml tools/bootstrap.sh
 	@sh tools/bootstrap.sh $@
+
+# The site needs no more than it says: make docs installs the tools of the site alone.
+$(DOCS_STAMP): pyproject.toml tools/bootstrap.sh
+	@sh tools/bootstrap.sh $@ docs
 
 report: $(STAMP)
 	@$(PY) -m reports
@@ -27,6 +33,10 @@ report-full: $(STAMP)
 
 bench: $(STAMP)
 	@$(PY) -m reports.bench
+
+docs: $(DOCS_STAMP)
+	@$(PY) -m sphinx --quiet --fail-on-warning --keep-going --jobs $(WORKERS) docs docs/build
+	@echo docs/build/index.html
 
 test: $(STAMP)
 	@$(PY) -m pytest -q -n $(WORKERS) --dist loadfile
@@ -48,5 +58,5 @@ docs/rogue_wave.png: $(STAMP)
 	@$(PY) -m reports.figures $@
 
 clean:
-	rm -rf reports/build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf reports/build docs/build docs/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

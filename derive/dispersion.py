@@ -3,7 +3,7 @@
 A plane wave ``y = ybar + delta exp(i (k n - omega t))`` turns a shift by j cells into
 ``exp(i j k)``; the force enters by its slope at ybar.  Opposite shifts carry equal weights, so
 ``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's).  For
-the strain FPUT lattice: the paper's eqs. "ldr of the FPUT lattice" and "positive branch ldr".
+the strain FPUT lattice: the paper's eqs. (5) and (6).
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ HALF_SINE = Symbol("sin(k/2)")
 class Dispersion:
     """``omega_squared`` and the right-going branch ``omega_plus`` for 0 < k < 2 pi.
 
+    For the strain FPUT lattice ``omega_squared`` is the right-hand side of the paper's eq. (5).
     Both are expressions in the wavenumber ``derive.symbols.k`` (radians a site), the uniform
     strain ``derive.symbols.ybar`` and the lattice's constants.
     """
@@ -37,7 +38,7 @@ class Dispersion:
     def long_wave(self, order: int = 5) -> Expr:
         """The expansion of omega_plus in k up to, and without, ``k^order``.
 
-        Written as the sound speed times a series that begins with k.
+        Written as the sound speed times a series that begins with k; the paper's eq. (6).
 
         >>> dispersion_relation().at(Integer(0)).long_wave()
         sqrt(K2)*(-k**3/24 + k)

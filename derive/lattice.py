@@ -123,7 +123,6 @@ class Lattice:
         check_constants(self.constants)
 
 
-# The paper's eq. "FPUT in strain".
 FPUT_STRAIN = Lattice(
     name="fput_strain",
     title="FPUT lattice in the strain y_n = u_{n+1} - u_n",
@@ -137,5 +136,6 @@ FPUT_STRAIN = Lattice(
         ),
     ),
 )
+"""The lattice of the paper's eqs. (2) and (3), in the strain: the paper's eq. (4)."""
 
 LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in (FPUT_STRAIN,)}

@@ -21,7 +21,7 @@ from derive.symbols import eps
 
 @lru_cache
 def mkdv_reduction() -> Reduction:
-    """The strain FPUT lattice under the paper's ansatz, through the mKdV order."""
+    """The strain FPUT lattice under the paper's ansatz, through the paper's eq. (8)."""
     scaling = Scaling()
     return reduce(FPUT_STRAIN, scaling, orders=scaling.leading_order)
 
@@ -56,7 +56,7 @@ def _velocity() -> EpsSeries:
 
 
 def initial_velocity() -> Expr:
-    """s = dy/dt of the ansatz by the chain rule (paper eq. "IC for sn").
+    """s = dy/dt of the ansatz by the chain rule (the paper's eqs. (10), (11)).
 
     An expression in ``eps``, ``c`` and the symbols ``Y_X``, ``Y_T``.
 

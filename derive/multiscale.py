@@ -3,7 +3,7 @@
 The lowest order is the sound condition ``P(c) Y_XX = 0``.  Every order below the one with Y_XT
 must vanish by a condition on the constants.  The order with Y_XT is the reduced equation once
 integrated in X; the later orders, with time derivatives removed, give its corrections.  For the
-strain FPUT lattice these are the paper's steps to its eq. "asympototic results".
+strain FPUT lattice these are the steps to the paper's eq. (8).
 """
 
 from __future__ import annotations

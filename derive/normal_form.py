@@ -1,5 +1,7 @@
 """The map from a reduced mKdV equation to the form the closed solutions are written in.
 
+It takes beta and delta = -gamma_3 of the paper's eq. (15) to a and b of the paper's eq. (22).
+
 With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
 ``Y_T + beta Y^2 Y_X + delta Y_XXX = 0`` becomes ``U_tau + 6 s U^2 U_xi + U_xixixi = 0`` when
 ``b = delta a^3`` and ``beta a = 6 s b``: hence ``a^2 = |beta/(6 delta)|``, s its sign.

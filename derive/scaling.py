@@ -1,4 +1,4 @@
-"""The ansatz as data: amplitude, slow variables, frame speed and background mean."""
+"""The ansatz as data: amplitude, slow variables, frame speed, mean; the paper's eq. (7)."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Scaling:
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
     speed, that of the first slow variable, is a positive symbol, or minus one for waves to the
     left.  Raises ValueError for what is no ansatz.  The default is the paper's: ``y = eps Y``,
-    ``X = eps (n - c t)``, ``T = eps^3 t`` (eq. "multi-scale variables").
+    ``X = eps (n - c t)``, ``T = eps^3 t`` (the paper's eq. (7)).
 
     >>> Scaling().leading_order
     5

@@ -4,15 +4,19 @@ Numbers are those that LaTeX gives the paper's source, in which equations are nu
 """
 
 EQUATIONS = (
-    "standard mKdV", "FPUT lattice in displacement", "", "FPUT in strain",
+    "standard mKdV", "FPUT lattice in displacement", "(3)", "FPUT in strain",
     "ldr of the FPUT lattice", "positive branch ldr", "multi-scale variables",
     "asympototic results", "Eq.1 first-order", "eq: relation to construct IC for sn",
-    "IC for sn", "mKdV 2-order soln", "", "nece coefficients", "", "eq: def of L_inf loss",
-    "third-order soln of mKdV", "", "Jacobi's theta funcs", "", "dark breather on snoidal-wave",
-    "coefficients of a and b", "alg-decaying solitons on dn-wave background", "",
-    "def. of theta", "rogue-wave on cn-wave", "", "defn. of theta_cn", "Defn of five para",
+    "IC for sn", "mKdV 2-order soln", "(13)", "nece coefficients", "(15)",
+    "eq: def of L_inf loss", "third-order soln of mKdV", "(18)", "Jacobi's theta funcs", "(20)",
+    "dark breather on snoidal-wave", "coefficients of a and b",
+    "alg-decaying solitons on dn-wave background", "(24)", "def. of theta",
+    "rogue-wave on cn-wave", "(27)", "defn. of theta_cn", "Defn of five para",
 )  # fmt: skip
-"""The labels of the numbered equations in order; those without a label are empty."""
+"""The labels of the numbered equations in order; one without a label is called by its number."""
+
+UNNUMBERED = {"Eq.2 first-order": "Eq.1 first-order"}
+"""Labels of lines without a number -> the label of the line that numbers both."""
 
 FIGURES = (
     "Second-order solns comparison", "Third-order solns comparison", "L_inf loss plot",
@@ -59,11 +63,12 @@ def cited(label: str) -> str:
 
     Raises ValueError for a label that the paper does not have.
     """
-    if label and label in EQUATIONS:
-        return f"eq.~({EQUATIONS.index(label) + 1})"
+    numbered = UNNUMBERED.get(label, label)
+    if numbered in EQUATIONS:
+        return f"eq.~({EQUATIONS.index(numbered) + 1})"
     if label in FIGURES:
         return f"fig.~{FIGURES.index(label) + 1}"
     if label in SECTIONS:
         return f"sec.~{SECTIONS[label]}"
-    known = ", ".join(filter(None, (*EQUATIONS, *FIGURES, *SECTIONS)))
+    known = ", ".join((*EQUATIONS, *UNNUMBERED, *FIGURES, *SECTIONS))
     raise ValueError(f"label must be one of the paper's, got {label!r} (one of: {known})")

@@ -15,7 +15,10 @@ __all__ = ["ClosedForm", "FarFields", "Reference"]
 
 @dataclass(frozen=True)
 class Reference:
-    """Where a formula is printed: a citation, and the paper's equation label or section."""
+    """Where a formula is printed: a citation, and the paper's label of the equation or section.
+
+    An equation without a label is called by its number, as in "(27)".
+    """
 
     citation: str
     label: str
@@ -54,6 +57,10 @@ class ClosedForm:
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )
+
+    def __repr__(self) -> str:
+        domains = "".join(f", {parameter.domain}" for parameter in self.parameters)
+        return f"<ClosedForm {self.name}: {self.title}{domains}>"
 
     @cached_property
     def stable(self) -> sp.Expr:

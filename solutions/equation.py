@@ -13,6 +13,8 @@ __all__ = ["DEFOCUSING_MKDV", "FOCUSING_MKDV", "Equation"]
 class Equation:
     """``U_tau + 6 s U**2 U_xi + U_xixixi = 0``, with ``s`` the sign of K4.
 
+    The paper's eq. (1) in its normal form.
+
     >>> from sympy import tanh
     >>> DEFOCUSING_MKDV.residual(tanh(xi + 2 * tau)).simplify()
     0

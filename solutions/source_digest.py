@@ -43,7 +43,7 @@ class Sources:
 def source_digest(module: str) -> str:
     """The digest (hexadecimal) of what the kernels of the imported ``module`` are built from.
 
-    >>> source_digest("solutions.linear_phase") == source_digest("solutions.double_machine")
+    >>> source_digest("solutions.linear_phase") == source_digest("solutions.source_digest")
     False
     """
     sources = imported_sources(module)

@@ -1,10 +1,11 @@
 #!/bin/sh
-# Usage: sh tools/bootstrap.sh STAMP
-# Makes .venv, installs longwave with its development tools into it, touches STAMP.
+# Usage: sh tools/bootstrap.sh STAMP [EXTRAS]
+# Makes .venv, installs longwave with the named extras (default: dev) into it, touches STAMP.
 # PYTHON names the interpreter to use; LONGWAVE_NO_APT=1 keeps apt untouched.
 set -eu
 
-stamp=${1:?usage: sh tools/bootstrap.sh STAMP}
+stamp=${1:?usage: sh tools/bootstrap.sh STAMP [EXTRAS]}
+extras=${2:-dev}
 venv=.venv
 
 fail() {
@@ -50,6 +51,6 @@ if ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
     echo "bootstrap: making $venv with $("$python" --version)"
     "$python" -m venv --clear "$venv"
 fi
-echo "bootstrap: installing longwave and its development tools into $venv"
-"$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check -e '.[dev]'
+echo "bootstrap: installing longwave[$extras] into $venv"
+"$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check -e ".[$extras]"
 touch "$stamp"

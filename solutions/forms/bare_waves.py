@@ -67,7 +67,7 @@ WAVE_CN = ClosedForm(
     parameters=(modulus("the zero solution", "the sech soliton"),),
     background=sp.S.Zero,
     far_fields=FarFields(CN_WAVE, CN_WAVE),
-    reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
+    reference=Reference("chen2018rogue", "(27)"),
     period=4 * QUARTER_PERIOD,
 )
 
@@ -79,6 +79,6 @@ WAVE_DN = ClosedForm(
     parameters=(modulus("the constant 1", "the sech soliton"),),
     background=sp.S.Zero,
     far_fields=FarFields(DN_WAVE, DN_WAVE),
-    reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
+    reference=Reference("chen2018rogue", "(24)"),
     period=2 * QUARTER_PERIOD,
 )

@@ -1,4 +1,4 @@
-"""The dark breather on the sn wave, as printed in theta functions (K4 < 0).
+"""The dark breather on the sn wave, as printed in the paper's eqs. (21) and (29) (K4 < 0).
 
 ``H`` and ``Theta`` are the first and fourth theta functions of ``pi u/(2 K)``, ``Z`` is Jacobi's
 zeta function. In floating point, ``H(u) = sqrt(k) sn(u) Theta(u)`` and the addition theorem
@@ -35,9 +35,12 @@ _beta_over_gamma = 1 - 2 * (1 + k) ** 2 * _sn**2 / _pole**2
 _background_speed = sp.diff(SN_PHASE, tau)
 
 inverse_width: sp.Expr = _zeta + k * _sn * _cn * _dn / _pole
+"""kappa of the paper's eq. (29)."""
+
 speed: sp.Expr = _background_speed + (2 * k * (1 + k) ** 2 * (1 - k * _sn**2) * _sn * _dn * _cn) / (
     (_zeta * _pole + k * _sn * _dn * _cn) * _pole**2
 )
+"""c of the paper's eq. (29)."""
 
 _eta = inverse_width * (xi + speed * tau + X_0)
 

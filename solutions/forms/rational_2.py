@@ -1,6 +1,6 @@
-"""The second-order rational solution Y2, as printed (K4 > 0).
+"""The second-order rational solution Y2, as printed in the paper's eqs. (12) and (13) (K4 > 0).
 
-The paper's letters: ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``, because
+The paper's letters, of the paper's eq. (14): ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``, because
 ``b = sqrt(24 K4/K2) = 2 sqrt(6 K4/K2)`` and ``a = b**3 gamma_3/4`` with ``gamma_3`` minus the
 dispersive coefficient.
 """

@@ -1,4 +1,4 @@
-"""The third-order rational solution Y3, as printed (K4 > 0).
+"""The third-order rational solution Y3, as printed in the paper's eqs. (17) and (18) (K4 > 0).
 
 The paper's letters: ``b X`` is ``2 xi`` and ``c T`` is ``24 tau``, because ``c = -3 b**3 gamma_3``
 is 24 times the rate of tau; hence ``z = (2 b X - c T)/4 = xi - 6 tau``.

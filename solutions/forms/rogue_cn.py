@@ -1,4 +1,4 @@
-"""The rogue wave on the cn wave, as printed (K4 > 0), in real and imaginary parts.
+"""The rogue wave on the cn wave of the paper's eqs. (26) to (28), in real and imaginary parts.
 
 The integral in theta is written out in real parts; that it equals the printed one is a test.
 With N, M, S the printed combinations ``(1 + theta**2) y - theta y'/lambda`` and so on, the
@@ -19,7 +19,7 @@ from solutions.forms.modulus import modulus
 from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.symbols import complementary_modulus, k, tau, xi
 
-__all__ = ["ROGUE_CN", "integral", "integrand"]
+__all__ = ["ROGUE_CN", "integral", "integrand", "theta"]
 
 _y, _slope, _kp = sp.symbols("y slope k_prime", real=True)
 _theta_re, _theta_im = sp.symbols("theta_re theta_im", real=True)
@@ -82,7 +82,7 @@ def _stable_growth(z: sp.Symbol) -> sp.Expr:
 
 
 def theta(growth: Callable[[sp.Expr], sp.Expr] | None = None) -> Parts:
-    """Real and imaginary part of theta_cn in xi, tau and k."""
+    """Real and imaginary part of theta_cn in xi, tau and k: the paper's eq. (28)."""
     real, imaginary = sp.symbols("integral_re integral_im", real=True)
     printed = -4 * _lambda * _weight * (real + sp.I * imaginary)
     integral_re, integral_im = integral(CN_PHASE, growth)

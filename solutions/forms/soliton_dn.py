@@ -1,4 +1,4 @@
-"""The algebraic soliton on the dn wave, as printed (K4 > 0).
+"""The algebraic soliton on the dn wave, as printed in the paper's eqs. (23) to (25) (K4 > 0).
 
 The integral in theta is written out: ``E`` is the Jacobi epsilon function (``E' = dn**2``). That
 it equals the printed integral is a test. In floating point, the wave is evaluated with
@@ -51,7 +51,7 @@ def _stable_integral(u: sp.Expr) -> sp.Expr:
 
 
 def theta(integral: Callable[[sp.Expr], sp.Expr] = integral) -> sp.Expr:
-    """theta_dn in xi, tau and k."""
+    """theta_dn in xi, tau and k: the paper's eq. (25)."""
     weight = DN_WAVE**2 + complementary_modulus
     return -4 * _lambda * weight * (integral(DN_PHASE) - tau)
 

@@ -1,7 +1,7 @@
 """Jacobi's zeta, eta (H) and theta (Theta) as SymPy functions of (z, m), m = k**2.
 
 H(z) = theta_1(pi z / (2 K), q) and Theta(z) = theta_4(pi z / (2 K), q), not normalised, as in the
-paper's appendix on the dark breather (eq. "Jacobi's theta funcs"), so H = sqrt(k) sn Theta.
+paper's eqs. (19) and (20), so H = sqrt(k) sn Theta.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ class _RealBelowOne(JacobiFunction):
 
 class jacobi_zeta(_RealBelowOne):
     """Jacobi's zeta Z(z | m) = Theta'(z) / Theta(z) = epsilon(z) - z E / K, of period 2 K.
+
+    Defined below the paper's eq. (20).
 
     >>> from sympy import symbols
     >>> z, m = symbols("z m")
@@ -56,7 +58,7 @@ class _ThetaFunction(_RealBelowOne):
 
 
 class jacobi_eta(_ThetaFunction):
-    """Jacobi's H(z | m) = theta_1(pi z / (2 K), q)."""
+    """Jacobi's H(z | m) = theta_1(pi z / (2 K), q), the paper's eq. (20)."""
 
     parity = -1
     latex_symbol = "H"
@@ -71,7 +73,9 @@ class jacobi_eta(_ThetaFunction):
 
 
 class jacobi_theta(_ThetaFunction):
-    """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q); Theta(0) is left as it is.
+    """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q), the paper's eq. (20).
+
+    Theta(0) is left as it is.
 
     >>> from sympy import symbols
     >>> z, m = symbols("z m")

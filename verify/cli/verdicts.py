@@ -36,9 +36,9 @@ def verdicts_command(argv: list[str]) -> int:
     try:
         _settle_method(options)
         work = _verdicts(names, options)
-        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
         if options.certificate is not None:
             options.certificate.touch()
+        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
         found, complete = finished(tracked(work, len(names), "checking"))
         if options.certificate is not None:
             _write_certificates(options.certificate, found)

@@ -10,9 +10,9 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     """max |analytic - numeric| / max |analytic - background| over the compared sites.
 
     All three are strains at the same integer sites. With the bare wave of the same phase as
-    ``background`` this is the paper's figure (eq. "def of L_inf loss"); with the wave's true far
-    field it is the second figure for waves on periodic backgrounds. A sup over sites depends on
-    where the crest falls between them: the paper's scenes have it on site 0.
+    ``background`` this is the paper's eq. (16); with the wave's true far field it is the second
+    figure for waves on periodic backgrounds. A sup over sites depends on where the crest falls
+    between them: the paper's scenes have it on site 0.
 
     Raises ValueError if shapes differ, no site is compared, a value is not finite, or the wave is
     its own background.

@@ -2,8 +2,8 @@
 
     y_n' = s_n,    s_n' = D[K2 y + K3 y^2 + K4 y^3]_n,    D f_n = f_{n+1} - 2 f_n + f_{n-1}
 
-(paper, eq. "FPUT in strain" as a first-order system). Site n is stored at index n mod N, and the
-kernels know nothing of windows: a domain (`domain.py`) decides which sites the indices stand for.
+(the paper's eq. (9), for the paper's eq. (4)). Site n is stored at index n mod N, and the kernels
+know nothing of windows: a domain (`domain.py`) decides which sites the indices stand for.
 
 A constant that is zero is passed as ``None``. Numba prunes branches on ``None`` by type, so each
 combination of constants is compiled by itself and the absent terms are absent from its machine
@@ -34,7 +34,10 @@ def present(constant: float) -> float | None:
 
 @_jit
 def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
-    """V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form; absent terms are ``None``."""
+    """V'(y) = K2 y + K3 y^2 + K4 y^3 of one strain, in Horner form (the paper's eq. (3)).
+
+    Absent terms are ``None``.
+    """
     if K4 is None:
         if K3 is None:
             return K2 * y

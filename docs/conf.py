@@ -1,0 +1,36 @@
+"""The site: Sphinx with MyST, warnings as errors; `make docs` builds it into docs/build."""
+
+import sys
+from importlib.metadata import metadata
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent / "extensions"), str(Path(__file__).parents[1])]
+
+_about = metadata("longwave")
+
+project = _about["Name"]
+author = _about["Author"]
+release = version = _about["Version"]
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode", "longwave_site"]
+exclude_patterns = ["build"]
+myst_enable_extensions = ["dollarmath"]
+default_role = "code"
+toc_object_entries = False
+nitpicky = True
+# Types in signatures are other libraries' as well, and nothing is fetched from them.
+nitpick_ignore_regex = [("py:(class|exc)", r".*")]
+
+autodoc_default_options = {
+    "members": True,
+    "member-order": "bysource",
+    "no-value": True,
+}
+autodoc_typehints_format = "short"
+autodoc_preserve_defaults = True
+
+html_theme = "furo"
+html_title = "longwave"
+html_math_renderer = "mathml"
+html_copy_source = False
+html_show_copyright = False

@@ -1,0 +1,138 @@
+"""Markdown tables made from the objects: the paper's map, waves, scenes, observables, schemes."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from house import HOUSE, ROOMS
+from paper_map import Holder, Row, paper_map
+from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.formulas import latex
+from reports.sections.solutions import domain_latex
+from solutions import CATALOGUE, ClosedForm
+from verify.lattice import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
+from verify.lattice.observables.table import ENTRIES
+from verify.lattice.stability import stability_limit
+
+MOST_OPERATIONS = 20
+"""Operations up to which a formula is shown in a cell of a table."""
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table.
+
+    >>> print(table(["wave", "s"], [["kink", "-1"]]))
+    | wave | s |
+    |---|---|
+    | kink | -1 |
+    """
+    cells = ([cell.replace("|", r"\|") for cell in row] for row in (head, *rows))
+    lines = [f"| {' | '.join(row)} |" for row in cells]
+    return "\n".join([lines[0], f"|{'---|' * len(head)}", *lines[1:]])
+
+
+def paper_table() -> str:
+    """The paper's map: place, label, the objects that hold it, their files, a figure's scenes."""
+    rows = [
+        [
+            row.place.replace(" ", "&nbsp;"),
+            f"{'' if row.label in row.place else row.label}{_scenes_of(row)}",
+            _targets(row.holders),
+            _files(row.holders),
+        ]
+        for row in paper_map(HOUSE, ROOMS)
+    ]
+    return table(["paper", "its label", "object", "file"], rows)
+
+
+def _scenes_of(row: Row) -> str:
+    """The scenes that a figure is drawn from, in words."""
+    drawn = {figure.label: figure.scenes for figure in SNAPSHOT_FIGURES}
+    for figure in ERROR_FIGURES:
+        drawn[figure.label] = tuple(name for _, pairs in figure.panels for _, name in pairs)
+    if row.label not in drawn:
+        return ""
+    return "; scenes " + ", ".join(f"`{name}`" for name in drawn[row.label])
+
+
+def _targets(holders: Iterable[Holder]) -> str:
+    return "<br>".join(f"{{py:{holder.kind}}}`~{holder.target}`" for holder in holders)
+
+
+def _files(holders: Iterable[Holder]) -> str:
+    return "<br>".join(f"`{holder.path.as_posix()}`" for holder in holders)
+
+
+def waves() -> str:
+    """The closed forms: name, title, sign, domains, formula where it is short."""
+    rows = [
+        [
+            f"`{form.name}`",
+            form.title,
+            f"${form.equation.s:+d}$",
+            "<br>".join(domain_latex(parameter.domain) for parameter in form.parameters),
+            _formula(form),
+        ]
+        for form in CATALOGUE
+    ]
+    return table(["name", "wave", "$s$", "parameters", "$U(\\xi, \\tau)$"], rows)
+
+
+def _formula(form: ClosedForm) -> str:
+    if form.expression.count_ops() > MOST_OPERATIONS:
+        return f"in {{py:mod}}`{_module(form)}`"
+    return f"$\\displaystyle {latex(form.expression)}$"
+
+
+def _module(form: ClosedForm) -> str:
+    """The module that the record is written in."""
+    for path in sorted(Path(HOUSE, "solutions", "forms").glob("*.py")):
+        if f'name="{form.name}"' in path.read_text(encoding="utf-8"):
+            return f"solutions.forms.{path.stem}"
+    raise ValueError(f"form must be written in solutions/forms, got {form.name} (add its file)")
+
+
+def scenes() -> str:
+    """The shipped scenes, the paper's first: name, title, wave, eps, times, how it is computed."""
+    return table(
+        ["scene", "what", "wave", "$\\epsilon$", "times", "computed"],
+        (list(_scene_row(load_scene(name))) for name in (*shipped_scenes(), *further_scenes())),
+    )
+
+
+def _scene_row(scene: Scene) -> Iterator[str]:
+    yield f"`{scene.name}`"
+    yield scene.title
+    yield f"`{scene.wave}`"
+    yield f"{scene.eps:g}"
+    yield f"{scene.t0:g} to {scene.end:g}"
+    chosen = scene.tolerance is not None
+    yield f"to {scene.tolerance:g}" if chosen else f"{scene.scheme}, step {scene.step:g}"
+
+
+def observables() -> str:
+    """The observables: name, what it computes, the arrays it adds to the run."""
+    rows = [
+        [
+            f"`{entry.name}`",
+            entry.what + (" (on a ring only)" if entry.needs_ring else ""),
+            ", ".join(f"`{variable.name}`" for variable in entry.variables),
+        ]
+        for entry in ENTRIES
+    ]
+    return table(["observable", "what", "arrays"], rows)
+
+
+def schemes() -> str:
+    """The schemes: name, order, force evaluations a step, largest stable step, source."""
+    rows = [
+        [
+            f"`{scheme.name}`",
+            str(scheme.order),
+            str(scheme.stages),
+            f"{stability_limit(scheme):.2f}",
+            scheme.reference,
+        ]
+        for scheme in SCHEMES
+    ]
+    limit = "step $\\times$ highest frequency"
+    return table(["scheme", "order", "forces a step", limit, "from"], rows)

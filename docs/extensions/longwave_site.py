@@ -1,0 +1,65 @@
+"""The site's Sphinx extension: generated reference, tables, gallery and mathematics."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+import docstrings
+import gallery
+import lists
+import mathml
+from house import HOUSE
+from reference import write_reference
+
+GALLERY = HOUSE / "docs" / "gallery"
+
+CONTENTS: dict[str, Callable[[], str]] = {
+    "paper-map": lists.paper_table,
+    "waves": lists.waves,
+    "scenes": lists.scenes,
+    "observables": lists.observables,
+    "schemes": lists.schemes,
+    "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
+}
+"""Directive -> the Markdown that takes its place."""
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register everything; reference and pictures are written before the pages are read."""
+    mathml.setup(app)
+    docstrings.setup(app)
+    for name in CONTENTS:
+        app.add_directive(name, Generated)
+    app.connect("builder-inited", _write)
+    app.connect("env-before-read-docs", _read_again)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+class Generated(SphinxDirective):
+    """A directive without arguments that stands for generated Markdown."""
+
+    has_content: ClassVar[bool] = False
+
+    def run(self) -> list[nodes.Node]:
+        """Parse what the directive's name stands for, headings included."""
+        lines = StringList(CONTENTS[self.name]().splitlines(), source=self.name)
+        node = nodes.Element()
+        self.state.nested_parse(lines, 0, node, match_titles=True)
+        return node.children
+
+
+def _write(app: Sphinx) -> None:
+    generated = Path(app.srcdir) / "generated"
+    write_reference(generated / "reference")
+    for script in gallery.scripts(GALLERY):
+        gallery.draw(script, generated / "gallery")
+
+
+def _read_again(app: Sphinx, env: Any, docnames: list[str]) -> None:
+    """Pages with generated tables follow the objects, which Sphinx does not watch."""
+    docnames += [name for name in ("gallery", "lists", "paper-map") if name not in docnames]

@@ -1,0 +1,83 @@
+"""What writes the site: mathematics, docstrings, tables, reference, gallery."""
+
+import doctest
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+import gallery
+import lists
+from docstrings import as_restructured_text
+from house import HOUSE, ROOMS, modules, packages
+from longwave import CATALOGUE
+from reference import write_reference
+from snippets import snippets
+from verify.lattice import SCHEMES, further_scenes, shipped_scenes
+
+
+@pytest.mark.parametrize("name", ["docstrings", "lists", "mathml", "paper_map", "snippets"])
+def test_the_examples_in_docstrings(name: str) -> None:
+    if name == "mathml":
+        pytest.importorskip("sphinx", reason="make docs installs it")
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.attempted
+    assert not result.failed
+
+
+@pytest.mark.parametrize("latex", [r"\nosuch{x}", r"a & b", r"x^"])
+def test_latex_that_is_not_understood_is_an_error(latex: str) -> None:
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    mathml = importlib.import_module("mathml").mathml
+    with pytest.raises(ValueError, match="formula must be LaTeX"):
+        mathml(latex)
+
+
+def test_code_and_doctests_are_left_as_they_are() -> None:
+    text = ["``|x|`` and |x|*2", ">>> a | b", "1*", "", "b_ and b_i"]
+    assert as_restructured_text(text) == [
+        r"``|x|`` and \|x\|\*2",
+        ">>> a | b",
+        "1*",
+        "",
+        r"b\_ and b_i",
+    ]
+
+
+def test_the_tables_hold_every_object() -> None:
+    for made, names in (
+        (lists.waves(), [form.name for form in CATALOGUE]),
+        (lists.scenes(), [*shipped_scenes(), *further_scenes()]),
+        (lists.schemes(), [scheme.name for scheme in SCHEMES]),
+    ):
+        rows = made.splitlines()[2:]
+        assert [re.findall("`(.+?)`", row)[0] for row in rows] == names
+        assert len({len(re.findall(r"(?<!\\)\|", row)) for row in made.splitlines()}) == 1
+
+
+def test_the_maps_table_names_object_file_and_scenes() -> None:
+    rows = {line.split("|")[1].strip(): line for line in lists.paper_table().splitlines()}
+    assert "{py:class}`~derive.scaling.Scaling`" in rows["eq.&nbsp;(7)"]
+    assert "`derive/scaling.py`" in rows["eq.&nbsp;(7)"]
+    assert "`rational_3_eps_0.075`" in rows["fig.&nbsp;2"]
+
+
+def test_the_reference_has_every_module_and_drops_what_is_gone(tmp_path: Path) -> None:
+    stale = tmp_path / "derive.gone.rst"
+    stale.write_text("old", encoding="utf-8")
+    write_reference(tmp_path)
+    assert not stale.exists()
+    text = "".join(path.read_text(encoding="utf-8") for path in tmp_path.glob("*.rst"))
+    for room in ROOMS:
+        for package in packages(room):
+            for module in modules(package):
+                assert f".. automodule:: {module}\n" in text
+
+
+def test_every_script_of_the_gallery_is_shown_with_its_text() -> None:
+    paths = gallery.scripts(HOUSE / "docs" / "gallery")
+    shown = gallery.markdown(paths)
+    captions = [snippet.caption for snippet in snippets(shown)]
+    assert captions == [f"docs/gallery/{path.name}" for path in paths]
+    assert shown.count("\n\n![") == len(paths)
