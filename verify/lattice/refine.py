@@ -2,9 +2,9 @@
 
 Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
 once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
-Its result is the one that is given; what separates it from the run before it, times ``SAFETY``, is
-its estimated error. That bounds the error as soon as the control run is no worse than two thirds
-of the run before it, in each of the things that were varied.
+Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
+what the engine calls for, is its estimated error. That bounds the error as soon as the control run
+is no worse than two thirds of the run before it, in each of the things that were varied.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
@@ -102,7 +102,7 @@ class Engine(Protocol):
     order: int
     """The time step's error falls like step^order."""
     safety: float
-    """Factor on the difference of two runs whose domains are not causal, ``SAFETY`` or more."""
+    """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
 
@@ -169,8 +169,7 @@ def refine(
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        factor = SAFETY if control.choices.causal else engine.safety
-        error = factor * difference(trial, control) + rounding
+        error = engine.safety * difference(trial, control) + rounding
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)

@@ -27,7 +27,7 @@ from solutions.jit import njit
 from verify.exponential.adams import ExponentialAdams
 from verify.lattice.constants import Constants
 from verify.lattice.ring_state import RingState, backward, forward, spectrum_tail
-from verify.lattice.spectral_absorber import STRENGTH, LeftAbsorber
+from verify.lattice.spectral_absorber import STRENGTH, LeftAbsorber, ShortAbsorber
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -80,7 +80,8 @@ class SpectralRing:
     and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
     the modes of the force above half of the highest one (exact for a cubic force); without it the
     tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
-    seam (`spectral_absorber.py`), by ``strength``. ``strain`` holds the smallest and the largest
+    seam, and right-going ones of numbers above ``short`` (`spectral_absorber.py`), by ``strength``;
+    0 is for none of them. ``strain`` holds the smallest and the largest
     strain that was met.
     """
 
@@ -93,6 +94,7 @@ class SpectralRing:
         dealias: bool = False,
         absorbed: float = 0.0,
         strength: float = STRENGTH,
+        short: float = 0.0,
     ) -> None:
         self._constants, self._start, self._bound = constants, state, tail
         count = state.y.size
@@ -125,6 +127,10 @@ class SpectralRing:
         self._absorber = None
         if absorbed > 0.0:
             self._absorber = LeftAbsorber(state, p, self._w, speed, step, absorbed, strength)
+        self._short = None
+        if 0.0 < short < min(math.pi, k[-1]):
+            turning = np.where(still, 0.0, self._w)
+            self._short = ShortAbsorber(state, turning, speed, step, short, strength)
 
     def at(self, t: float) -> RingState:
         """The ring at time ``t``, which must not lie before the last one; its points move at c."""
@@ -153,6 +159,8 @@ class SpectralRing:
         absorber = self._absorber
         if absorber and absorber.every and self.integrator.steps % absorber.every == 0:
             self._mean += absorber.absorb(self.integrator.p)
+        if self._short and self.integrator.steps % self._short.every == 0:
+            self._short.absorb(self.integrator.p)
 
     def _watch(self, p: Complex, t: float) -> None:
         modes = self._strain(p)

@@ -1,4 +1,4 @@
-"""Takes left-going waves off a moving ring at its seam.
+"""Takes off a moving ring, at its seam, what is not its wave's: left-going and short waves.
 
 In the frame that moves at c left-going waves travel at -2c. What the wave radiates to the left
 leaves the infinite lattice's wave for good; on a ring it meets the wave again every L/(2c) and
@@ -9,6 +9,10 @@ The left-going strain f has the modes p_+/(2 i w). Its mean is a convention, fix
 the seam at first; the mean of f that is absorbed is gone from the mean of y, as on the infinite
 lattice it has gone out of sight. Only waves longer than a cutoff are absorbed: those of a periodic
 background itself, which never end, must stay.
+
+Short right-going waves, of group velocity c cos(k/2), fall behind the frame, pass the seam and come
+back from the front. Those that can come so far are absorbed as well, by a rate that makes one
+passage of the fastest of them cost as much as one of a left-going wave.
 """
 
 import math
@@ -24,6 +28,9 @@ Complex = NDArray[np.complex128]
 
 WIDTH = 1.0 / 12.0
 """Width of the absorber, in circumferences: it is exp(-(distance to the seam/width)^2) strong."""
+
+NARROW = 1.0 / 24.0
+"""The same for short waves, whose slow ones feel it from farther off."""
 
 STRENGTH = 14.0
 """Logarithm of what one passage divides a wave by, usually."""
@@ -85,6 +92,44 @@ class LeftAbsorber:
         modes[1 : self._kept] = (p[1, 1 : self._kept] / self._lift[1:]) * self._share[1:]
         modes[0] = self._level
         return backward(modes, self._count)
+
+
+class ShortAbsorber:
+    """Absorbs right-going waves of numbers above ``cutoff`` at the seam of the ring ``state``.
+
+    ``w`` are the frequencies of the modes, 0 for those that stand still; ``speed`` is that of the
+    ring, ``step`` the time step. ``every`` is the number of steps between two absorptions.
+    """
+
+    def __init__(
+        self,
+        state: RingState,
+        w: Array,
+        speed: float,
+        step: float,
+        cutoff: float,
+        strength: float = STRENGTH,
+    ) -> None:
+        length, count = state.circumference, state.y.size
+        numbers = 2.0 * math.pi / length * np.arange(w.size)
+        shortest = min(math.pi, float(numbers[-1]))
+        travel = speed * step * (1.0 - math.cos(0.5 * shortest)) / length
+        self.every = max(1, int(OFTEN / travel))
+        self._count = count
+        self._share = -np.expm1(-((numbers / cutoff) ** 8))
+        self._share[w == 0.0] = 0.0
+        self._inverse = np.zeros_like(w)
+        np.divide(self._share, 2.0 * w, out=self._inverse, where=w > 0.0)
+        self._lift = -2j * w * self._share
+        distance = 0.5 - np.abs(np.arange(count) / count - 0.5)
+        profile = np.exp(-((distance / NARROW) ** 2))
+        rate = strength / float(np.mean(profile))
+        self._loss = np.expm1(-rate * self.every * travel * profile)
+
+    def absorb(self, p: Complex) -> None:
+        """Take off, in place, what is at the seam."""
+        strain = backward(1j * self._inverse * p[0], self._count)
+        p[0] += self._lift * forward(strain * self._loss)
 
 
 def _along(profile: Array, travel: float) -> Array:

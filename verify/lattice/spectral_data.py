@@ -43,6 +43,14 @@ ABSORBED = 2.0
 """Left-going waves of numbers below this are absorbed."""
 
 
+PASSED = 0.125
+"""Right-going waves that fall farther behind c t, in circumferences, are absorbed."""
+
+SMOOTH = 48.0
+"""Least number of a wave that is absorbed as a short one, times the circumference: where the
+absorber ends is then no step for it."""
+
+
 @dataclass(frozen=True)
 class Ring:
     """Where a ring lies: its middle is ``ahead`` of c t.
@@ -103,6 +111,17 @@ class RingData:
         the ring of a kink.
         """
         return 0.0 if self.wave.constant_background is None else ABSORBED
+
+    def short(self, circumference: float) -> float:
+        """Right-going waves of numbers above this may be absorbed at the seam; 0 if none need be.
+
+        Of group velocity c cos(k/2), they fall 2 c sin^2(k/4) a unit of time behind.
+        """
+        way = 2.0 * self.constants.sound_speed() * self.duration
+        behind = PASSED * circumference / way if way > 0.0 else math.inf
+        if not self.absorbed or behind >= math.sin(math.pi / 4.0) ** 2:
+            return 0.0
+        return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(behind)))
 
     def ring(self, circumference: float, shift: float = 0.0) -> Ring:
         """A ring of about that circumference, its middle off the usual place by ``shift`` of it.

@@ -10,7 +10,7 @@ import xarray as xr
 from solutions import Wave
 from verify.lattice.discretisation import StrainSamples
 from verify.lattice.domain import window_moves
-from verify.lattice.estimate import Estimate, rounding_error
+from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
 from verify.lattice.refine import SAFETY, Announce, Choices, Engine, Kind, Trial, refine
@@ -174,5 +174,8 @@ class StencilEngine:
             values = np.array(samples.samples) / self._scene.eps
         largest = max(abs(run.attrs["least_strain"]), abs(run.attrs["most_strain"]))
         rounding = rounding_error(largest / self._scene.eps, steps)
+        if values is not None:
+            c, times = stated.constants.sound_speed(), (stated.t0, stated.end)
+            rounding += clock_error(values, c, times)
         seconds = float(run.attrs["seconds"])
         return Trial(choices, values, float(steps) * size, seconds, rounding, run)
