@@ -24,6 +24,7 @@ ERROR_UNIT = 1e-16
 """The table of accuracy gives errors in this unit."""
 
 GREEK = ("alpha", "kappa", "tau")
+LATTICE = {"K2": "K_2", "K4": "K_4", "eps": r"\epsilon"}
 DASH = "--"
 
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, r"\textmu s"), (1e-9, "ns"))
@@ -41,7 +42,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
         for result in results
     ]
     head = ["wave", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
-    return block("lrrrrlrr", head, rows)
+    return block("lrrrrp{52mm}rr", head, rows)
 
 
 def _where(text: str) -> tuple[str, str, str]:
@@ -54,6 +55,8 @@ def _where(text: str) -> tuple[str, str, str]:
 
 def _symbol(name: str) -> str:
     letter, _, index = name.partition("_")
+    if name in LATTICE:
+        return LATTICE[name]
     greek = rf"\{letter}" if letter in GREEK else letter
     return f"{greek}_{{{index}}}" if index else greek
 

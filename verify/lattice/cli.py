@@ -22,30 +22,48 @@ from verify.lattice.scene import (
 )
 from verify.lattice.summary import print_summary
 from verify.lattice.trust import trust_attributes
+from verify.lattice.unfinished import UnfinishedRun
+
+PROGRAM = "python -m verify run"
 
 
 def run_command(arguments: Sequence[str]) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
 
     ``arguments`` are the words after ``run``. Exit status 0, 1 if the run blew up, 2 for bad
-    input and 130 after Ctrl-C, which are told in one line. More than 10 s are announced.
+    input, told in one line, and 130 after Ctrl-C: what was recorded until then is printed and
+    written, too. More than 10 s are announced.
     """
     options = _parser().parse_args(list(arguments))
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     try:
         _check_output(options.output)
         scene = _changed(_find_scene(options.scene), options.tolerance, options.engine)
-        dataset = _run_with_bar(scene, errors).assign_attrs(trust_attributes(scene))
-        if options.output is not None:
-            save_run(dataset, options.output)
+        trust = trust_attributes(scene)
+        dataset = _run_with_bar(scene, errors).assign_attrs(trust)
+        _give(dataset, scene, options.output)
+    except UnfinishedRun as stop:
+        kept = stop.run.assign_attrs(trust)
+        try:
+            _give(kept, scene, options.output)
+        except OSError as error:
+            return fail(error)
+        where = f" in {options.output}" if options.output else ""
+        return interrupted(PROGRAM, f"{kept.sizes['time']} snapshots are kept{where}")
+    except KeyboardInterrupt:
+        return interrupted(PROGRAM, "nothing was recorded yet")
     except (ValueError, OSError) as error:
         return fail(error)
-    except KeyboardInterrupt:
-        return interrupted("python -m verify run")
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
-    print_summary(dataset, scene, Console(highlight=False))
     return 1 if dataset.attrs["blow_up"] else 0
+
+
+def _give(dataset: xr.Dataset, scene: Scene, output: str | None) -> None:
+    """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
+    if output is not None:
+        save_run(dataset, output)
+    print_summary(dataset, scene, Console(highlight=False))
 
 
 def _parser() -> OneLineParser:
@@ -63,13 +81,17 @@ def _parser() -> OneLineParser:
         help="sup error of y/eps to be kept; step and domain are then chosen by the program",
     )
     parser.add_argument("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance")
-    parser.add_argument("--output", type=Path, metavar="FILE.nc", help="write the run as netCDF")
+    parser.add_argument("--output", metavar="FILE.nc", help="write the run as netCDF")
     return parser
 
 
-def _check_output(path: Path | None) -> None:
-    if path is not None and not path.parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {path} (make it first)")
+def _check_output(text: str | None) -> None:
+    if text is None:
+        return
+    if text.endswith("/") or Path(text).is_dir():
+        raise ValueError(f"--output must name a file, got the folder {text} (such as run.nc in it)")
+    if not Path(text).parent.is_dir():
+        raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
 
 
 def _find_scene(text: str) -> Scene:
@@ -88,12 +110,14 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task(scene.name, total=1.0)
 
         def tell(seconds: float) -> None:
             bar.stop()
-            announce(f"{scene.name} to {scene.tolerance:g}", seconds)
+            wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+            announce(f"{scene.name}{wanted}", seconds)
             bar.start()
 
         return run(scene, lambda share: bar.update(task, completed=share), tell)

@@ -47,10 +47,12 @@ def measured_error(
 ) -> list[float]:
     """Largest difference of y/eps over the compared sites between a run and its refinement.
 
-    One number for each of the snapshots in ``samples``, the strains of the run itself.
+    One number for each of the snapshots in ``samples``, the strains of the run itself. Raises
+    KeyboardInterrupt on Ctrl-C.
     """
     finer = StrainSamples(scene.snapshots[: len(samples)])
-    record(refined(scene, measure), wave, [finer], progress)
+    if record(refined(scene, measure), wave, [finer], progress).stopped:
+        raise KeyboardInterrupt
     return [
         float(np.max(np.abs(fine - coarse))) / scene.eps
         for coarse, fine in zip(samples, finer.samples, strict=False)

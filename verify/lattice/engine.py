@@ -13,6 +13,7 @@ import numpy as np
 
 from solutions import Wave
 from verify.exponential.adams import ORDER
+from verify.lattice.discretisation import COST
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.spectral_data import ring_data
@@ -85,6 +86,14 @@ def stencil_seconds(scene: Scene, wave: Wave) -> float:
     steps = (scene.end - scene.t0) / longest_step(scene, scheme, extent)
     sites = least_sites(scene, wave, domain_kind(scene, wave), extent)
     return RATES.stencil_start + RATES.stencil * steps * scheme.stages * sites
+
+
+def stated_seconds(scene: Scene) -> float:
+    """What a scene takes that states its step and its sites, with the runs that measure errors."""
+    steps = (scene.end - scene.t0) / scene.step
+    runs = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
+    updates = steps * scene.scheme_table.stages * scene.sites
+    return RATES.stencil_start + RATES.stencil * updates * runs
 
 
 def spectral_seconds(scene: Scene, wave: Wave) -> float:

@@ -12,6 +12,9 @@ from verify.lattice.state import State
 CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
+UPDATES = 3e8
+"""Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
+
 
 class March:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
@@ -38,6 +41,7 @@ class March:
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
+        self._chunk = max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
         self.strain = (math.inf, -math.inf)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
@@ -60,7 +64,7 @@ class March:
             yield self.state
         while done < steps and self.blow_up is None:
             h = (t - begin) / steps
-            chunk = min(steps - done, CHUNK)
+            chunk = min(steps - done, self._chunk)
             self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
             done += chunk
             if self.blow_up is None:

@@ -34,26 +34,26 @@ class Recorder:
         self.entries = tuple(entries)
         self.moments = moments
         self.dimension = dimension
-        self._times: list[float] = []
+        self.times: list[float] = []
         self._rows: dict[str, list[Any]] = {}
 
     def see(self, view: View) -> None:
         """Measure every entry once."""
-        self._times.append(view.state.t)
-        for entry in self.entries:
-            for name, value in entry.measure(view).items():
-                self._rows.setdefault(name, []).append(value)
+        found = [entry.measure(view) for entry in self.entries]
+        for name, value in ((name, row[name]) for row in found for name in row):
+            self._rows.setdefault(name, []).append(value)
+        self.times.append(view.state.t)
 
     def variables(self) -> Variables:
-        """What was measured, and its times unless they are the snapshots'."""
+        """What was measured at ``times``, and they unless they are the snapshots'."""
         found: Variables = {}
         for variable in (variable for entry in self.entries for variable in entry.variables):
             if variable.name in self._rows:
                 dimensions = (self.dimension, *variable.dimensions)
-                values = np.array(self._rows[variable.name])
+                values = np.array(self._rows[variable.name][: len(self.times)])
                 found[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
-            times = np.array(self._times)
+            times = np.array(self.times)
             found[self.dimension] = ((self.dimension,), times, {"units": "lattice time"})
         return found
 

@@ -21,11 +21,15 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Recording:
-    """A finished march: where it got to, and what it cost (seconds without compilation)."""
+    """A march: where it got to, and what it cost (seconds without compilation).
+
+    ``stopped`` if Ctrl-C ended it.
+    """
 
     march: March
     step_limit: float
     seconds: float
+    stopped: bool = False
 
 
 def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[March, float]:
@@ -51,7 +55,7 @@ def record(
     progress: Progress,
     restart: State | None = None,
 ) -> Recording:
-    """Run the scene to its end or to a blow-up, showing it to each observable at its moments.
+    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observable at its moments.
 
     A run from ``restart`` shows nothing before or at the time of that state.
     """
@@ -60,14 +64,17 @@ def record(
     exact = {t for observable in observables for t in observable.moments.times}
     first = {begin} if restart is None else set()
     times = sorted({t for t in exact if t > begin} | first | {scene.end})
-    begun = time.perf_counter()
-    for state in march.through(times):
-        view = Comparison(scene, wave, state)
-        for observable in observables:
-            if observable.moments.due(state.t):
-                observable.see(view)
-        progress(_share(begin, scene.end, state.t))
-    return Recording(march, step_limit, time.perf_counter() - begun)
+    begun, stopped = time.perf_counter(), False
+    try:
+        for state in march.through(times):
+            view = Comparison(scene, wave, state)
+            for observable in observables:
+                if observable.moments.due(state.t):
+                    observable.see(view)
+            progress(_share(begin, scene.end, state.t))
+    except KeyboardInterrupt:
+        stopped = True
+    return Recording(march, step_limit, time.perf_counter() - begun, stopped)
 
 
 def _share(begin: float, end: float, t: float) -> float:

@@ -13,7 +13,7 @@ that it is not enough, each of the choices is varied by itself, to see which one
 
 import math
 from collections.abc import Callable, Collection
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
-"""Called with the seconds that the runs to come are expected to take."""
+"""Called with the seconds that the runs to come are expected to take, however few."""
 Progress = Callable[[float], None]
 
 SAFETY = 2.0
@@ -53,9 +53,6 @@ SURE = 50.0
 LAWFUL = 3.0
 """What is left of a step's error obeys its law if it is at most this much larger."""
 
-LONG = 10.0
-"""Seconds from which a run is announced."""
-
 
 @dataclass(frozen=True)
 class Choices:
@@ -81,7 +78,8 @@ class Trial:
     """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
 
     They are None after a blow-up. ``rounding`` estimates what rounding has done to them.
-    ``payload`` is the engine's own.
+    ``payload`` is the engine's own. ``shown`` if the observables can be asked for. An unfinished
+    run holds the times before it was stopped.
     """
 
     choices: Choices
@@ -90,6 +88,26 @@ class Trial:
     seconds: float
     rounding: float
     payload: Any
+    shown: bool = True
+
+
+class StoppedTrial(KeyboardInterrupt):
+    """Ctrl-C during a run: what there is of it."""
+
+    def __init__(self, trial: Trial) -> None:
+        super().__init__("interrupted")
+        self.trial = trial
+
+
+class StoppedSearch(KeyboardInterrupt):
+    """Ctrl-C during the search: its best run, if any can be shown, and the seconds of all others.
+
+    ``error`` is what its error is estimated at, above the tolerance; None if it was not measured.
+    """
+
+    def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
+        super().__init__("interrupted")
+        self.trial, self.error, self.before = trial, error, before
 
 
 class Engine(Protocol):
@@ -113,7 +131,10 @@ class Engine(Protocol):
         """An engine that finds the step on fewer sites; itself, if there is none."""
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run; ``shown`` if its observables may be asked for afterwards."""
+        """A run; ``shown`` if its observables may be asked for afterwards.
+
+        Raises StoppedTrial on Ctrl-C.
+        """
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """Finer, wider or elsewhere in each of the kinds, and not in the others."""
@@ -158,11 +179,18 @@ def refine(
 
     ``progress`` is called with the share of the work that is done, 0 .. 1, each run taken to cost
     as much as all before it. Raises ValueError if the tolerance cannot be reached: the error
-    ceases to fall above it.
+    ceases to fall above it; StoppedSearch on Ctrl-C.
     """
     search = _Search(engine, tolerance, progress, announce)
+    try:
+        return _refined(search, engine, tolerance)
+    except KeyboardInterrupt as stop:
+        raise search.stopped(stop) from None
+
+
+def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     choices, scout = engine.first(), engine.scout()
-    scouting = search if scout is engine else _Search(scout, tolerance, progress, announce)
+    scouting = search if scout is engine else search.scouting(scout)
     choices = replace(choices, step=scouting.with_step(replace(scout.first(), step=choices.step)))
     search.seconds = scouting.seconds
     best, since, blown = math.inf, 0, 0
@@ -173,6 +201,7 @@ def refine(
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)
+        search.judged = control, error
         since = 0 if error < best or math.isinf(error) else since + 1
         best = min(best, error)
         if since == PATIENCE:
@@ -194,10 +223,28 @@ class _Search:
         self._engine, self._tolerance = engine, tolerance
         self._progress, self._announce = progress, announce
         self._done: dict[Choices, Trial] = {}
-        self._announced = LONG
         self._shown = 0.0
         self._stopped = False
         self.seconds = 0.0
+        self.judged: tuple[Trial, float] | None = None
+
+    def scouting(self, scout: Engine) -> "_Search":
+        """A search by another engine, for the same tolerance."""
+        return _Search(scout, self._tolerance, self._progress, self._announce)
+
+    def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
+        """The last run whose error was measured, or the last that can be shown, or what was begun.
+
+        Runs whose error is not known come from the first control run, or from what led to it.
+        """
+        if self.judged is not None and math.isfinite(self.judged[1]):
+            trial, error = self.judged
+            return StoppedSearch(trial, error, self.seconds - trial.seconds)
+        known = [trial for trial in self._done.values() if trial.shown and trial.values is not None]
+        if known:
+            return StoppedSearch(known[-1], None, self.seconds - known[-1].seconds)
+        begun = stop.trial if isinstance(stop, StoppedTrial) and stop.trial.shown else None
+        return StoppedSearch(begun, None, self.seconds)
 
     def with_step(self, choices: Choices) -> float:
         """The step that keeps its share.
@@ -265,16 +312,30 @@ class _Search:
             return self._engine.run(choices, wanted[choices], self._share)
 
         if self._engine.threads == 1:
-            trials = [run(choices) for choices in missing]
-        else:
-            with ThreadPoolExecutor(self._engine.threads) as pool:
-                try:
-                    trials = list(pool.map(run, missing))
-                except KeyboardInterrupt:
-                    self._stopped = True
-                    raise
-        self._done.update(zip(missing, trials, strict=True))
-        self.seconds += sum(trial.seconds for trial in trials)
+            for choices in missing:
+                self._keep(choices, run(choices))
+            return
+        with ThreadPoolExecutor(self._engine.threads) as pool:
+            begun = {choices: pool.submit(run, choices) for choices in missing}
+            try:
+                wait(begun.values())
+            except KeyboardInterrupt:
+                self._stopped = True
+                pool.shutdown(cancel_futures=True)
+        stops = []
+        for choices, future in begun.items():
+            try:
+                self._keep(choices, future.result())
+            except StoppedTrial as stop:
+                stops.append(stop)
+            except CancelledError:
+                continue
+        if self._stopped:
+            raise max(stops, key=lambda stop: stop.trial.shown, default=KeyboardInterrupt())
+
+    def _keep(self, choices: Choices, trial: Trial) -> None:
+        self._done[choices] = trial
+        self.seconds += trial.seconds
 
     def _share(self, share: float) -> None:
         if self._stopped:
@@ -287,7 +348,4 @@ class _Search:
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
-            expected = spent / work * sum(map(self._engine.work, missing))
-            if expected > self._announced:
-                self._announce(expected)
-                self._announced = 2.0 * expected
+            self._announce(spent / work * sum(map(self._engine.work, missing)))

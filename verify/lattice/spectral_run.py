@@ -17,7 +17,16 @@ from numpy.typing import NDArray
 
 from verify.exponential.adams import ORDER
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
-from verify.lattice.refine import Announce, Choices, Engine, Kind, Progress, Trial, refine
+from verify.lattice.refine import (
+    Announce,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    refine,
+)
 from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from verify.lattice.spectral_absorber import STRENGTH
@@ -257,23 +266,29 @@ class SpectralEngine:
         if choices.absorber:
             cutoff, short = self._data.absorbed, self._data.short(state.circumference)
         rings: list[SpectralRing] = []
-        rows = []
-        for start, times, step in self._phases(choices):
-            state = state if not rings else rings[-1].at(start)
-            rings.append(
-                SpectralRing(
-                    task.constants,
-                    state,
-                    step,
-                    tail,
-                    absorbed=cutoff,
-                    strength=choices.absorber,
-                    short=short,
+        rows: list[Array] = []
+        stopped = False
+        try:
+            for start, times, step in self._phases(choices):
+                state = state if not rings else rings[-1].at(start)
+                rings.append(
+                    SpectralRing(
+                        task.constants,
+                        state,
+                        step,
+                        tail,
+                        absorbed=cutoff,
+                        strength=choices.absorber,
+                        short=short,
+                    )
                 )
-            )
-            for t in times:
-                rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
-                progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+                for t in times:
+                    rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
+                    progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+        except KeyboardInterrupt:
+            if not rows:
+                raise
+            stopped = True
         values = np.array(rows)
         strain = min(r.strain[0] for r in rings), max(r.strain[1] for r in rings)
         steps = sum(ring.integrator.steps for ring in rings)
@@ -284,7 +299,10 @@ class SpectralEngine:
         rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
         rounding += clock_error(values, task.constants.sound_speed(), (task.t0, task.times[-1]))
         work = evaluations * points * math.log2(points)
-        return Trial(choices, values, work, seconds, rounding, cost)
+        trial = Trial(choices, values, work, seconds, rounding, cost)
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial
 
     def _phases(self, choices: Choices) -> Iterator[tuple[float, list[float], float]]:
         """The start, if it has a step of its own, and what follows: beginning, times, step.

@@ -1,5 +1,6 @@
 """A scene on the spectral ring: what it asks for, seen through the ring's interpolation."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,9 +13,9 @@ from verify.lattice.blow_up import BlowUp, find_blow_up
 from verify.lattice.comparison import Comparison
 from verify.lattice.dataset import build_dataset
 from verify.lattice.estimate import Estimate
-from verify.lattice.recorder import Observable, build_recorders
+from verify.lattice.recorder import Observable, Recorder, build_recorders
 from verify.lattice.recording import Progress
-from verify.lattice.refine import Announce
+from verify.lattice.refine import Announce, StoppedSearch
 from verify.lattice.scene import Scene
 from verify.lattice.spectral_run import (
     RingTooLargeError,
@@ -24,6 +25,7 @@ from verify.lattice.spectral_run import (
     spectral_run,
 )
 from verify.lattice.state import empty_state
+from verify.lattice.unfinished import unfinished
 
 SCHEME = "exponential_adams"
 """The one scheme of the spectral engine."""
@@ -37,7 +39,7 @@ def run_spectral(
     What the stencil would look at where its march stops is looked at equidistant times here. Only
     the compared sites are formed, at the times asked for. The run ends where their
     strains are no longer sound. Raises ValueError for a tolerance that cannot be met and for a
-    lattice that blows up.
+    lattice that blows up, UnfinishedRun on Ctrl-C.
     """
     assert scene.tolerance is not None
     scene_run = _with_looks(scene)
@@ -45,6 +47,8 @@ def run_spectral(
     task = _task(scene_run, wave, recorders, scene.tolerance)
     try:
         solved = spectral_run(task, progress, announce)
+    except StoppedSearch as stop:
+        raise _stopped(scene, wave, task, stop, recorders) from None
     except RingTooLargeError as error:
         raise ValueError(
             f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
@@ -60,11 +64,33 @@ def run_spectral(
             f"the scene must stay bounded for engine 'spectral': {error} "
             "(take a smaller eps; engine 'stencil' keeps what came before)"
         ) from None
+    run = _recorded(scene, wave, solved, recorders)
+    return run, solved.estimate, solved.cost.planning_seconds
+
+
+def _stopped(
+    scene: Scene, wave: Wave, task: SpectralTask, stop: StoppedSearch, recorders: list[Recorder]
+) -> KeyboardInterrupt:
+    """What the best run that is left shows, as far as it got."""
+    trial = stop.trial
+    if trial is None or trial.values is None:
+        return unfinished(None, None, stop.before)
+    seen = replace(task, times=task.times[: len(trial.values)])
+    unknown = Estimate(math.nan, trial.rounding, math.nan)
+    solved = SpectralRun(seen, trial.values, trial.choices, unknown, trial.payload)
+    run = _recorded(scene, wave, solved, recorders)
+    if seen != task:
+        run.attrs["unfinished"] = f"Ctrl-C after t = {seen.times[-1]:g} of {scene.end:g}"
+    return unfinished(run, stop.error, stop.before)
+
+
+def _recorded(
+    scene: Scene, wave: Wave, solved: SpectralRun, recorders: list[Recorder]
+) -> xr.Dataset:
     reached, fault = _show(scene, wave, solved, recorders)
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
-    run = build_dataset(scene, reached, variables, cost)
-    return run, solved.estimate, solved.cost.planning_seconds
+    return build_dataset(scene, reached, variables, cost)
 
 
 def _with_looks(scene: Scene) -> Scene:
@@ -105,7 +131,7 @@ def _show(
         for item in observables:
             if item.moments.due(t):
                 item.see(view)
-    return scene.snapshots, None
+    return tuple(t for t in scene.snapshots if t <= solved.task.times[-1]), None
 
 
 def _cost(solved: SpectralRun) -> dict[str, object]:

@@ -8,10 +8,11 @@ from verify.lattice.dataset import build_dataset
 from verify.lattice.discretisation import COST, StrainSamples, measured_error
 from verify.lattice.initial import build_wave
 from verify.lattice.observables import entry_named
-from verify.lattice.recorder import Observable, Variables, build_recorders
+from verify.lattice.recorder import Observable, Recorder, Variables, build_recorders
 from verify.lattice.recording import Progress, Recording, record
 from verify.lattice.scene import Scene
 from verify.lattice.state import State
+from verify.lattice.unfinished import UnfinishedRun
 
 
 def run_from(
@@ -22,7 +23,8 @@ def run_from(
 ) -> xr.Dataset:
     """Run from the scene's initial data or from a state of an earlier run of the same scene.
 
-    ``witnesses`` see the run as well; what they see is no part of it.
+    ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
+    what was recorded on Ctrl-C.
     """
     meter = _Meter(scene, progress)
     wave = build_wave(scene)
@@ -36,15 +38,33 @@ def run_from(
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
+    reached, cost = _reached(scene, recorders, recording), _cost(scene, recording)
+    if recording.stopped:
+        why = f"Ctrl-C after t = {recording.march.state.t:g} of {scene.end:g}"
+        raise UnfinishedRun(build_dataset(scene, reached, variables, cost | {"unfinished": why}))
     for measure in measures:
         part = meter.part(COST[measure])
-        values = measured_error(scene, wave, measure, samples.samples, part)
+        try:
+            values = measured_error(scene, wave, measure, samples.samples, part)
+        except KeyboardInterrupt:
+            cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
+            raise UnfinishedRun(build_dataset(scene, reached, variables, cost)) from None
         attributes = entry_named(measure).variables[0].attributes
         variables[measure] = (("time",), values, attributes)
-    reached = scene.snapshots
-    if recording.march.blow_up is not None:
-        reached = tuple(t for t in reached if t < recording.march.state.t)
-    return build_dataset(scene, reached, variables, _cost(scene, recording))
+    return build_dataset(scene, reached, variables, cost)
+
+
+def _reached(
+    scene: Scene, recorders: Sequence[Recorder], recording: Recording
+) -> tuple[float, ...]:
+    """The snapshots that were recorded; without a recorder for them, those that were passed."""
+    if recording.stopped:
+        for recorder in recorders:
+            if recorder.dimension == "time":
+                return tuple(recorder.times)
+    elif recording.march.blow_up is None:
+        return scene.snapshots
+    return tuple(t for t in scene.snapshots if t < recording.march.state.t)
 
 
 class _Meter:

@@ -13,7 +13,17 @@ from verify.lattice.domain import window_moves
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
-from verify.lattice.refine import SAFETY, Announce, Choices, Engine, Kind, Trial, refine
+from verify.lattice.refine import (
+    SAFETY,
+    Announce,
+    Choices,
+    Engine,
+    Kind,
+    StoppedSearch,
+    StoppedTrial,
+    Trial,
+    refine,
+)
 from verify.lattice.scene import Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.stencil_plan import (
@@ -28,6 +38,7 @@ from verify.lattice.stencil_plan import (
     shorter_step,
 )
 from verify.lattice.stencil_run import run_from
+from verify.lattice.unfinished import UnfinishedRun, unfinished
 
 STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
@@ -54,12 +65,17 @@ def run_stencil(
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
     The error is infinite if the lattice blows up by itself; what came before is kept. Raises
-    ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves.
+    ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves,
+    UnfinishedRun on Ctrl-C.
     """
     assert scene.tolerance is not None
     begun = time.perf_counter()
     engine = StencilEngine(scene, wave, extent_of(scene, wave))
-    found = refine(engine, scene.tolerance, progress, announce)
+    try:
+        found = refine(engine, scene.tolerance, progress, announce)
+    except StoppedSearch as stop:
+        run = None if stop.trial is None else stop.trial.payload
+        raise unfinished(run, stop.error, stop.before) from None
     run = found.trial.payload
     planned = time.perf_counter() - begun - found.trial.seconds
     decade = 10.0 ** (1.0 / engine.order)
@@ -167,7 +183,11 @@ class StencilEngine:
             domain="closed_ring" if choices.causal else "window",
             observables=self._base.observables if shown or choices.causal else (),
         )
-        run = run_from(stated, None, progress, [samples])
+        stopped = False
+        try:
+            run = run_from(stated, None, progress, [samples])
+        except UnfinishedRun as stop:
+            run, stopped = stop.run, True
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
         values = None
         if not run.attrs["blow_up"]:
@@ -178,4 +198,8 @@ class StencilEngine:
             c, times = stated.constants.sound_speed(), (stated.t0, stated.end)
             rounding += clock_error(values, c, times)
         seconds = float(run.attrs["seconds"])
-        return Trial(choices, values, float(steps) * size, seconds, rounding, run)
+        seen = bool(stated.observables)
+        trial = Trial(choices, values, float(steps) * size, seconds, rounding, run, seen)
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial

@@ -36,6 +36,8 @@ def summary_lines(dataset: xr.Dataset, scene: Scene) -> Iterator[str]:
     yield _cost(dataset)
     if "trust_rate" in dataset.attrs:
         yield _trust(dataset.attrs, scene)
+    if "unfinished" in dataset.attrs:
+        yield f"unfinished: {dataset.attrs['unfinished']}"
     if dataset.attrs["blow_up"]:
         yield f"{dataset.attrs['blow_up']}; {dataset.sizes['time']} snapshots before it are kept"
 
@@ -65,15 +67,20 @@ def _cost(dataset: xr.Dataset) -> str:
     )
     if "step_limit" in cost:
         line += f" (step limit {cost['step_limit']:.3g})"
-    return line + (_accuracy(cost) if "tolerance" in cost else "")
+    return line + (_accuracy(cost) if "error_estimate" in cost else "")
 
 
 def _accuracy(cost: Mapping[str, Any]) -> str:
-    """Estimate against tolerance, planning, and the next decade."""
+    """Estimate against tolerance, planning, and the next decade if the tolerance was met."""
+    line = (
+        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
+        f"planned in {cost['planning_seconds']:.2f} s"
+    )
+    if "next_decade" not in cost:
+        return line
     dear = cost["next_decade"]
     return (
-        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
-        f"planned in {cost['planning_seconds']:.2f} s; an estimate of "
+        f"{line}; an estimate of "
         f"{cost['error_estimate'] / 10:.2g} would take {dear:.2g} times as long, "
         f"{dear * cost['seconds']:.2g} s"
     )
