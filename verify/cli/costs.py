@@ -1,7 +1,7 @@
 """About how long a request takes, so that a command can say it before it begins.
 
 The laws of the rational family were measured in processor seconds on one core of a 3 GHz server:
-orders 6 to 14 for proofs, 4 to 7 for the rest.  They are orders of magnitude beyond.
+orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the rest.  They are orders of magnitude beyond.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Law:
         """Seconds for all the forms; raises ValueError for a name that is none.
 
         >>> round(PROOF.total(["rational_2", "rational_14"]))
-        27
+        19
         """
         return sum(self._one(higher_order(name)) for name in names)
 
@@ -35,8 +35,7 @@ class Law:
         return self.rational * (order / 7) ** self.exponent
 
 
-PROOF = Law(0.2, 0.075, 8.5)
-CERTIFICATE = Law(0.2, 0.6, 8.0)
-STABLE = Law(0.3, 1.2, 3.3)
+PROOF = Law(0.2, 0.15, 7.0)
+STABLE = Law(0.3, 1.5, 3.3)
 RESIDUAL = Law(0.3, 1.0, 4.0)
 MUTANTS = Law(35.0 / len(CATALOGUE), 29.0, 6.5)

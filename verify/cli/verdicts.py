@@ -9,7 +9,7 @@ from pathlib import Path
 
 from derive.command_line import announce, interrupted
 from verify.check import NAMES, check_all, named_form
-from verify.cli.costs import CERTIFICATE, PROOF, RESIDUAL, STABLE, Law
+from verify.cli.costs import PROOF, RESIDUAL, STABLE, Law
 from verify.cli.parser import (
     OneLineParser,
     add_only,
@@ -36,9 +36,9 @@ def verdicts_command(argv: list[str]) -> int:
     try:
         _settle_method(options)
         work = _verdicts(names, options)
+        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
         if options.certificate is not None:
             options.certificate.touch()
-        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
         found, complete = finished(tracked(work, len(names), "checking"))
         if options.certificate is not None:
             _write_certificates(options.certificate, found)
@@ -60,7 +60,7 @@ def _law(options: argparse.Namespace) -> Law:
         return STABLE
     if options.method == "residual":
         return RESIDUAL
-    return PROOF if options.certificate is None else CERTIFICATE
+    return PROOF
 
 
 def _parser() -> OneLineParser:
