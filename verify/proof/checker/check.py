@@ -9,11 +9,12 @@ from typing import Any
 
 from flint import fmpq
 
+from .denominators import Denominators, is_linear
 from .field import Field, Form, Hints, Sum
 from .identity import Residual
 from .limits import GENERATORS, NAME, NODES, CertificateError, within
 from .nodes import Nodes, listed, number
-from .points import Balls, excludes_zero
+from .points import Balls
 from .statement import Statement, read_statement, statement_text
 
 FORMAT = "longwave proof 2"
@@ -163,15 +164,21 @@ def _check_point(field: Field, statement: Statement, point: Mapping[int, fmpq]) 
     balls = Balls(field.nodes, point)
     for weak, left, right in statement.domain:
         gap = balls.ball(right) - balls.ball(left)
-        if not (gap.real > 0 or (weak and gap == 0)):
-            raise CertificateError("the point is not in the domain")
+        if not (gap.real > 0 and gap.imag == 0):
+            raise CertificateError("the point is not in the domain, or not inside it")
+        if weak and not (is_linear(field, left) and is_linear(field, right)):
+            raise CertificateError("<= must be between formulas of degree 1 (write < instead)")
     for symbol in point:
         if field.nodes.all[symbol][0] != "symbol":
             raise CertificateError("the point must give symbols their values")
-    factors = [factor for factor in field.ring.factors if not factor.is_constant()]
-    if (factors and field.ring.relations) or any(
-        field.nodes.all[g.node][0] != "symbol" for g in field.generators
+    if (
+        all(not g.form and field.nodes.all[g.node][0] == "symbol" for g in field.generators)
+        and not field.ring.relations
     ):
-        values = field.balls(balls)
-        if not all(excludes_zero(factor, values) for factor in factors):
-            raise CertificateError("a denominator is not shown to be other than 0 at the point")
+        return  # polynomials in symbols
+    if not all(balls.ball(root).is_finite() for root in statement.roots):
+        raise CertificateError("a formula is not shown to be finite at the point")
+    denominators = Denominators(field, statement, point)
+    for factor in field.ring.factors:
+        if not factor.is_constant():
+            denominators.check(factor)

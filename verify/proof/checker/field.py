@@ -54,6 +54,13 @@ class Generator:
     form: tuple[tuple[int, int], ...] = ()
     shift: int = 0
 
+    @property
+    def nodes(self) -> list[int]:
+        """The nodes whose values make the generator's."""
+        if self.form:
+            return [self.shift, *(node for pair in self.form for node in pair)]
+        return [self.node] if self.below is None else [self.node, self.below]
+
 
 @dataclass(frozen=True)
 class Form:
@@ -127,7 +134,7 @@ class Field:
     def register_scaled(self, node: int, scale: int) -> None:
         """The next generator stands for ``scale`` times a Jacobi function."""
         match self.nodes.all[node]:
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self._is_clean(scale):
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self.is_clean(scale):
                 self._jacobi(node, z, m, self.image(scale))
             case _:
                 raise CertificateError("what is scaled must be a Jacobi function")
@@ -166,7 +173,7 @@ class Field:
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, form in zip(places, rows, strict=True):
-            if not all(map(self._is_clean, (*form.factors, form.shift))):
+            if not all(map(self.is_clean, (*form.factors, form.shift))):
                 raise CertificateError("a linear form must be analytic on the domain")
             if any(map(self._moves, form.factors)):
                 raise CertificateError("the factors of a linear form must be constant")
@@ -240,7 +247,7 @@ class Field:
     def _moves(self, node: int) -> bool:
         return any(inner in self.variables for inner in self.nodes.below([node]))
 
-    def _is_clean(self, node: int) -> bool:
+    def is_clean(self, node: int) -> bool:
         """Whether a formula is analytic on the whole domain but for isolated poles."""
         for inner in self.nodes.below([node]):
             name = self.nodes.all[inner][0]

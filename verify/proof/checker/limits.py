@@ -16,6 +16,9 @@ tenth of it."""
 DEGREE = 3_000
 """Total degree of a polynomial."""
 
+BRANCHES = 64
+"""Branches of roots and absolute values that a denominator is tried on."""
+
 FACTOR_TERMS, FACTOR_DEGREE = 400, 100
 """A denominator beyond either is not split into irreducible factors."""
 

@@ -57,7 +57,9 @@ class Signs:
         return self._real[node]
 
     def sign(self, node: int) -> Sign:
-        """The signs that a real node may have."""
+        """The signs that a node may have if it is real; any if it is not shown to be."""
+        if not self.is_real(node):
+            return ANY
         if node not in self._signs:
             self._signs[node] = ANY
             found = self._sign(node) & self._stated(node)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,13 +11,16 @@ from typing import Any
 from flint import fmpq
 
 from .limits import JETS, NAME, NODES, ORDER, TERMS, CertificateError, within
-from .nodes import SYMBOL, Nodes, children, integer, listed, number
+from .nodes import ARITY, SYMBOL, Nodes, children, integer, listed, number
 
 Jet = tuple[int, tuple[int, ...]]
 """The place of an unknown and its order in each variable."""
 
 Term = tuple[fmpq, tuple[int, ...], tuple[Jet, ...]]
 """A number, known factors (nodes), and jets."""
+
+RESERVED = {"I", "pi", "poly", *ARITY}
+"""Names of constants and functions."""
 
 LONG = 40
 """Characters from which a formula that occurs twice gets a name."""
@@ -59,6 +63,8 @@ def read_statement(nodes: Nodes, data: object) -> Statement:
     variables = [nodes.place(v) for v in listed(data["variables"], 8, "variables")]
     if not variables or any(nodes.all[v][0] != "symbol" for v in variables):
         raise CertificateError("variables must be symbols")
+    if len(set(variables)) != len(variables):
+        raise CertificateError("variables must differ")
     names, formulas = [], []
     for unknown in listed(data["unknowns"], 8, "unknowns"):
         name, place = listed(unknown, 2, "an unknown", 2)
@@ -74,6 +80,7 @@ def read_statement(nodes: Nodes, data: object) -> Statement:
         for terms in listed(data["equations"], 8, "equations")
     )
     _check_unknowns(equations, names)
+    _check_names(equations, names, symbols, [nodes.all[v][1] for v in variables])
     domain = tuple(_inequality(nodes, entry) for entry in listed(data["domain"], 100, "domain"))
     return Statement(nodes, tuple(variables), tuple(names), tuple(formulas), equations, domain)
 
@@ -116,6 +123,27 @@ def _check_unknowns(equations: Sequence[Sequence[Term]], names: Sequence[str]) -
         raise CertificateError("an unknown is in none of the equations")
 
 
+def _check_names(
+    equations: Sequence[Sequence[Term]],
+    unknowns: Sequence[str],
+    symbols: Sequence[str],
+    variables: Sequence[str],
+) -> None:
+    """What differs must be printed differently: functions, constants, symbols, derivatives."""
+    jets = {jet for terms in equations for _, _, jets in terms for jet in jets}
+    derivatives = [
+        _jet_text(unknowns[place], orders, variables) for place, orders in jets if any(orders)
+    ]
+    names = [*unknowns, *symbols]
+    for name in variables:
+        others = "|".join(re.escape(other) for other in variables if other != name)
+        if others and re.fullmatch(f"(?:{others})+", name):
+            raise CertificateError(f"the name {name!a} is made of other variables (rename it)")
+    for name in (*names, *derivatives):
+        if name in RESERVED or [*names, *derivatives].count(name) > 1:
+            raise CertificateError(f"the name {name!a} means two things (rename the symbol)")
+
+
 def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
     relation, left, right = listed(data, 3, "an inequality", 3)
     if relation not in ("<", "<="):
@@ -125,7 +153,8 @@ def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
 
 def statement_text(statement: Statement) -> str:
     """The statement in words, formulas in full; what occurs twice is named once."""
-    writer = _Writer(statement.nodes, statement.roots)
+    ends = [node for _, *both in statement.domain for node in both]
+    writer = _Writer(statement.nodes, statement.roots + ends)
     variables = [writer.text(v) for v in statement.variables]
     equations = [
         " + ".join(_term_text(term, statement, variables, writer) for term in terms) + " = 0"
@@ -163,10 +192,14 @@ def _term_text(term: Term, statement: Statement, variables: Sequence[str], write
     parts = [f"({value})" if value < 0 or value.q != 1 else f"{value}"] if value != 1 else []
     parts += [f"({writer.text(node)})" for node in known]
     for (unknown, orders), power in Counter(jets).items():
-        steps = "".join(v * n for v, n in zip(variables, orders, strict=True))
-        name = statement.unknowns[unknown] + (f"_{steps}" if steps else "")
+        name = _jet_text(statement.unknowns[unknown], orders, variables)
         parts.append(name if power == 1 else f"{name}^{power}")
     return "*".join(parts) or "1"
+
+
+def _jet_text(unknown: str, orders: Sequence[int], variables: Sequence[str]) -> str:
+    steps = "".join(v * n for v, n in zip(variables, orders, strict=True))
+    return unknown + (f"_{steps}" if steps else "")
 
 
 class _Writer:
@@ -230,4 +263,10 @@ def _is_atomic(node: tuple[Any, ...]) -> bool:
 
 def _monomial(coefficient: fmpq, exponents: Sequence[int], texts: Sequence[str]) -> str:
     powers = zip(texts, exponents, strict=True)
-    return "*".join([f"({coefficient})", *(f"{text}^{n}" for text, n in powers if n)])
+    return "*".join([f"({coefficient})", *(_power(text, n) for text, n in powers if n)])
+
+
+def _power(text: str, exponent: int) -> str:
+    if exponent == 1:
+        return text
+    return f"{text if SYMBOL.fullmatch(text) else f'({text})'}^{exponent}"
