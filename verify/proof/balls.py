@@ -15,15 +15,28 @@ from solutions.special.function import JacobiFunction
 
 from . import ballfunctions as functions
 from .jet import Index, Jet, Shape, constant, variable
-from .kernels import HYPERBOLIC, TRIGONOMETRIC
 from .signs import Signs
 
 Point = Mapping[sp.Symbol, sp.Rational]
+
+PERIODIC = (sp.sin, sp.cos, sp.sinh, sp.cosh)
+QUOTIENTS = {
+    sp.tan: (sp.sin, sp.cos),
+    sp.cot: (sp.cos, sp.sin),
+    sp.sec: (lambda _: sp.S.One, sp.cos),
+    sp.csc: (lambda _: sp.S.One, sp.sin),
+    sp.tanh: (sp.sinh, sp.cosh),
+    sp.coth: (sp.cosh, sp.sinh),
+    sp.sech: (lambda _: sp.S.One, sp.cosh),
+    sp.csch: (lambda _: sp.S.One, sp.sinh),
+}
+"""Numerator and denominator."""
 
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
     sp.log: functions.logarithm,
+    **{function: functions.periodic(function.__name__) for function in PERIODIC},
     sp.atan: functions.arctangent,
     **{function: functions.inverse(function.__name__) for function in INVERSE},
 }
@@ -87,10 +100,12 @@ class BallEvaluator:
             m = self.jet(node.args[0]).value
             is_first = isinstance(node, sp.elliptic_k)
             return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
-        if isinstance(node, HYPERBOLIC + TRIGONOMETRIC):
-            return self.jet(node.rewrite(sp.exp))
+        if node.func in QUOTIENTS:
+            above, below = (f(node.args[0]) for f in QUOTIENTS[node.func])
+            return self.jet(above) * self._power(self.jet(below), Fraction(-1))
         if node.func in ELEMENTARY:
-            self._check_smooth(node, node.args[0])
+            if node.func not in PERIODIC:
+                self._check_smooth(node, node.args[0])
             return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
         raise ValueError(
             f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
@@ -118,8 +133,16 @@ class BallEvaluator:
 
     def _power(self, base: Jet, exponent: Fraction) -> Jet:
         if exponent.denominator == 1 and exponent > 0:
-            return reduce(mul, [base] * exponent.numerator)
+            return self._whole_power(base, exponent.numerator)
         return base.composed(functions.power(exponent))
+
+    def _whole_power(self, base: Jet, exponent: int) -> Jet:
+        """By squaring: base**10**7 costs no more than 24 squares."""
+        found = base
+        for digit in f"{exponent:b}"[1:]:
+            found = found * found
+            found = found * base if digit == "1" else found
+        return found
 
     def _real_part(self, node: sp.Expr) -> Jet:
         inner = self.jet(node.args[0])

@@ -35,7 +35,7 @@ from .jet import Shape
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
 from .lattice import without_logarithms
 from .linear import Form, linear_forms, pivot_columns, with_one_integral
-from .problem import Problem, coefficients
+from .problem import Problem, coefficients, terms_in
 from .radicals import Radicals
 from .rewriting import Rewriting
 from .signs import Signs
@@ -255,7 +255,7 @@ class Plan:
         if node in self._values and isinstance(node, sp.log):
             self._logarithm(node, self._values[node])
             return
-        if node in self._values and not isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign):
+        if node in self._values and not _follows_from_others(node):
             self._hints["values"][self.table.place(node)] = self.table.place(self._values[node])
             self.need(self._values[node])
             return
@@ -539,6 +539,12 @@ class Plan:
         self._atom(ahead, "quotient", ahead, here)
 
 
+def _follows_from_others(node: sp.Expr) -> bool:
+    """Whether the checker takes the image of ``node`` from that of another function."""
+    is_power = node.is_Pow and node.exp.is_Rational and node.exp.p != 1
+    return is_power or isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign)
+
+
 def _visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
     """The expressions with what one generator stands for left out."""
     names = {node: sp.Dummy() for node in hidden}
@@ -593,7 +599,7 @@ def _by_argument(form: Form, kernels: Kernels) -> dict[sp.Basic, sp.Expr]:
 
 def _terms(problem: Problem, table: NodeTable) -> list[list[Any]]:
     """Each term: a rational number, known factors, and derivatives by their orders."""
-    return [_term(term, problem, table) for term in sp.Add.make_args(sp.expand(problem.left))]
+    return [_term(term, problem, table) for term in terms_in(problem.left, problem.unknown)]
 
 
 def _term(term: sp.Expr, problem: Problem, table: NodeTable) -> list[Any]:

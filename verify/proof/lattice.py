@@ -10,6 +10,9 @@ from flint import fmpz_mat
 
 Vector = dict[sp.Expr, sp.Rational]
 
+LONGEST = 60
+"""Operations of a quotient that common factors are looked for in."""
+
 
 def terms(expression: sp.Expr) -> Vector:
     """The expanded terms of ``expression`` with their rational coefficients.
@@ -19,10 +22,24 @@ def terms(expression: sp.Expr) -> Vector:
     {x: 2, y: -2/3}
     """
     found: Vector = {}
-    for term in sp.Add.make_args(sp.expand(expression)):
+    for term in sp.Add.make_args(sp.expand(cancelled(expression))):
         coefficient, rest = term.as_coeff_Mul(rational=True)
         found[rest] = found.get(rest, sp.S.Zero) + coefficient
     return {rest: value for rest, value in found.items() if value != 0}
+
+
+def cancelled(expression: sp.Expr) -> sp.Expr:
+    """A quotient of short sums with common factors divided out.
+
+    >>> x = sp.Symbol("x")
+    >>> cancelled((x**2 - 1) / (x + 1))
+    x - 1
+    """
+    below = (node.base for node in expression.atoms(sp.Pow) if node.exp.is_negative)
+    if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST:
+        return expression
+    found: sp.Expr = sp.cancel(expression)
+    return found
 
 
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:

@@ -52,6 +52,8 @@ class Rewriting:
         if simpler is None:
             return written
         self.found[node] = value = self(simpler)
+        if node.is_Pow and node.exp.p != 1:
+            self(sp.Pow(node.base, sp.Rational(1, node.exp.q), evaluate=False))
         return value
 
     def simpler(self, node: sp.Expr) -> sp.Expr | None:

@@ -14,10 +14,17 @@ from .domain import Domain, Domains, in_order
 DENOMINATORS = (1009, 2147483647, 65537, 1009)
 """Primes, so that no drawn value is a common fraction, and no one multiple of all is whole."""
 
-SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
+SIZES = (
+    *(1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000),
+    *(sp.Rational(1, 10**13), sp.Rational(1, 10**31)),
+)
 """Scales of what is drawn from a domain without end; most are moderate, where balls stay narrow."""
 
-MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
+MARGINS = (sp.Rational(1, 20),) * 3 + (
+    sp.Rational(1, 1000),
+    sp.Rational(1, 10**6),
+    sp.Rational(1, 10**31),
+)
 """Shares of a bounded domain that are left out at its ends."""
 
 REJECTIONS = 1000
