@@ -18,10 +18,13 @@ from .limits import EXPONENT, CertificateError, within
 from .nodes import ELLIPTIC, Nodes, children
 from .points import Balls, value_at
 from .ring import Element, Ring
-from .signs import ANY, BELOW_ONE, Sign, Signs
+from .signs import ANY, BELOW_ONE, POSITIVE, Sign, Signs
 
 Sum = tuple[tuple[fmpq, int], ...]
 """Coefficients and nodes."""
+
+HALF_PI = fmpq(15707963, 10**7)
+"""A little less than pi/2."""
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
@@ -358,9 +361,47 @@ class Field:
         value = self._hinted(node, self.hints.values)
         if not (self.image(value) ** q - self.image(base)).is_zero:
             raise CertificateError(f"the power {q} of what a root is said to be is another")
-        if not self.signs.not_negative(value):
+        if not (self.signs.not_negative(value) or (q == 2 and self._is_to_the_right(value))):
             raise CertificateError("what a root is said to be is not shown to be >= 0 there")
         return self.image(value)
+
+    def _is_to_the_right(self, node: int) -> bool:
+        """Whether a value is shown to have a positive real part, as of w and -w one root has."""
+        real = self._real_part(node)
+        return real is not None and self.signs.positive(real)
+
+    def _real_part(self, node: int) -> int | None:
+        """A node for the real part of a sum of real terms, phases and multiples of them."""
+        made = self.nodes.made
+        if self.signs.is_real(node):
+            return node
+        match self.nodes.all[node]:
+            case ("I",):
+                return self.nodes.rational(0)
+            case ("Add", *terms):
+                parts = [self._real_part(term) for term in terms]
+                known = [part for part in parts if part is not None]
+                return made("Add", *known) if len(known) == len(parts) else None
+            case ("Mul", *factors):
+                rest = [factor for factor in factors if not self.signs.is_real(factor)]
+                part = self._real_part(rest[0]) if len(rest) == 1 else None
+                real = [factor for factor in factors if factor not in rest]
+                return None if part is None else made("Mul", part, *real)
+            case ("exp", z):
+                angle = self._angle(z)
+                return None if angle is None else made("cos", angle)
+            case ("Pow", base, exponent) if exponent == fmpq(1, 2):
+                return made("Abs", made("re", node))  # the principal root's is not negative
+        return None
+
+    def _angle(self, z: int) -> int | None:
+        """The real factor of I in a node ``I * angle``."""
+        match self.nodes.all[z]:
+            case ("Mul", *factors):
+                rest = [f for f in factors if self.nodes.all[f] != ("I",)]
+                if len(factors) == len(rest) + 1 and rest and all(map(self.signs.is_real, rest)):
+                    return self.nodes.made("Mul", *rest)
+        return None
 
     def _absolute(self, node: int, inner: int) -> Element:
         value = self._hinted(node, self.hints.values)
@@ -452,13 +493,13 @@ class Field:
             raise CertificateError("there is no generator for a log")
         product, total = self.one, self.zero
         for q, factor in self.hints.logs[node]:
-            if not self.signs.positive(factor):
+            if not self.signs.not_negative(factor):  # it is not 0 where the logarithm is smooth
                 raise CertificateError("a factor in a logarithm is not shown to be positive")
             product = product * self.image(self.nodes.made("Pow", factor, q))
             part = self.nodes.all[factor]
             value = self.image(part[1]) if part[0] == "exp" else self._made("log", factor)
             total = total + self.ring.number(q) * value
-        if not (product - self.image(inner)).is_zero:
+        if product.is_zero or not (product - self.image(inner)).is_zero:
             raise CertificateError("a logarithm is not of the product that it is said to be of")
         return total
 
@@ -552,6 +593,11 @@ class Field:
         """The sign that an inequality of the domain gives a node with the same image."""
         if node in self._positive:
             return Sign((0, 1)) if self._positive[node] else Sign((1,))
+        match self.nodes.all[node]:
+            case ("cos", z) if self._is_between(z, -HALF_PI, HALF_PI):
+                return POSITIVE
+            case ("sin", z) if self._is_between(z, fmpq(0), 2 * HALF_PI):
+                return POSITIVE
         if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
         for bound, weak in self._positive.items():
@@ -564,6 +610,14 @@ class Field:
                 if gap is not None and gap >= 0:
                     return Sign((0, side)) if weak and gap == 0 else Sign((side,))
         return ANY
+
+    def _is_between(self, node: int, low: fmpq, high: fmpq) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers."""
+        made, number = self.nodes.made, self.nodes.rational
+        negative = made("Mul", number(-1), node)
+        above = made("Add", node, number(-low.p, low.q))
+        below = made("Add", negative, number(high.p, high.q))
+        return self.signs.not_negative(above) and self.signs.not_negative(below)
 
     def _constant(self, element: Element) -> fmpq | None:
         """The value of an element that is a rational number."""
