@@ -234,7 +234,7 @@ class Plan:
     def proof(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         visible = _visible(self._expressions, self._done)
-        self.kernels = Kernels(visible, self.variables)
+        self.kernels = Kernels([*visible, *self._values.values()], self.variables)
         found = _forms(self._expressions, self.kernels, self._done, point)
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
@@ -359,8 +359,14 @@ class Plan:
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._below_one(z)
             self._atom(self.table.place(node))
-        elif isinstance(node, sp.log | sp.atan):
+        elif isinstance(node, sp.log):
             self._atom(self.table.place(node))
+        elif isinstance(node, sp.atan):
+            if isinstance(z, sp.tan):
+                self._hints["values"][self.table.place(node)] = self.table.place(z.args[0])
+                self.need(z.args[0])
+            else:
+                self._atom(self.table.place(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)

@@ -390,7 +390,7 @@ class Field:
             case ("exp", z):
                 angle = self._angle(z)
                 return None if angle is None else made("cos", angle)
-            case ("Pow", base, exponent) if exponent == fmpq(1, 2):
+            case ("Pow", _, exponent) if exponent == fmpq(1, 2):
                 return made("Abs", made("re", node))  # the principal root's is not negative
         return None
 
@@ -615,8 +615,8 @@ class Field:
         """Whether ``node`` is shown to be real and not outside two rational numbers."""
         made, number = self.nodes.made, self.nodes.rational
         negative = made("Mul", number(-1), node)
-        above = made("Add", node, number(-low.p, low.q))
-        below = made("Add", negative, number(high.p, high.q))
+        above = made("Add", node, number(-int(low.p), int(low.q)))
+        below = made("Add", negative, number(int(high.p), int(high.q)))
         return self.signs.not_negative(above) and self.signs.not_negative(below)
 
     def _constant(self, element: Element) -> fmpq | None:
