@@ -176,8 +176,8 @@ def _check_point(field: Field, statement: Statement, point: Mapping[int, fmpq]) 
         and not field.ring.relations
     ):
         return  # polynomials in symbols
-    if not all(balls.ball(root).is_finite() for root in statement.roots):
-        raise CertificateError("a formula is not shown to be finite at the point")
+    if not all(value.is_finite() for value in field.balls(balls)):
+        raise CertificateError("a function is not shown to be finite at the point")
     denominators = Denominators(field, statement, point)
     for factor in field.ring.factors:
         if not factor.is_constant():
