@@ -258,6 +258,7 @@ class Plan:
         if node in self._values and not _follows_from_others(node):
             self._hints["values"][self.table.place(node)] = self.table.place(self._values[node])
             self.need(self._values[node])
+            self.need(node.args[0])
             return
         if node.is_Rational:
             return
@@ -400,10 +401,11 @@ class Plan:
                 self.need(basis)
                 self._atom(self.table.made("exp", self.table.place(basis)))
                 found.append([str(n), self.table.place(basis)])
-        for argument, q in logarithms.items():
-            self.need(sp.Pow(argument, q))
-            self.need(sp.log(argument))
-            found.append([str(q), self.table.place(sp.log(argument))])
+        for logarithm, q in logarithms.items():
+            if isinstance(logarithm, sp.log):
+                self.need(sp.Pow(logarithm.args[0], q))
+            self.need(logarithm)
+            found.append([str(q), self.table.place(logarithm)])
         self._hints["sums"][self.table.made("exp", place)] = found
 
     def _elliptic(self, node: sp.Expr) -> None:

@@ -43,18 +43,25 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
 
 
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
-    """``exponent`` less its rational multiples of logarithms, and these by their arguments.
+    """``exponent`` less its multiples of logarithms and of i atan, and these.
 
     >>> x, y = sp.symbols("x y")
     >>> without_logarithms(2 * x - sp.log(y) / 2)
-    (2*x, {y: -1/2})
+    (2*x, {log(y): -1/2})
     """
     found = terms(exponent)
-    logarithms = {term: value for term, value in found.items() if isinstance(term, sp.log)}
+    logarithms = {term: value for term, value in found.items() if _is_logarithm(term, value)}
     if not logarithms:
         return exponent, {}
     rest = sp.Add(*(value * term for term, value in found.items() if term not in logarithms))
-    return rest, {term.args[0]: value for term, value in logarithms.items()}
+    return rest, logarithms
+
+
+def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
+    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
+    return bool(isinstance(term, sp.log) or turned)
 
 
 class ArgumentLattice:

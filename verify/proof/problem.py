@@ -86,6 +86,12 @@ def make_problem(
     left, expression = left.xreplace(real), expression.xreplace(real)
     (unknown,) = left.atoms(AppliedUndef)
     left = _written_out(left, unknown)
+    steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
+    if not steps <= set(unknown.args):
+        raise ValueError(
+            f"derivatives must be in the arguments of {unknown}, got one in "
+            f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
+        )
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)

@@ -14,8 +14,8 @@ from .signs import Signs
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
-LONG_POINTS = 8
-"""Points at which a residual is evaluated beyond the first precision."""
+LONG, LONG_POINTS = 640, 8
+"""Beyond so many bits a residual is evaluated at so many points only."""
 
 SHOWN_DIGITS = 6
 
@@ -42,7 +42,7 @@ def find_witness(
     """A witness among ``points`` against the equation, or against the equality of a problem."""
     signs = Signs(problem.domains)
     for precision in bits:
-        for point in points if precision == bits[0] else points[:LONG_POINTS]:
+        for point in points[:LONG_POINTS] if precision > LONG else points:
             try:
                 ball = _residual(problem, point, precision, signs)
             except (ValueError, ZeroDivisionError):
