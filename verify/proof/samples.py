@@ -48,7 +48,8 @@ def points(domains: Domains, seed: int = 0) -> Iterator[Point]:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
-        edge = None if early or number % EVERY else ordered[number // EVERY % len(ordered)]
+        edges = ordered if not early and number % EVERY == 0 else []
+        edge = edges[number // EVERY % len(edges)] if edges else None
         for symbol in ordered:
             size = sp.S.One if early else draw.choice(SIZES)
             margin = MARGINS[0] if early else draw.choice(MARGINS)
