@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import lru_cache, reduce
 from math import factorial
 from operator import add, mul
 
@@ -187,23 +187,32 @@ def residual_ball(
 ) -> acb:
     """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
     variables = unknown.args
-    derivatives = [d for d in equation.atoms(sp.Derivative) if d.expr == unknown]
-    tops: list[Index] = [_index(d, variables) for d in derivatives]
+    flat_equation, symbols, tops, shape = _in_jets(equation, unknown)
     with ctx.workprec(bits):
-        shape = Shape([*tops, tuple(0 for _ in variables)])
         jet = BallEvaluator(shape, variables, point, signs).jet(expression)
         coefficients = dict(zip(shape.indices, jet.coefficients, strict=True))
-        stands_for: dict[sp.Expr, sp.Symbol] = {unknown: sp.Dummy()}
-        values: dict[sp.Symbol, acb] = {stands_for[unknown]: jet.value}
-        for derivative, index in zip(derivatives, tops, strict=True):
-            symbol = stands_for[derivative] = sp.Dummy()
-            scale = reduce(mul, map(factorial, index))
-            values[symbol] = coefficients[index] * scale
+        values = {
+            symbol: coefficients[index] * reduce(mul, map(factorial, index))
+            for symbol, index in zip(symbols, tops, strict=True)
+        }
         flat = BallEvaluator(Shape([(0,)]), (), point, signs)
         flat.know(values)
-        return flat.jet(equation.xreplace(stands_for)).value
+        return flat.jet(flat_equation).value
 
 
-def _index(derivative: sp.Derivative, variables: Sequence[sp.Symbol]) -> Index:
-    counts = {symbol: int(count) for symbol, count in derivative.variable_count}
+@lru_cache(maxsize=4)
+def _in_jets(
+    equation: sp.Expr, unknown: sp.Expr
+) -> tuple[sp.Expr, list[sp.Symbol], list[Index], Shape]:
+    """The equation in symbols for the unknown and its derivatives, their orders and shape."""
+    jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
+    tops = [_index(jet, unknown.args) for jet in jets]
+    symbols = [sp.Dummy() for _ in jets]
+    flat = equation.xreplace(dict(zip(jets, symbols, strict=True)))
+    return flat, symbols, tops, Shape(tops)
+
+
+def _index(jet: sp.Expr, variables: Sequence[sp.Symbol]) -> Index:
+    pairs = jet.variable_count if isinstance(jet, sp.Derivative) else ()
+    counts = {symbol: int(count) for symbol, count in pairs}
     return tuple(counts.get(symbol, 0) for symbol in variables)
