@@ -620,6 +620,9 @@ class Field:
                 return POSITIVE
         if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
+        if all(self.nodes.all[inner][0] != "symbol" for inner in self.nodes.below([node])):
+            value = Balls(self.nodes, {}).ball(node).real
+            return Sign((1 if value > 0 else -1,)) if value > 0 or value < 0 else ANY
         for bound, weak in self._positive.items():
             try:
                 found = self._multiple(self.image(node), self.image(bound))
