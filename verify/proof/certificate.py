@@ -234,7 +234,8 @@ class Plan:
     def proof(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         visible = _visible(self._expressions, self._done)
-        self.kernels = Kernels([*visible, *self._values.values()], self.variables)
+        values = [self._factors_in(node, value) for node, value in self._values.items()]
+        self.kernels = Kernels([*visible, *values], self.variables)
         found = _forms(self._expressions, self.kernels, self._done, point)
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
@@ -246,6 +247,14 @@ class Plan:
             "point": [[self.table.place(s), str(value)] for s, value in point.items()],
             "parts": self._parts,
         }
+
+    @staticmethod
+    def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
+        """What the value of ``node`` brings in: of a logarithm, the factors of its argument."""
+        if not isinstance(node, sp.log):
+            return value
+        terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
+        return sp.Tuple(value, *map(sp.exp, terms))
 
     def need(self, node: sp.Expr) -> None:
         """Provide for the image of ``node``."""
