@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from math import factorial
 
 from flint import acb, fmpq
 
@@ -21,6 +22,18 @@ def exponential(z: acb, order: int) -> Series:
     for n in range(1, order + 1):
         found.append(found[-1] / n)
     return found
+
+
+def periodic(name: str) -> Callable[[acb, int], Series]:
+    """sin, cos, sinh or cosh, each two derivatives away from itself or minus itself."""
+    other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
+    signs = {"sin": (1, 1, -1, -1), "cos": (1, -1, -1, 1)}.get(name, (1, 1, 1, 1))
+
+    def taylor(z: acb, order: int) -> Series:
+        pair = (getattr(z, name)(), getattr(z, other)())
+        return [signs[n % 4] * pair[n % 2] / factorial(n) for n in range(order + 1)]
+
+    return taylor
 
 
 def power(exponent: Fraction) -> Callable[[acb, int], Series]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import lru_cache, reduce
 from math import factorial
 from operator import add, mul
 
@@ -15,15 +15,28 @@ from solutions.special.function import JacobiFunction
 
 from . import ballfunctions as functions
 from .jet import Index, Jet, Shape, constant, variable
-from .kernels import HYPERBOLIC, TRIGONOMETRIC
 from .signs import Signs
 
 Point = Mapping[sp.Symbol, sp.Rational]
+
+PERIODIC = (sp.sin, sp.cos, sp.sinh, sp.cosh)
+QUOTIENTS = {
+    sp.tan: (sp.sin, sp.cos),
+    sp.cot: (sp.cos, sp.sin),
+    sp.sec: (lambda _: sp.S.One, sp.cos),
+    sp.csc: (lambda _: sp.S.One, sp.sin),
+    sp.tanh: (sp.sinh, sp.cosh),
+    sp.coth: (sp.cosh, sp.sinh),
+    sp.sech: (lambda _: sp.S.One, sp.cosh),
+    sp.csch: (lambda _: sp.S.One, sp.sinh),
+}
+"""Numerator and denominator."""
 
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
     sp.log: functions.logarithm,
+    **{function: functions.periodic(function.__name__) for function in PERIODIC},
     sp.atan: functions.arctangent,
     **{function: functions.inverse(function.__name__) for function in INVERSE},
 }
@@ -87,10 +100,12 @@ class BallEvaluator:
             m = self.jet(node.args[0]).value
             is_first = isinstance(node, sp.elliptic_k)
             return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
-        if isinstance(node, HYPERBOLIC + TRIGONOMETRIC):
-            return self.jet(node.rewrite(sp.exp))
+        if node.func in QUOTIENTS:
+            above, below = (f(node.args[0]) for f in QUOTIENTS[node.func])
+            return self.jet(above) * self._power(self.jet(below), Fraction(-1))
         if node.func in ELEMENTARY:
-            self._check_smooth(node, node.args[0])
+            if node.func not in PERIODIC:
+                self._check_smooth(node, node.args[0])
             return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
         raise ValueError(
             f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
@@ -118,8 +133,16 @@ class BallEvaluator:
 
     def _power(self, base: Jet, exponent: Fraction) -> Jet:
         if exponent.denominator == 1 and exponent > 0:
-            return reduce(mul, [base] * exponent.numerator)
+            return self._whole_power(base, exponent.numerator)
         return base.composed(functions.power(exponent))
+
+    def _whole_power(self, base: Jet, exponent: int) -> Jet:
+        """By squaring: base**10**7 costs no more than 24 squares."""
+        found = base
+        for digit in f"{exponent:b}"[1:]:
+            found = found * found
+            found = found * base if digit == "1" else found
+        return found
 
     def _real_part(self, node: sp.Expr) -> Jet:
         inner = self.jet(node.args[0])
@@ -164,23 +187,32 @@ def residual_ball(
 ) -> acb:
     """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
     variables = unknown.args
-    derivatives = [d for d in equation.atoms(sp.Derivative) if d.expr == unknown]
-    tops: list[Index] = [_index(d, variables) for d in derivatives]
+    flat_equation, symbols, tops, shape = _in_jets(equation, unknown)
     with ctx.workprec(bits):
-        shape = Shape([*tops, tuple(0 for _ in variables)])
         jet = BallEvaluator(shape, variables, point, signs).jet(expression)
         coefficients = dict(zip(shape.indices, jet.coefficients, strict=True))
-        stands_for: dict[sp.Expr, sp.Symbol] = {unknown: sp.Dummy()}
-        values: dict[sp.Symbol, acb] = {stands_for[unknown]: jet.value}
-        for derivative, index in zip(derivatives, tops, strict=True):
-            symbol = stands_for[derivative] = sp.Dummy()
-            scale = reduce(mul, map(factorial, index))
-            values[symbol] = coefficients[index] * scale
+        values = {
+            symbol: coefficients[index] * reduce(mul, map(factorial, index))
+            for symbol, index in zip(symbols, tops, strict=True)
+        }
         flat = BallEvaluator(Shape([(0,)]), (), point, signs)
         flat.know(values)
-        return flat.jet(equation.xreplace(stands_for)).value
+        return flat.jet(flat_equation).value
 
 
-def _index(derivative: sp.Derivative, variables: Sequence[sp.Symbol]) -> Index:
-    counts = {symbol: int(count) for symbol, count in derivative.variable_count}
+@lru_cache(maxsize=4)
+def _in_jets(
+    equation: sp.Expr, unknown: sp.Expr
+) -> tuple[sp.Expr, list[sp.Symbol], list[Index], Shape]:
+    """The equation in symbols for the unknown and its derivatives, their orders and shape."""
+    jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
+    tops = [_index(jet, unknown.args) for jet in jets]
+    symbols = [sp.Dummy() for _ in jets]
+    flat = equation.xreplace(dict(zip(jets, symbols, strict=True)))
+    return flat, symbols, tops, Shape(tops)
+
+
+def _index(jet: sp.Expr, variables: Sequence[sp.Symbol]) -> Index:
+    pairs = jet.variable_count if isinstance(jet, sp.Derivative) else ()
+    counts = {symbol: int(count) for symbol, count in pairs}
     return tuple(counts.get(symbol, 0) for symbol in variables)

@@ -35,7 +35,7 @@ from .jet import Shape
 from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
 from .lattice import without_logarithms
 from .linear import Form, linear_forms, pivot_columns, with_one_integral
-from .problem import Problem, coefficients
+from .problem import Problem, coefficients, terms_in
 from .radicals import Radicals
 from .rewriting import Rewriting
 from .signs import Signs
@@ -234,7 +234,8 @@ class Plan:
     def proof(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         visible = _visible(self._expressions, self._done)
-        self.kernels = Kernels(visible, self.variables)
+        values = [self._factors_in(node, value) for node, value in self._values.items()]
+        self.kernels = Kernels([*visible, *values], self.variables)
         found = _forms(self._expressions, self.kernels, self._done, point)
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
@@ -247,6 +248,14 @@ class Plan:
             "parts": self._parts,
         }
 
+    @staticmethod
+    def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
+        """What the value of ``node`` brings in: of a logarithm, the factors of its argument."""
+        if not isinstance(node, sp.log):
+            return value
+        terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
+        return sp.Tuple(value, *map(sp.exp, terms))
+
     def need(self, node: sp.Expr) -> None:
         """Provide for the image of ``node``."""
         if node in self._done:
@@ -255,9 +264,10 @@ class Plan:
         if node in self._values and isinstance(node, sp.log):
             self._logarithm(node, self._values[node])
             return
-        if node in self._values and not isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign):
+        if node in self._values and not _follows_from_others(node):
             self._hints["values"][self.table.place(node)] = self.table.place(self._values[node])
             self.need(self._values[node])
+            self.need(node.args[0])
             return
         if node.is_Rational:
             return
@@ -359,8 +369,14 @@ class Plan:
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._below_one(z)
             self._atom(self.table.place(node))
-        elif isinstance(node, sp.log | sp.atan):
+        elif isinstance(node, sp.log):
             self._atom(self.table.place(node))
+        elif isinstance(node, sp.atan):
+            if isinstance(z, sp.tan):
+                self._hints["values"][self.table.place(node)] = self.table.place(z.args[0])
+                self.need(z.args[0])
+            else:
+                self._atom(self.table.place(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
@@ -394,10 +410,11 @@ class Plan:
                 self.need(basis)
                 self._atom(self.table.made("exp", self.table.place(basis)))
                 found.append([str(n), self.table.place(basis)])
-        for argument, q in logarithms.items():
-            self.need(sp.Pow(argument, q))
-            self.need(sp.log(argument))
-            found.append([str(q), self.table.place(sp.log(argument))])
+        for logarithm, q in logarithms.items():
+            if isinstance(logarithm, sp.log):
+                self.need(sp.Pow(logarithm.args[0], q))
+            self.need(logarithm)
+            found.append([str(q), self.table.place(logarithm)])
         self._hints["sums"][self.table.made("exp", place)] = found
 
     def _elliptic(self, node: sp.Expr) -> None:
@@ -539,6 +556,12 @@ class Plan:
         self._atom(ahead, "quotient", ahead, here)
 
 
+def _follows_from_others(node: sp.Expr) -> bool:
+    """Whether the checker takes the image of ``node`` from that of another function."""
+    is_power = node.is_Pow and node.exp.is_Rational and node.exp.p != 1
+    return is_power or isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign)
+
+
 def _visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
     """The expressions with what one generator stands for left out."""
     names = {node: sp.Dummy() for node in hidden}
@@ -593,7 +616,7 @@ def _by_argument(form: Form, kernels: Kernels) -> dict[sp.Basic, sp.Expr]:
 
 def _terms(problem: Problem, table: NodeTable) -> list[list[Any]]:
     """Each term: a rational number, known factors, and derivatives by their orders."""
-    return [_term(term, problem, table) for term in sp.Add.make_args(sp.expand(problem.left))]
+    return [_term(term, problem, table) for term in terms_in(problem.left, problem.unknown)]
 
 
 def _term(term: sp.Expr, problem: Problem, table: NodeTable) -> list[Any]:

@@ -43,13 +43,15 @@ class Domain:
 
     def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
         """Both ends, with ``values`` for the symbols that they contain."""
-        return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
+        if not self.lower.is_Atom or not self.upper.is_Atom:
+            return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
+        return values.get(self.lower, self.lower), values.get(self.upper, self.upper)
 
     def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
         """Whether ``value`` lies inside, the other symbols having ``values``."""
         lower, upper = self.ends(values)
-        above = value > lower if self.lower_open else value >= lower
-        below = value < upper if self.upper_open else value <= upper
+        above = lower == -sp.oo or (value > lower if self.lower_open else value >= lower)
+        below = upper == sp.oo or (value < upper if self.upper_open else value <= upper)
         whole = value.is_Integer or not self.integer
         return bool(above and below and whole and not (self.nonzero and value == 0))
 

@@ -10,6 +10,9 @@ from flint import fmpz_mat
 
 Vector = dict[sp.Expr, sp.Rational]
 
+LONGEST = 60
+"""Operations of a quotient that common factors are looked for in."""
+
 
 def terms(expression: sp.Expr) -> Vector:
     """The expanded terms of ``expression`` with their rational coefficients.
@@ -19,25 +22,46 @@ def terms(expression: sp.Expr) -> Vector:
     {x: 2, y: -2/3}
     """
     found: Vector = {}
-    for term in sp.Add.make_args(sp.expand(expression)):
+    for term in sp.Add.make_args(sp.expand(cancelled(expression))):
         coefficient, rest = term.as_coeff_Mul(rational=True)
         found[rest] = found.get(rest, sp.S.Zero) + coefficient
     return {rest: value for rest, value in found.items() if value != 0}
 
 
+def cancelled(expression: sp.Expr) -> sp.Expr:
+    """A quotient of short sums with common factors divided out.
+
+    >>> x = sp.Symbol("x")
+    >>> cancelled((x**2 - 1) / (x + 1))
+    x - 1
+    """
+    below = (node.base for node in expression.atoms(sp.Pow) if node.exp.is_negative)
+    if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST:
+        return expression
+    found: sp.Expr = sp.cancel(expression)
+    return found
+
+
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
-    """``exponent`` less its rational multiples of logarithms, and these by their arguments.
+    """``exponent`` less its multiples of logarithms and of i atan, and these.
 
     >>> x, y = sp.symbols("x y")
     >>> without_logarithms(2 * x - sp.log(y) / 2)
-    (2*x, {y: -1/2})
+    (2*x, {log(y): -1/2})
     """
     found = terms(exponent)
-    logarithms = {term: value for term, value in found.items() if isinstance(term, sp.log)}
+    logarithms = {term: value for term, value in found.items() if _is_logarithm(term, value)}
     if not logarithms:
         return exponent, {}
     rest = sp.Add(*(value * term for term, value in found.items() if term not in logarithms))
-    return rest, {term.args[0]: value for term, value in logarithms.items()}
+    return rest, logarithms
+
+
+def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
+    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
+    return bool(isinstance(term, sp.log) or turned)
 
 
 class ArgumentLattice:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -19,6 +20,9 @@ POINTS = 8
 
 MORE_POINTS = 40
 """Further points at which a formula is looked at that could not be proved."""
+
+LARGEST_POWER = 13
+"""Of a sum with the unknown; from this on it is not multiplied out."""
 
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
@@ -82,6 +86,12 @@ def make_problem(
     left, expression = left.xreplace(real), expression.xreplace(real)
     (unknown,) = left.atoms(AppliedUndef)
     left = _written_out(left, unknown)
+    steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
+    if not steps <= set(unknown.args):
+        raise ValueError(
+            f"derivatives must be in the arguments of {unknown}, got one in "
+            f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
+        )
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
     found = problem_points(domains, points)
     return Problem(left, unknown, expression, found, name, label, domains)
@@ -164,6 +174,26 @@ def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
 
 def coefficients(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
     """The factors of the terms of ``equation`` that are free of ``unknown``."""
-    terms = sp.Add.make_args(sp.expand(equation))
-    factors = [factor for term in terms for factor in sp.Mul.make_args(term)]
+    factors = (f for term in terms_in(equation, unknown) for f in sp.Mul.make_args(term))
     return [factor for factor in dict.fromkeys(factors) if not factor.has(unknown)]
+
+
+def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
+    """The terms of a polynomial in ``unknown``; sums that are free of it are not multiplied out.
+
+    >>> x = sp.Symbol("x")
+    >>> u = sp.Function("u")(x)
+    >>> set(terms_in((1 + x) * (u + 2), u)) == {(1 + x) * u, 2 + 2 * x}
+    True
+    """
+    if not equation.has(unknown):
+        return [equation]
+    if equation.is_Add:
+        return [term for part in equation.args for term in terms_in(part, unknown)]
+    if equation.is_Mul:
+        parts = [terms_in(factor, unknown) for factor in equation.args]
+    elif equation.is_Pow and equation.base.is_Add and equation.exp in range(2, LARGEST_POWER):
+        parts = [terms_in(equation.base, unknown)] * int(equation.exp)
+    else:
+        return [equation]
+    return [sp.Mul(*factors) for factors in product(*parts)]

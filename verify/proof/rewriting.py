@@ -17,8 +17,12 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from .factors import Quotients, TooLong, factored
 from .kernels import HYPERBOLIC, TRIGONOMETRIC
-from .signs import Signs, is_small_polynomial
+from .signs import BELOW_PI, Signs
+
+DIGITS, LARGEST = 40, 10**6
+"""Decimals of a number whose cube root is sought, and its largest denominator."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 """Meromorphic functions that take conjugates to conjugates."""
@@ -52,6 +56,8 @@ class Rewriting:
         if simpler is None:
             return written
         self.found[node] = value = self(simpler)
+        if node.is_Pow and node.exp.p != 1:
+            self(sp.Pow(node.base, sp.Rational(1, node.exp.q), evaluate=False))
         return value
 
     def simpler(self, node: sp.Expr) -> sp.Expr | None:
@@ -69,9 +75,15 @@ class Rewriting:
         return None if value == node else value
 
     def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
-        if not base.free_symbols and exponent == sp.S.Half:
+        if not base.free_symbols and exponent == sp.S.Half and base.is_real:
             denested = sp.sqrtdenest(sp.sqrt(base))
             return None if denested.is_Pow else denested
+        if not base.free_symbols and exponent.q == 3 and base.is_Add and base.is_positive:
+            return _cube_root(base, exponent)
+        if exponent.q == 2 and (base is sp.I or base.is_Add):
+            denested = _denested(base)
+            if denested is not None:
+                return denested ** (2 * exponent)
         factors = self._factors(_squared_function(base) or base, 2)
         if len(factors) > 1:
             outside, inside = self._known_factors(factors)
@@ -81,6 +93,8 @@ class Rewriting:
         (base,) = factors
         if isinstance(base, sp.exp) and self.signs.is_real(base.args[0]):
             return sp.exp(exponent * base.args[0])
+        if isinstance(base, sp.exp) and self._is_narrow(base.args[0] / sp.I):
+            return sp.exp(exponent * base.args[0])
         if not (base.is_Pow and base.exp.is_Rational):
             return None
         inner = base.base
@@ -88,7 +102,19 @@ class Rewriting:
             return sp.Pow(inner, base.exp * exponent)
         if base.exp.is_Integer and base.exp % 2 == 0 and self.signs.is_real(inner):
             return sp.Pow(self._absolute(inner), base.exp * exponent)
+        if exponent == sp.S.Half and base.exp == 2 and self._is_to_the_right(inner):
+            return inner
         return None
+
+    def _is_to_the_right(self, total: sp.Expr) -> bool:
+        """Whether a sum has a positive real part: a square root's is not negative."""
+        roots = [part for part in sp.Add.make_args(total) if _has_square_root(part)]
+        return bool(roots) and self.signs.is_positive(total - sp.Add(*roots))
+
+    def _is_narrow(self, angle: sp.Expr) -> bool:
+        """Whether ``angle`` is real and between -pi and pi."""
+        found = self.signs.range(sp.expand(angle))
+        return found is not None and found.lower > -BELOW_PI and found.upper < BELOW_PI
 
     def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
         """The factors that are not negative, negative ones turned over; the rest with its sign."""
@@ -127,18 +153,20 @@ class Rewriting:
         return exponent * sp.log(self._absolute(base)) if exponent.is_even else None
 
     def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
-        """The factors of a product, or of a polynomial that has one to at least ``degree``."""
+        """The factors of a product, or of a sum that has one to at least ``degree``."""
         if product.is_Mul:
             return tuple(product.args)
         if not product.is_Add:
             return (product,)
-        plain, roots = _in_square_roots(product)
-        if not is_small_polynomial(plain):
+        try:
+            unit, powers = factored(product)
+        except TooLong:
             return (product,)
-        unit, powers = sp.factor_list(plain)
-        if not any(power >= degree for _, power in powers):
+        if not any(abs(power) >= degree or not base.is_Add for base, power in powers):
             return (product,)
-        found = [sp.Pow(base.xreplace(roots), power) for base, power in powers]
+        found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
+        if unit < 0 and not any(power % 2 and not base.is_Symbol for base, power in powers):
+            return [-1, -unit, *found]
         return found if unit == 1 else [unit, *found]
 
     def _absolute(self, inner: sp.Expr) -> sp.Expr:
@@ -177,7 +205,12 @@ SQUARES = {
     sp.coth: lambda f, z: {f**2 - 1: sp.csch(z)},
     sp.csch: lambda f, z: {f**2 + 1: sp.coth(z)},
     sp.sin: lambda f, z: {1 - f**2: sp.cos(z)},
-    sp.cos: lambda f, z: {1 - f**2: sp.sin(z)},
+    sp.cos: lambda f, z: {
+        1 - f**2: sp.sin(z),
+        1 + f: sp.sqrt(2) * sp.cos(z / 2),
+        2 + 2 * f: 2 * sp.cos(z / 2),
+        1 - f: sp.sqrt(2) * sp.sin(z / 2),
+    },
     sp.tan: lambda f, z: {f**2 + 1: sp.sec(z)},
     sp.sec: lambda f, z: {f**2 - 1: sp.tan(z)},
 }
@@ -188,6 +221,9 @@ def _squared_function(total: sp.Expr) -> sp.Expr | None:
     """The square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
     if not (total.is_Add and len(total.args) == 2):
         return None
+    for node in total.atoms(sp.cosh):
+        if total == node + sp.sinh(node.args[0]):
+            return sp.exp(node.args[0])
     for node in total.atoms(*SQUARES):
         root = SQUARES[node.func](node, node.args[0]).get(total)
         if root is not None:
@@ -195,22 +231,71 @@ def _squared_function(total: sp.Expr) -> sp.Expr | None:
     return None
 
 
-def _in_square_roots(total: sp.Expr) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
-    """A formula in symbols for the square roots of symbols in it, and what these stand for."""
-    found = {node.base: sp.Dummy() for node in total.atoms(sp.Pow) if _is_root_of_symbol(node)}
-    powers = {
-        node: root ** (2 * node.exp)
-        for node in total.atoms(sp.Pow)
-        for base, root in found.items()
-        if node.base == base
-    }
-    squares = {base: root**2 for base, root in found.items()}
-    written = total.xreplace(powers).xreplace(squares)
-    return written, {root: sp.sqrt(base) for base, root in found.items()}
+def _has_square_root(term: sp.Expr) -> bool:
+    number, rest = term.as_coeff_Mul(rational=True)
+    return bool(number > 0 and rest.is_Pow and rest.exp == sp.S.Half)
 
 
-def _is_root_of_symbol(node: sp.Expr) -> bool:
-    return bool(node.base.is_Symbol and node.exp.is_Rational and node.exp.q == 2)
+def _evidently_signed(total: sp.Expr) -> sp.Expr:
+    """A sum as the square that it is, or as one of squares; itself if it is neither."""
+    square = _squared_function(total)
+    if square is not None:
+        return square
+    found = Quotients(total).squares() if total.is_Add else None
+    return total if found is None else found
+
+
+def _denested(base: sp.Expr) -> sp.Expr | None:
+    """The square root of a + b sqrt(c) as a sum of two, if a**2 - b**2 c is a square."""
+    try:
+        made = Quotients(base)
+        for atom, square in made.square_roots:
+            parts = made.linear_in(atom)
+            if parts is None or not made.below.is_constant():
+                continue
+            a, b = (part / int(made.below.leading_coefficient()) for part in parts)
+            unit, powers = factored(a**2 - b**2 * square)
+            size = sp.sqrt(unit)
+            if not size.is_Rational or any(power % 2 for _, power in powers):
+                continue
+            half = sp.Mul(size, *(f ** (power // 2) for f, power in powers)) / 2
+            high, low = sp.expand(a / 2 + half), sp.expand(a / 2 - half)
+            return _joined_roots(high, low, b, square)
+    except TooLong:
+        return None
+    return None
+
+
+def _joined_roots(high: sp.Expr, low: sp.Expr, b: sp.Expr, square: sp.Expr) -> sp.Expr | None:
+    """sqrt(high) + sqrt(low) with the sign of b between them."""
+    if high.is_negative or (not high.is_positive and low.is_positive):
+        high, low = low, high
+    if b.could_extract_minus_sign() or (square != -1 and b.is_negative):
+        return sp.sqrt(high) - _root_of(low, square)
+    return sp.sqrt(high) + _root_of(low, square)
+
+
+def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
+    return sp.I * sp.sqrt(-low) if square == -1 else sp.sqrt(low)
+
+
+def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
+    """The cube root a + b sqrt(c) of a number of that kind."""
+    made = Quotients(base)
+    for atom, square in made.square_roots:
+        parts = made.linear_in(atom)
+        if parts is None or not square.is_Rational or square < 0:
+            continue
+        p, q = (part / int(made.below.leading_coefficient()) for part in parts)
+        norm, value = sp.real_root(p**2 - q**2 * square, 3), sp.N(base, DIGITS) ** (sp.S.One / 3)
+        if not norm.is_Rational:
+            continue
+        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST)
+        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(DIGITS)))
+        root = a + b.limit_denominator(LARGEST) * sp.sqrt(square)
+        if sp.expand(root**3 - base) == 0:
+            return root ** (3 * exponent)
+    return None
 
 
 def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:

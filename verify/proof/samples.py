@@ -20,6 +20,9 @@ SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
 MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
 """Shares of a bounded domain that are left out at its ends."""
 
+SLIVER, EVERY = sp.Rational(1, 10**31), 4
+"""Every so manieth point lies that near to an end of one symbol's domain."""
+
 REJECTIONS = 1000
 """Points in a row outside the domains, after which these are taken to be empty."""
 
@@ -45,10 +48,14 @@ def points(domains: Domains, seed: int = 0) -> Iterator[Point]:
         signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
         early = number < 2 ** len(signed)
         point: dict[sp.Symbol, sp.Rational] = {}
+        edges = ordered if not early and number % EVERY == 0 else []
+        edge = edges[number // EVERY % len(edges)] if edges else None
         for symbol in ordered:
             size = sp.S.One if early else draw.choice(SIZES)
             margin = MARGINS[0] if early else draw.choice(MARGINS)
             sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
+            if symbol == edge:
+                size, margin, sign = SLIVER, SLIVER, 1
             point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
         number += 1
         if all(domains[s].contains(value, point) for s, value in point.items()):

@@ -25,6 +25,8 @@ FACTORABLE_POWER = 8
 FACTORABLE_SYMBOLS = 2
 """Polynomials in more symbols are not factored to find their sign."""
 
+BELOW_PI = Fraction(31415926, 10**7)
+
 REAL = Range()
 ZERO, ONE = Fraction(0), Fraction(1)
 POSITIVE = Range(ZERO, INFINITY, True)
@@ -262,6 +264,12 @@ def _sign(inner: Range) -> Range:
     return Range(low, high)
 
 
+def _half_wave(inner: Range) -> Range:
+    """The cosine, positive between -pi/2 and pi/2."""
+    narrow = inner.lower >= -BELOW_PI / 2 and inner.upper <= BELOW_PI / 2
+    return Range(ZERO, ONE, True) if narrow else UNIT
+
+
 CONSTANTS = {
     sp.pi: Range(Fraction(3), Fraction(4)),
     sp.E: Range(Fraction(2), Fraction(3)),
@@ -277,8 +285,8 @@ RULES: dict[type, Callable[[Range], Range | None]] = {
     sp.sech: lambda _: Range(ZERO, ONE, True),
     sp.coth: lambda inner: _signed(inner),
     sp.csch: lambda inner: _signed(inner),
-    sp.sin: lambda _: UNIT,
-    sp.cos: lambda _: UNIT,
+    sp.sin: lambda inner: _half_wave(inner + Range(-BELOW_PI / 2, -BELOW_PI / 2)),
+    sp.cos: _half_wave,
     **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
     sp.atan: lambda inner: _signed(inner, Fraction(2)),
     sp.asinh: _signed,

@@ -14,6 +14,9 @@ from .signs import Signs
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
 BITS = (160, 640, 2560)
+LONG, LONG_POINTS = 640, 8
+"""Beyond so many bits a residual is evaluated at so many points only."""
+
 SHOWN_DIGITS = 6
 
 
@@ -39,7 +42,7 @@ def find_witness(
     """A witness among ``points`` against the equation, or against the equality of a problem."""
     signs = Signs(problem.domains)
     for precision in bits:
-        for point in points:
+        for point in points[:LONG_POINTS] if precision > LONG else points:
             try:
                 ball = _residual(problem, point, precision, signs)
             except (ValueError, ZeroDivisionError):

@@ -34,7 +34,7 @@ class Branches(Balls):
     def _ball(self, node: int) -> acb:
         match self._nodes.all[node]:
             case ("Pow", base, exponent) if node in self._turns:
-                root = self.ball(base).root(int(exponent.q)) * self._unit(node)
+                root = _some_root(self.ball(base), int(exponent.q)) * self._unit(node)
                 return root ** int(exponent.p)
             case ("Abs", inner) if node in self._turns:
                 return (self.ball(inner) * self._conjugate(inner)).sqrt() * self._unit(node)
@@ -53,6 +53,13 @@ class Branches(Balls):
 
     def _unit(self, node: int) -> acb:
         return (acb(0, 2) * acb.pi() * acb(arb(self._turns[node]))).exp()
+
+
+def _some_root(value: acb, degree: int) -> acb:
+    """A root, off the cut; all branches are tried anyway."""
+    if value.real < 0:
+        return (-value).root(degree) * (acb(0, 1) * acb.pi() / degree).exp()
+    return value.root(degree)
 
 
 class Denominators:

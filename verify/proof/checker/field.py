@@ -18,10 +18,13 @@ from .limits import EXPONENT, CertificateError, within
 from .nodes import ELLIPTIC, Nodes, children
 from .points import Balls, value_at
 from .ring import Element, Ring
-from .signs import ANY, BELOW_ONE, Sign, Signs
+from .signs import ANY, BELOW_ONE, POSITIVE, Sign, Signs
 
 Sum = tuple[tuple[fmpq, int], ...]
 """Coefficients and nodes."""
+
+HALF_PI = fmpq(15707963, 10**7)
+"""A little less than pi/2."""
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
@@ -358,9 +361,48 @@ class Field:
         value = self._hinted(node, self.hints.values)
         if not (self.image(value) ** q - self.image(base)).is_zero:
             raise CertificateError(f"the power {q} of what a root is said to be is another")
-        if not self.signs.not_negative(value):
+        if not (self.signs.not_negative(value) or (q == 2 and self._is_principal(value))):
             raise CertificateError("what a root is said to be is not shown to be >= 0 there")
         return self.image(value)
+
+    def _is_principal(self, node: int) -> bool:
+        """Whether a value w is shown to be the root of w**2: Re w > 0, or w = i s with s >= 0."""
+        height, real = self._angle(node), self._real_part(node)
+        above = height is not None and self.signs.not_negative(height)
+        return above or (real is not None and self.signs.positive(real))
+
+    def _real_part(self, node: int) -> int | None:
+        """A node for the real part of a sum of real terms, phases and multiples of them."""
+        made = self.nodes.made
+        if self.signs.is_real(node):
+            return node
+        match self.nodes.all[node]:
+            case ("I",):
+                return self.nodes.rational(0)
+            case ("Add", *terms):
+                parts = [self._real_part(term) for term in terms]
+                known = [part for part in parts if part is not None]
+                return made("Add", *known) if len(known) == len(parts) else None
+            case ("Mul", *factors):
+                rest = [factor for factor in factors if not self.signs.is_real(factor)]
+                part = self._real_part(rest[0]) if len(rest) == 1 else None
+                real = [factor for factor in factors if factor not in rest]
+                return None if part is None else made("Mul", part, *real)
+            case ("exp", z):
+                angle = self._angle(z)
+                return None if angle is None else made("cos", angle)
+            case ("Pow", _, exponent) if exponent == fmpq(1, 2):
+                return made("Abs", made("re", node))  # the principal root's is not negative
+        return None
+
+    def _angle(self, z: int) -> int | None:
+        """The real factor of I in a node ``I * angle``."""
+        match self.nodes.all[z]:
+            case ("Mul", *factors):
+                rest = [f for f in factors if self.nodes.all[f] != ("I",)]
+                if len(factors) == len(rest) + 1 and rest and all(map(self.signs.is_real, rest)):
+                    return rest[0] if len(rest) == 1 else self.nodes.made("Mul", *rest)
+        return None
 
     def _absolute(self, node: int, inner: int) -> Element:
         value = self._hinted(node, self.hints.values)
@@ -395,6 +437,7 @@ class Field:
         rules: dict[str, Callable[[], Element]] = {
             "exp": lambda: self._exponential(first),
             "log": lambda: self._logarithm(node, first),
+            "atan": lambda: self._arctangent(node, first),
             "Abs": lambda: self._absolute(node, first),
             "sign": lambda: self.image(first) / self._made("Abs", first),
             "conjugate": lambda: self.image(self.conjugate(first)),
@@ -423,12 +466,21 @@ class Field:
         result = self.one
         for coefficient, u in self._sum_of(self.nodes.made("exp", z)):
             inner = self.nodes.all[u]
+            angle = self._angle(u)
             if inner[0] == "log":
                 power = self.nodes.made("Pow", inner[1], coefficient)
                 result = result * self.image(power)
+            elif angle is not None and self.nodes.all[angle][0] == "atan":
+                half = self._integer(coefficient / 2)
+                result = result * self._phase(self.nodes.all[angle][1]) ** half
             else:
                 result = result * self._made("exp", u) ** self._integer(coefficient)
         return result
+
+    def _phase(self, f: int) -> Element:
+        """exp(2 i atan f) = (1 + i f)/(1 - i f)."""
+        turned = self.image(self.nodes.made("I")) * self.image(f)
+        return (self.one + turned) / (self.one - turned)
 
     def _sum_of(self, function: int) -> Sum:
         """The combination that a hint gives for a function's argument, checked."""
@@ -452,15 +504,24 @@ class Field:
             raise CertificateError("there is no generator for a log")
         product, total = self.one, self.zero
         for q, factor in self.hints.logs[node]:
-            if not self.signs.positive(factor):
+            if not self.signs.not_negative(factor):  # it is not 0 where the logarithm is smooth
                 raise CertificateError("a factor in a logarithm is not shown to be positive")
             product = product * self.image(self.nodes.made("Pow", factor, q))
             part = self.nodes.all[factor]
             value = self.image(part[1]) if part[0] == "exp" else self._made("log", factor)
             total = total + self.ring.number(q) * value
-        if not (product - self.image(inner)).is_zero:
+        if product.is_zero or not (product - self.image(inner)).is_zero:
             raise CertificateError("a logarithm is not of the product that it is said to be of")
         return total
+
+    def _arctangent(self, node: int, inner: int) -> Element:
+        """The number between -pi/2 and pi/2 with a given tangent."""
+        value = self._hinted(node, self.hints.values)
+        if not self._is_between(value, -HALF_PI, HALF_PI):
+            raise CertificateError("what an atan is said to be is not shown to be within pi/2 of 0")
+        if not (self._made("tan", value) - self.image(inner)).is_zero:
+            raise CertificateError("what an atan is said to be has another tangent")
+        return self.image(value)
 
     # Elliptic functions.
 
@@ -552,24 +613,46 @@ class Field:
         """The sign that an inequality of the domain gives a node with the same image."""
         if node in self._positive:
             return Sign((0, 1)) if self._positive[node] else Sign((1,))
+        match self.nodes.all[node]:
+            case ("cos", z) if self._is_between(z, -HALF_PI, HALF_PI):
+                return POSITIVE
+            case ("sin", z) if self._is_between(z, fmpq(0), 2 * HALF_PI):
+                return POSITIVE
         if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
+        if all(self.nodes.all[inner][0] != "symbol" for inner in self.nodes.below([node])):
+            value = Balls(self.nodes, {}).ball(node).real
+            return Sign((1 if value > 0 else -1,)) if value > 0 or value < 0 else ANY
         for bound, weak in self._positive.items():
             try:
-                above = self._constant(self.image(node) - self.image(bound))
-                below = self._constant(-self.image(node) - self.image(bound))
+                found = self._multiple(self.image(node), self.image(bound))
             except CertificateError:  # a formula of the domain that the proof has no generator for
                 continue
-            for gap, side in ((above, 1), (below, -1)):
-                if gap is not None and gap >= 0:
+            if found is not None:
+                ratio, gap = found
+                side = 1 if ratio > 0 else -1
+                if gap * side >= 0:
                     return Sign((0, side)) if weak and gap == 0 else Sign((side,))
         return ANY
 
-    def _constant(self, element: Element) -> fmpq | None:
-        """The value of an element that is a rational number."""
-        if element.powers or not element.numerator.is_constant():
+    def _is_between(self, node: int, low: fmpq, high: fmpq) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers."""
+        made, number = self.nodes.made, self.nodes.rational
+        negative = made("Mul", number(-1), node)
+        above = made("Add", node, number(-int(low.p), int(low.q)))
+        below = made("Add", negative, number(int(high.p), int(high.q)))
+        return self.signs.not_negative(above) and self.signs.not_negative(below)
+
+    def _multiple(self, element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
+        """Rational r, not 0, and c with ``element = r * other + c``."""
+        above, below = element.numerator, other.numerator
+        if element.powers or other.powers or above.is_constant() or below.is_constant():
             return None
-        return fmpq(0) if element.is_zero else element.numerator.leading_coefficient()
+        ratio = above.leading_coefficient() / below.leading_coefficient()
+        gap = above - ratio * below
+        if not gap.is_constant():
+            return None
+        return ratio, fmpq(0) if gap.is_zero() else gap.leading_coefficient()
 
     def _witness(self, node: int) -> int | None:
         other = self.hints.signs.get(node)

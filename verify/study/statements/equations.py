@@ -98,9 +98,9 @@ def travelling_wave(setting: Setting) -> Statement:
     setting.ranges.update(inner.ranges)
     v, w = (draw.choice(setting.variables) for _ in range(2))
     rates = [sp.diff(xi, variable) for variable in (v, w)]
-    if v == w:
-        rates = [rates[0], rates[0]]
-        left = rates[0] * unknown.diff(v) - xi.diff(v) ** 2 * sp.diff(shape, s).xreplace({s: xi})
+    slope = sp.diff(shape, s)
+    if v == w and not slope.has(sp.Derivative, sp.Subs):
+        left = rates[0] * unknown.diff(v) - rates[0] ** 2 * slope.xreplace({s: xi})
     else:
         left = rates[1] * unknown.diff(v) - rates[0] * unknown.diff(w)
     solution = shape.xreplace({s: xi})

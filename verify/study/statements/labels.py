@@ -17,6 +17,9 @@ TRIES = 10
 DIGITS = (40, 240, 700)
 """A residual counts as clear if it is so at one of these; they suit changes by 10**-200."""
 
+MOST_DIGITS = 6000
+"""For a witness far out, where exp(-3*t) makes both sides smaller than the other digits show."""
+
 FALL = 1e-20
 """Rounding falls at least by this from the first of the digits to the second."""
 
@@ -39,7 +42,7 @@ def fails_at(statement: Statement, point: Point) -> bool:
         return _has_residual(statement, point, DIGITS[1:])
     if statement.change is not None:
         return _is_value(statement.change, point)
-    return _has_residual(statement, point, DIGITS[1:])
+    return _has_residual(statement, point, (*DIGITS[1:], MOST_DIGITS))
 
 
 def with_counterexample(statement: Statement, draw: random.Random) -> Statement | None:

@@ -1,0 +1,189 @@
+"""The factors of a formula, rational in symbols, their roots and functions, by FLINT.
+
+What is found is a hint: nothing here decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import lcm
+
+import sympy as sp
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+TERMS, DEGREE = 200, 40
+"""A polynomial with more terms, or of a higher degree, is not factored."""
+
+Powers = list[tuple[sp.Expr, int]]
+
+
+class TooLong(ValueError):
+    """A formula has too many terms when it is multiplied out."""
+
+
+def factored(expression: sp.Expr) -> tuple[sp.Rational, Powers]:
+    """A number and powers of irreducible factors; raises TooLong.
+
+    >>> x = sp.Symbol("x", positive=True)
+    >>> factored(2 * sp.sqrt(x) + x + 1)
+    (1, [(sqrt(x) + 1, 2)])
+    """
+    return Quotients(expression).factors()
+
+
+class Quotients:
+    """An expression as a quotient of polynomials in its atoms."""
+
+    def __init__(self, expression: sp.Expr) -> None:
+        nodes = _polynomial_nodes(expression)
+        degrees: dict[sp.Expr, int] = {}
+        for node in nodes:
+            base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
+            if not exponent.is_Rational:
+                base, exponent = node, sp.S.One
+            if not _is_inner(base):
+                degrees[base] = lcm(degrees.get(base, 1), int(exponent.q))
+            elif exponent.q != 1:
+                degrees.setdefault(base, int(exponent.q))
+        self._degrees = degrees
+        self._bases = list(degrees)
+        names = tuple(f"g{i}" for i in range(max(1, len(degrees))))
+        self._context = fmpq_mpoly_ctx.get(names, Ordering.lex)
+        self._atoms = dict(zip(self._bases, self._context.gens(), strict=False))
+        self._found: dict[sp.Expr, tuple[fmpq_mpoly, fmpq_mpoly]] = {}
+        self._one = self._context.constant(1)
+        self.above, self.below = self._quotient(expression)
+
+    def factors(self) -> tuple[sp.Rational, Powers]:
+        """The number, and the irreducible factors of numerator and denominator."""
+        unit, powers = self.above.factor()
+        under, below = self.below.factor()
+        unit /= under
+        found = [(self.written(part), int(n)) for part, n in powers]
+        found += [(self.written(part), -int(n)) for part, n in below]
+        return _number(unit), found
+
+    def squares(self) -> sp.Expr | None:
+        """The numerator as a sum of squares and terms that are evidently positive; None if not.
+
+        >>> x, y = sp.symbols("x y", real=True)
+        >>> Quotients(x**2 + 2 * x * y + 2 * y**2 + 3).squares()
+        y**2 + (x + y)**2 + 3
+        """
+        rest, found = self.above, []
+        for place, gen in enumerate(self._context.gens()):
+            if int(rest.degrees()[place]) != 2 or self._is_even(rest):
+                continue
+            name = f"g{place}"
+            second = rest.derivative(name).derivative(name) / 2
+            first = rest.derivative(name) - 2 * second * gen
+            if len(second) != 1 or not self._is_even(second):
+                continue
+            number = second.leading_coefficient()
+            root = (second / number).sqrt()
+            shift = _exact(first, 2 * number * root)
+            if shift is not None:
+                square = root * gen + shift
+                found.append(_number(number) * self.written(square) ** 2)
+                rest -= number * square**2
+        return sp.Add(*found, self.written(rest)) if self._is_even(rest) else None
+
+    @staticmethod
+    def _is_even(polynomial: fmpq_mpoly) -> bool:
+        return all(c > 0 and not any(n % 2 for n in powers) for powers, c in polynomial.terms())
+
+    def linear_in(self, base: sp.Expr) -> tuple[sp.Expr, sp.Expr] | None:
+        """a and b if the numerator is a + b times the root of ``base`` (or the atom itself)."""
+        place = self._bases.index(base)
+        if int(self.above.degrees()[place]) != 1:
+            return None
+        slope = self.above.derivative(f"g{place}")
+        return self.written(self.above - slope * self._atoms[base]), self.written(slope)
+
+    @property
+    def square_roots(self) -> list[tuple[sp.Expr, sp.Expr]]:
+        """The atoms whose squares are known, with their squares."""
+        found = [(base, base) for base, degree in self._degrees.items() if degree == 2]
+        return found + [(b, sp.S.NegativeOne) for b in self._bases if b is sp.I]
+
+    def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
+        """A polynomial in the atoms as an expression."""
+        roots = [sp.Pow(b, sp.Rational(1, self._degrees[b])) for b in self._bases]
+        terms = []
+        for exponents, coefficient in polynomial.terms():
+            powers = (r ** int(n) for r, n in zip(roots, exponents, strict=False) if n)
+            terms.append(sp.Mul(_number(coefficient), *powers))
+        return sp.Add(*terms)
+
+    def _quotient(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+        if node not in self._found:
+            above, below = self._made(node)
+            size = max(len(above), len(below))
+            if size > TERMS or max(above.total_degree(), below.total_degree()) > DEGREE:
+                raise TooLong(f"{size} terms")
+            if size > 1 and not below.is_constant():
+                common = above.gcd(below)
+                above, below = above / common, below / common
+            self._found[node] = above, below
+        return self._found[node]
+
+    def _made(self, node: sp.Expr) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+        one = self._one
+        if node.is_Rational:
+            return self._context.constant(fmpq(int(node.p), int(node.q))), one
+        if node.is_Add:
+            above, below = self._context.constant(0), one
+            for a, b in map(self._quotient, node.args):
+                if b == below:
+                    above += a
+                else:
+                    above, below = above * b + a * below, below * b
+            return above, below
+        if node.is_Mul:
+            above, below = one, one
+            for a, b in map(self._quotient, node.args):
+                above, below = above * a, below * b
+            return above, below
+        base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
+        if not exponent.is_Rational:
+            base, exponent = node, sp.S.One
+        if base in self._atoms and (exponent.q != 1 or not _is_inner(base)):
+            above, below = self._atoms[base], one
+            power = int(exponent * self._degrees[base])
+        else:
+            above, below = self._quotient(base)
+            power = int(exponent)
+        if abs(power) * max(above.total_degree(), below.total_degree()) > DEGREE:
+            raise TooLong(f"degree of {node}")
+        return (above**power, below**power) if power >= 0 else (below**-power, above**-power)
+
+
+def _number(value: fmpq) -> sp.Rational:
+    return sp.Rational(int(value.p), int(value.q))
+
+
+def _exact(left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly | None:
+    """The quotient of two polynomials where nothing is left."""
+    quotient, rest = divmod(left, right)
+    return quotient if rest.is_zero() else None
+
+
+def _is_inner(node: sp.Expr) -> bool:
+    """Whether a node is a sum, product or number, and no atom."""
+    return bool(
+        node.is_Add or node.is_Mul or node.is_Rational or (node.is_Pow and node.exp.is_Integer)
+    )
+
+
+def _polynomial_nodes(expression: sp.Expr) -> Sequence[sp.Expr]:
+    """The nodes down to symbols, roots and functions."""
+    found: dict[sp.Expr, None] = {}
+    waiting = [expression]
+    while waiting:
+        node = waiting.pop()
+        if node not in found:
+            found[node] = None
+            inside = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Rational)
+            root = node.is_Pow and not node.exp.is_Integer
+            waiting += reversed(node.args) if inside and not root else ()
+    return list(found)
