@@ -1,7 +1,8 @@
 """About how long a request takes, so that a command can say it before it begins.
 
 The laws of the rational family were measured in processor seconds on one core of a 3 GHz server:
-orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the rest.  They are orders of magnitude beyond.
+orders 7 to 12 for proofs, 4 to 8 for stable forms, 4 to 7 for the rest.  Beyond, they are orders
+of magnitude.
 """
 
 from __future__ import annotations

@@ -46,6 +46,10 @@ BLOCK = 160.0
 QUIET = 1e-16
 """Largest difference, in units of the largest strain, between data that count as constant."""
 
+ROOM = 4.0
+"""In units of the speed of sound: a wave that is faster is looked for so far away. One that runs
+above that speed comes from sites that sound cannot have come from."""
+
 FASTER = 1.01
 """Factor on the speed in the data, for strains that grow on the way."""
 
@@ -127,11 +131,14 @@ class CausalReference:
     @cached_property
     def _cone(self) -> "_Cone":
         """The sites that matter; the speed is that of the data within reach."""
-        narrow = _Cone(self.scene, self.scene.constants.sound_speed())
-        first, last = narrow.needed(self.scene.t0)
-        fastest = self._faster * self._fastest(self._data(first, last).y)
-        wide = _Cone(self.scene, fastest)
-        first, last = wide.needed(self.scene.t0)
+        assumed = ROOM * self.scene.constants.sound_speed()
+        while True:
+            first, last = _Cone(self.scene, assumed).needed(self.scene.t0)
+            fastest = self._faster * self._fastest(self._data(first, last).y)
+            if fastest <= assumed:
+                break
+            assumed = ROOM * fastest
+        first, last = _Cone(self.scene, fastest).needed(self.scene.t0)
         data = self._data(first, last)
         small = QUIET * float(np.max(np.abs(data.y)))
         speed = self.scene.constants.sound_speed()
