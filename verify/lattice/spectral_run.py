@@ -320,7 +320,8 @@ class SpectralEngine:
     def _ring(self, choices: Choices) -> Ring:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
-            self._rings[key] = self._data.ring(choices.size, choices.shift)
+            size = math.inf if choices.causal else choices.size
+            self._rings[key] = self._data.ring(size, choices.shift)
         return self._rings[key]
 
     def _state(self, choices: Choices) -> RingState:
