@@ -16,7 +16,7 @@ from verify.lattice.spectral_run import SpectralTask, spectral_run
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),
-    "soliton_dn": (0.07, 1.0, {"k": 0.6}),
+    "soliton_dn": (0.06, 1.0, {"k": 0.6}),
     "breather_sn": (0.05, 1.0, {"k": 0.65, "alpha": 0.8, "X_0": 0.3}),
     "wave_cn": (0.08, 2.0, {"k": 0.8}),
     "rational_2": (0.07, 4.0, {}),
