@@ -6,7 +6,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from solutions import Wave
 from verify.lattice.blow_up import BlowUp
 from verify.lattice.closing import REACH, blend_seam, negate_at_seam, rest_at_seam
+from verify.lattice.fading import DEPTH, Fading
 from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
+from verify.lattice.observables import entry_named
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
 
@@ -33,6 +35,9 @@ KINK = 80.0
 
 AHEAD = 32
 """Moves of a window whose feeds are evaluated at once: a call costs as much as 450 sites."""
+
+BISECTIONS = 40
+"""Halvings to the speed that a ring holds."""
 
 FRONT = 12.0
 """Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
@@ -54,6 +59,12 @@ class Domain(Protocol):
         """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
 
         To be called at each of the ``moves``.
+        """
+
+    def fade(self, state: State) -> None:
+        """Change what can no longer reach a compared site, if that is of use.
+
+        To be called wherever the march stops.
         """
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
@@ -84,6 +95,20 @@ def least_ring(scene: Scene, strain: Array) -> int:
     fastest = scene.constants.highest_frequency(strain) / 2.0
     travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
     return 2 * (scene.compared + math.ceil(travelled + front(fastest, duration)))
+
+
+def speed_held(scene: Scene, sites: float) -> float:
+    """The fastest signal for which a ring of that many sites is wide enough; see `least_ring`."""
+    duration = scene.end - scene.t0
+    room = 0.5 * sites - scene.compared - scene.constants.sound_speed() * duration / 2.0
+    slow, fast = 0.0, max(0.0, room) / duration
+    for _ in range(BISECTIONS):
+        speed = 0.5 * (slow + fast)
+        if speed * duration + front(speed, duration) <= room:
+            slow = speed
+        else:
+            fast = speed
+    return slow
 
 
 def front(speed: float, duration: float) -> float:
@@ -120,6 +145,8 @@ class Ring:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
+    On a closed ring they fade once they can no longer reach a compared site, unless all of the
+    sites are asked for.
     Raises ValueError if they could reach a compared site before the run ends.
     """
 
@@ -127,6 +154,7 @@ class Ring:
     wave: Wave
     moves: frozenset[float] = frozenset()
     mismatch: float = 0.0
+    _fading: Fading | None = field(default=None, init=False)
 
     def start(self) -> State:
         """The initial state on all sites of the ring."""
@@ -135,7 +163,23 @@ class Ring:
         state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
         state.store(state.sites, *self._data(state))
         self._check(state)
+        self._fading = self._build_fading()
         return state
+
+    def fade(self, state: State) -> None:
+        """On a closed ring, let fade what can no longer reach a compared site."""
+        if self._fading is not None:
+            self._fading.at(state)
+
+    def _build_fading(self) -> Fading | None:
+        scene, wave = self.scene, self.wave
+        whole = any(entry_named(name).all_sites for name in scene.observables)
+        if scene.domain != "closed_ring" or whole or scene.end == scene.t0:
+            return None
+        speed = speed_held(scene, scene.sites - seam_room(wave, scene.eps))
+        level = scene.eps * (wave.constant_background or 0.0)
+        depth = max(float(DEPTH), (wave.wavelength or 0.0) / scene.eps)
+        return Fading(scene.t0, speed, level, depth)
 
     def _data(self, state: State) -> tuple[Array, Array]:
         """The wave's data; on a closed ring they pass smoothly over the seam.
@@ -227,6 +271,9 @@ class Window:
         state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
+
+    def fade(self, state: State) -> None:
+        """Nothing: what is dropped is gone."""
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``: a window has no seam."""

@@ -81,6 +81,7 @@ class March:
             self.steps += steps
             if t in self.domain.moves:
                 self.blow_up = self.domain.follow(state)
+            self.domain.fade(state)
             return
         self.blow_up = found if steps == 1 else None
         if steps > 1:

@@ -249,3 +249,20 @@ def test_the_map_keeps_a_crest_narrower_than_its_cells(window_scene: Callable[..
     measured = run(replace(scene, observables=("space_time", "strain")))
     assert measured.sizes["map_site"] == 201
     assert measured.space_time.values[-1].max() == measured.strain.values[-1].max()
+
+
+def test_strains_are_had_where_the_wave_is_its_own_background(
+    window_scene: Callable[..., Scene],
+) -> None:
+    """Catches: a scene refused for a relative error that has no sense, and that it can do without.
+
+    The crest is so far away that the compared strains are the background's, to the bit.
+    """
+    far = {"K2": 1.0, "K4": 0.7754, "eps": 0.02128, "t0": -25233.5, "snapshots": (-25133.5,)}
+    parameters = (("U_0", -6.003), ("kappa", 3.515))
+    scene = window_scene(wave="soliton_background", parameters=parameters, **far)
+    found = run(replace(scene, observables=("strain",)))
+    assert np.isfinite(found["strain"]).all()
+    assert np.isnan(found["error"]).all()
+    with pytest.raises(ValueError, match="background must differ from the wave"):
+        run(replace(scene, observables=("error_curve",)))

@@ -98,7 +98,8 @@ class Entry:
 
     ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
     missing from all moments of a run. ``uses_wave`` says that the closed form is evaluated,
-    ``needs_ring`` that the sites must form a ring.
+    ``needs_ring`` that the sites must form a ring, ``all_sites`` that others than the compared ones
+    are looked at.
     """
 
     name: str
@@ -108,3 +109,4 @@ class Entry:
     measure: Measure
     uses_wave: bool = False
     needs_ring: bool = False
+    all_sites: bool = False

@@ -3,18 +3,26 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from verify.lattice.observables.entry import View
 
 
 def strain(view: View) -> Mapping[str, Any]:
-    """Strains of run, wave and bare background, the sites' numbers, and the errors."""
+    """Strains of run, wave and bare background, the sites' numbers, and the errors.
+
+    Errors are NaN at a time when the wave is its own background on all compared sites.
+    """
     rows = {
         "strain": view.numeric,
         "analytic": view.analytic,
         "background": view.background,
         "n": view.sites,
     }
-    return rows | _errors(view, "error")
+    if not np.array_equal(view.analytic, view.background):
+        return rows | _errors(view, "error")
+    far = {"error_far_field": np.nan} if view.has_far_field else {}
+    return rows | {"error": np.nan} | far
 
 
 def error_curve(view: View) -> Mapping[str, Any]:

@@ -60,6 +60,7 @@ ENTRIES = (
         variables=(Variable("energy", units="lattice energy"),),
         measure=energy,
         needs_ring=True,
+        all_sites=True,
     ),
     Entry(
         name="momentum",
@@ -71,6 +72,7 @@ ENTRIES = (
         ),
         measure=momentum,
         needs_ring=True,
+        all_sites=True,
     ),
     Entry(
         name="spectrum",
@@ -128,6 +130,7 @@ ENTRIES = (
             Variable("state_left", long_name="leftmost site held"),
         ),
         measure=whole_state,
+        all_sites=True,
     ),
     Entry(
         name="time_step_error",
