@@ -162,7 +162,7 @@ def test_a_domain_needs_an_inside() -> None:
     root = n.power(n.power(n.x, "4"), "1/2")
     value = n("Mul", n.minus, n.power(n.x, "2"))
     domain = [["<=", n.zero, n.x], ["<=", n.x, n.zero]]
-    equation = [["1", [], [[0, [2]]]], ["2", [], []]]
+    equation: Terms = [["1", [], [[0, [2]]]], ["2", [], []]]
     data = certificate(
         n,
         root,
@@ -288,7 +288,7 @@ def test_a_long_formula_is_not_named_as_the_unknown_is() -> None:
     powers = [n.power(n("Add", n.x, n("number", str(k))), "7") for k in range(9)]
     long = n("Add", *powers)
     square = n.power(long, "2")
-    equation = [["1", [], [[0, [0]]]], ["-1", [long, long], []]]
+    equation: Terms = [["1", [], [[0, [0]]]], ["-1", [long, long], []]]
     data = certificate(n, square, equation, [["atom", n.x]], {n.x: "1"}, unknowns=[["f1", square]])
     assert "where f1 =" not in check_certificate(data)
 
