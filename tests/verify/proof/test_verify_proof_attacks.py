@@ -4,10 +4,14 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from flint import fmpq
 
 from verify.proof import prove
 from verify.proof.checker import CertificateError, check_certificate
-from verify.proof.checker.check import digest
+from verify.proof.checker.check import digest, registered
+from verify.proof.checker.denominators import Branches
+from verify.proof.checker.nodes import Nodes
+from verify.proof.checker.statement import read_statement
 from verify.verdict import Outcome
 
 Data = dict[str, Any]
@@ -158,7 +162,7 @@ def test_a_domain_needs_an_inside() -> None:
     root = n.power(n.power(n.x, "4"), "1/2")
     value = n("Mul", n.minus, n.power(n.x, "2"))
     domain = [["<=", n.zero, n.x], ["<=", n.x, n.zero]]
-    equation = [["1", [], [[0, [2]]]], ["2", [], []]]
+    equation: Terms = [["1", [], [[0, [2]]]], ["2", [], []]]
     data = certificate(
         n,
         root,
@@ -222,3 +226,80 @@ def test_derivatives_of_two_variables_print_differently() -> None:
     data = certificate(n, xx, [["1", [], [[0, [2, 0]]]]], [["atom", xx]], {}, variables=[n.x, xx])
     with pytest.raises(CertificateError, match="name"):
         check_certificate(data)
+
+
+def test_a_sine_is_not_positive_where_its_argument_is_zero() -> None:
+    """sin((|x| + x)**2) is 0 for x < 0, where sqrt((0 + i y)**2) is not i y for y < 0."""
+    n = Table()
+    y, size = n("symbol", "y", "real"), n("Abs", n.x)
+    z = n.power(n("Add", size, n.x), "2")
+    value = n("Add", n("sin", z), n("Mul", n.i, y))
+    root = n.power(n.power(value, "2"), "1/2")
+    phase = n("exp", n("Mul", n.i, z))
+    data = certificate(
+        n,
+        root,
+        [["1", [], [[0, [0, 0]]]], ["-1", [value], []]],
+        [["atom", node] for node in (n.x, y, n.i, size, phase)],
+        {n.x: "1/2", y: "1"},
+        [["<", z, n("number", "3")]],
+        [n.x, y],
+        values=[[root, value]],
+    )
+    with pytest.raises(CertificateError, match="not shown to be >= 0"):
+        check_certificate(data)
+
+
+@pytest.mark.parametrize("where", ["radicand", "witness"])
+def test_a_root_with_a_pole_under_it_may_change_its_branch(where: str) -> None:
+    """x sqrt(1 + 1/x**2) - sqrt(1 + x**2) is 0 for x > 0, but not for x < 0.
+
+    So is sqrt(1 + x**2) sqrt(x**2/(1 + x**2)) - x, whose radicand 1/(1 + 1/x**2) is 0 at 0.
+    """
+    n = Table()
+    one, square = n("number", "1"), n.power(n.x, "2")
+    high, steep = n("Add", one, square), n("Add", one, n.power(n.x, "-2"))
+    v, signs = n.power(high, "1/2"), []
+    if where == "radicand":
+        w = n.power(steep, "1/2")
+        gap, size = n.difference(n("Mul", n.x, w), v), n("Mul", v, n.power(w, "-1"))
+    else:
+        radicand = n("Mul", square, n.power(high, "-1"))
+        w, signs = n.power(radicand, "1/2"), [[radicand, n.power(steep, "-1")]]
+        gap, size = n.difference(n("Mul", v, w), n.x), n("Mul", v, w)
+    even = n.power(gap, "2")
+    root, value = n.power(square, "1/2"), n("Mul", n.minus, n.x)
+    other = n("Mul", size, even, n.power(even, "-1"))
+    data = certificate(
+        n,
+        root,
+        equals(value),
+        [["atom", node] for node in (n.x, v, w)],
+        {n.x: "-1"},
+        values=[[root, value]],
+        signs=[[value, other], *signs],
+    )
+    with pytest.raises(CertificateError, match="a denominator is not shown"):
+        check_certificate(data)
+
+
+def test_a_long_formula_is_not_named_as_the_unknown_is() -> None:
+    n = Table()
+    powers = [n.power(n("Add", n.x, n("number", str(k))), "7") for k in range(9)]
+    long = n("Add", *powers)
+    square = n.power(long, "2")
+    equation: Terms = [["1", [], [[0, [0]]]], ["-1", [long, long], []]]
+    data = certificate(n, square, equation, [["atom", n.x]], {n.x: "1"}, unknowns=[["f1", square]])
+    assert "where f1 =" not in check_certificate(data)
+
+
+def test_a_sign_is_tried_with_both_values() -> None:
+    """sign x changes its branch at 0, also where abs x is no generator."""
+    n = Table()
+    sign, square = n("sign", n.x), n("Mul", n.x, n.x)
+    data = certificate(n, square, equals(square), [["atom", n.x]], {n.x: "-1"})
+    nodes = Nodes(data["nodes"])
+    field = registered(nodes, read_statement(nodes, data["statement"]), data["proof"])
+    point, place = {nodes.place(n.x): fmpq(-1)}, nodes.place(sign)
+    values = [Branches(field, point, {place: fmpq(k, 2)}).ball(place).real for k in (0, 1)]
+    assert [bool(value < 0) for value in values] == [True, False]

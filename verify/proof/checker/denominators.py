@@ -44,8 +44,9 @@ class Branches(Balls):
                 return (self.ball(inner) + self._conjugate(inner)) / 2
             case ("im", inner):
                 return (self.ball(inner) - self._conjugate(inner)) / acb(0, 2)
-            case ("sign", inner):
-                return self.ball(inner) / self.ball(self._nodes.made("Abs", inner))
+            case ("sign", inner) if node in self._turns:
+                size = (self.ball(inner) * self._conjugate(inner)).sqrt()
+                return self.ball(inner) / size * self._unit(node)
         return super()._ball(node)
 
     def _conjugate(self, inner: int) -> acb:
@@ -115,7 +116,8 @@ class Denominators:
     def _jumps(self, node: int) -> bool:
         match self._field.nodes.all[node]:
             case ("log", inner):
-                return not (self._field.is_clean(inner) and self._field.signs.positive(inner))
+                root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
+                return not self._field.is_clean(root)
             case ("atan", inner):
                 return not self._field.signs.is_real(inner)
         return False

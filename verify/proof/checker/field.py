@@ -18,13 +18,16 @@ from .limits import EXPONENT, CertificateError, within
 from .nodes import ELLIPTIC, Nodes, children
 from .points import Balls, value_at
 from .ring import Element, Ring
-from .signs import ANY, BELOW_ONE, POSITIVE, Sign, Signs
+from .signs import ANY, BELOW_ONE, NOT_NEGATIVE, POSITIVE, Sign, Signs
 
 Sum = tuple[tuple[fmpq, int], ...]
 """Coefficients and nodes."""
 
 HALF_PI = fmpq(15707963, 10**7)
 """A little less than pi/2."""
+
+UNBOUNDED = ("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign")
+"""Functions with poles or jumps at real arguments."""
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
@@ -256,10 +259,34 @@ class Field:
             name = self.nodes.all[inner][0]
             if name == "Pow":
                 base, exponent = self.nodes.all[inner][1:]
-                if exponent.q != 1 and not self.signs.positive(base):
+                if exponent.q != 1 and not (self.signs.positive(base) and self._is_bounded(base)):
+                    return False
+            elif name in BELOW_ONE:
+                if not self._is_bounded(self.nodes.all[inner][-1]):
                     return False
             elif name not in CLEAN and not name.startswith("jacobi_"):
                 return False
+        return True
+
+    def _is_bounded(self, node: int) -> bool:
+        """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
+
+        Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
+        """
+        todo, seen = [node], set()
+        while todo:
+            for inner in self.nodes.below([todo.pop()]):
+                if inner in seen:
+                    continue
+                seen.add(inner)
+                name, *arguments = self.nodes.all[inner]
+                if name == "Pow" and arguments[1] < 0 and 0 in self.signs.sign(arguments[0]):
+                    return False
+                complex_jacobi = name.startswith("jacobi_") and not self.signs.is_real(inner)
+                if complex_jacobi or name in (*UNBOUNDED, *BELOW_ONE):
+                    return False
+                if inner in self.hints.signs:
+                    todo.append(self.hints.signs[inner])
         return True
 
     # Images.
@@ -617,7 +644,7 @@ class Field:
             case ("cos", z) if self._is_between(z, -HALF_PI, HALF_PI):
                 return POSITIVE
             case ("sin", z) if self._is_between(z, fmpq(0), 2 * HALF_PI):
-                return POSITIVE
+                return POSITIVE if self.signs.positive(z) else NOT_NEGATIVE
         if self.nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
         if all(self.nodes.all[inner][0] != "symbol" for inner in self.nodes.below([node])):

@@ -154,7 +154,7 @@ def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
 def statement_text(statement: Statement) -> str:
     """The statement in words, formulas in full; what occurs twice is named once."""
     ends = [node for _, *both in statement.domain for node in both]
-    writer = _Writer(statement.nodes, statement.roots + ends)
+    writer = _Writer(statement.nodes, statement.roots + ends, statement.unknowns)
     variables = [writer.text(v) for v in statement.variables]
     equations = [
         " + ".join(_term_text(term, statement, variables, writer) for term in terms) + " = 0"
@@ -205,11 +205,11 @@ def _jet_text(unknown: str, orders: Sequence[int], variables: Sequence[str]) -> 
 class _Writer:
     """Formulas as text of a length that grows with the number of nodes only."""
 
-    def __init__(self, nodes: Nodes, roots: Sequence[int]) -> None:
+    def __init__(self, nodes: Nodes, roots: Sequence[int], names: Sequence[str]) -> None:
         self._nodes = nodes
         self.named: dict[str, str] = {}
         self._texts: dict[int, str] = {}
-        taken = {node[1] for node in nodes.all if node[0] == "symbol"}
+        taken = {*names, *(node[1] for node in nodes.all if node[0] == "symbol")}
         uses = Counter(c for node in nodes.below(roots) for c in set(children(nodes.all[node])))
         uses.update(roots)
         for node in nodes.below(roots):
