@@ -98,9 +98,12 @@ PERIODIC = tuple(name for name in shipped_scenes() if name not in RATIONAL)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RATIONAL)
 def test_the_window_keeps_every_tolerance(name: str) -> None:
-    """Measured by the ring, which has no window's ends and no site's step."""
+    """Measured by the ring, which has no window's ends and no site's step.
+
+    Where the crest is as short as two sites the ring's own steps leave 5e-8: a finer stencil then.
+    """
     scene = load_scene(name)
-    exact = spectral_reference(scene)
+    exact = spectral_reference(scene) if scene.eps <= 0.05 else stencil_reference(scene)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
         check(replace(with_tolerance(scene, tolerance), engine="stencil"), exact)
 
