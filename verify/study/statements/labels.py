@@ -17,7 +17,7 @@ TRIES = 10
 DIGITS = (40, 240, 700)
 """A residual counts as clear if it is so at one of these; they suit changes by 10**-200."""
 
-MOST_DIGITS = 6000
+MOST_DIGITS = 40_000
 """For a witness far out, where exp(-3*t) makes both sides smaller than the other digits show."""
 
 FALL = 1e-20
