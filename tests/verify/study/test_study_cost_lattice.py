@@ -76,11 +76,11 @@ def test_the_rings_march_can_be_done_again() -> None:
 @pytest.mark.slow
 def test_each_way_changes_one_thing() -> None:
     """Catches the wide lattice priced as the window, and an error judged against itself."""
-    found = {point.series: point for point in at_eps(0.2, judged=True)}
+    found = {point.series: point for point in at_eps(0.1, judged=True)}
     assert list(found)[:4] == ["RK4, wide lattice", "RK4, window", "order 6, window", "spectral"]
     scaled = [point.scaled for point in found.values()]
     assert scaled == [True, True, True, False, False, False]
-    wide = 2 * (2 * round(1.25 / 0.2**3) + 50)
+    wide = 2 * (2 * round(1.25 / 0.1**3) + 100)
     ratio = found["RK4, wide lattice"].value / found["RK4, window"].value
     assert ratio == pytest.approx(wide / 2048, rel=0.01)
     assert 0.0 < found[TRUE_ERROR].value < 1e-3
