@@ -9,12 +9,9 @@ reference may err.
 import json
 import math
 import re
-import signal
-import threading
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -26,6 +23,7 @@ from verify.lattice.run import run
 from verify.lattice.scene import Scene
 from verify.study.causal_reference import CausalReference, SoftenedError
 from verify.study.estimate_scenes import RandomScene, random_scene
+from verify.study.time_limit import OutOfTime, time_limit
 
 __all__ = ["VERDICTS", "Judged", "Row", "judge", "judge_scene", "rows"]
 
@@ -118,10 +116,6 @@ class Judged:
         return json.dumps(asdict(self))
 
 
-class _OutOfTimeError(Exception):
-    pass
-
-
 @dataclass(frozen=True)
 class _Answer:
     strain: Array | None
@@ -168,40 +162,21 @@ def _answer(scene: Scene, answer: Callable[[Scene], xr.Dataset] | None) -> _Answ
 
     def watch(_: float) -> None:
         if time.process_time() - begun > ANSWER_SECONDS:
-            raise _OutOfTimeError
+            raise OutOfTime
 
     try:
-        with _timer(), warnings.catch_warnings():
+        with time_limit(ANSWER_SECONDS), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = run(scene, watch) if answer is None else answer(scene)
     except ValueError as error:
         return _Answer(None, "", math.nan, str(error))
-    except _OutOfTimeError:
+    except OutOfTime:
         return _Answer(None, "", math.nan, f"no end within {ANSWER_SECONDS:g} s", ended=False)
     except Exception as error:
         return _Answer(None, "", math.nan, f"{type(error).__name__}: {error}", ended=False)
     estimate, reason = float(found.attrs["error_estimate"]), str(found.attrs["blow_up"])
     strain = np.asarray(found["strain"]) if "strain" in found else None
     return _Answer(strain, str(found.attrs["engine"]), estimate, reason)
-
-
-@contextmanager
-def _timer() -> Iterator[None]:
-    """Raise _OutOfTimeError where a run tells nobody that it is under way."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(*_: object) -> None:
-        raise _OutOfTimeError
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, ANSWER_SECONDS)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
 
 
 def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:

@@ -7,14 +7,11 @@ witness of a refutation lies outside the domain or leaves no residual.
 from __future__ import annotations
 
 import enum
-import signal
 import statistics
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from types import FrameType
 
 import sympy as sp
 
@@ -24,6 +21,7 @@ from verify.proof.verdict import ProofVerdict
 from verify.study.statements import Statement, Truth, statement
 from verify.study.statements.labels import fails_at
 from verify.study.statements.values import ValueMissing
+from verify.study.time_limit import OutOfTime, time_limit
 from verify.tree import distinct_nodes
 from verify.verdict import Outcome
 
@@ -60,26 +58,6 @@ class Judgement:
     seconds: float
 
 
-class _TimeUp(BaseException):
-    """The limit has passed; nothing but the judge catches it."""
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Stop what runs inside after ``seconds`` of processor time; only in a main thread."""
-
-    def stop(signum: int, frame: FrameType | None) -> None:
-        raise _TimeUp
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
-
-
 def ask(given: Statement) -> ProofVerdict:
     """The prover's verdict."""
     if given.unknown is None:
@@ -94,7 +72,7 @@ def judge(given: Statement, limit: float = LIMIT) -> Judgement:
         with time_limit(limit):
             verdict = ask(given)
         mark, words = marked(given, verdict)
-    except _TimeUp:
+    except OutOfTime:
         mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
     except (ValueError, TypeError) as error:
         refused = given.truth is Truth.VOID and "\n" not in str(error)
