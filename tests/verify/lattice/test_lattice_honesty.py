@@ -143,13 +143,26 @@ STARTING = _scene(
     engine="spectral",
     parameters=(("A", 14.73), ("X_0", -0.3187)),
 )
+WIDENED = _scene(
+    "rational_5",
+    0.03029,
+    K2=5.119,
+    K4=0.003214,
+    t0=-4419959.035460397,
+    snapshots=(-4418408.293000818,),
+    compared=109,
+    tolerance=4.683e-4,
+    engine="spectral",
+)
 
 
 @pytest.mark.parametrize(
-    "scene", [pytest.param(BREATHER, marks=pytest.mark.slow), STANDING, STARTING]
+    "scene", [pytest.param(BREATHER, marks=pytest.mark.slow), STANDING, STARTING, WIDENED]
 )
 def test_the_true_error_is_below_the_estimate(scene: Scene) -> None:
-    """Short waves that come round, rounding that adds up, a start that leaves a plateau."""
+    """Short waves that come round, rounding that adds up, a start that leaves a plateau, and runs
+    on the size that a causal ring had before it was widened.
+    """
     judged = judge_scene(RandomScene(0, 0, scene, 0))
     assert judged.verdict == "honest", judged.json()
 
