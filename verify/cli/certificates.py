@@ -57,7 +57,8 @@ def read_certificates(path: Path) -> list[Any]:
             content.decode("utf-8"), parse_constant=_refused, object_pairs_hook=_distinct
         )
     except (ValueError, RecursionError) as error:
-        raise CertificateError(f"the file is no JSON text ({ascii(str(error))[1:-1][:80]})") from error
+        why = ascii(str(error))[1:-1][:80]
+        raise CertificateError(f"the file is no JSON text ({why})") from error
     certificates = data if isinstance(data, list) else [data]
     if not 0 < len(certificates) <= CERTIFICATES:
         held = "no certificate" if not certificates else f"more than {CERTIFICATES} certificates"
