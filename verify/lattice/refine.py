@@ -9,6 +9,10 @@ is no worse than two thirds of the run before it, in each of the things that wer
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
 that it is not enough, each of the choices is varied by itself, to see which one it is.
+
+No step helps where the lattice amplifies rounding above the tolerance. So where an error ceases to
+fall, and on backgrounds about which perturbations may grow, a run is done again with the last
+digits of its data changed.
 """
 
 import math
@@ -44,8 +48,18 @@ BLOWN = 3
 CURE = 32.0
 """By how much all errors are to fall after a blow-up."""
 
-PATIENCE = 4
-"""Control runs without a new smallest error after which rounding is what is left."""
+PATIENCE = 3
+"""Control runs without progress after which rounding is what is left."""
+
+PROGRESS = 0.7
+"""An error that is more than this share of the one before it has ceased to fall."""
+
+NUDGE = 2.0**-51
+"""Relative change of the data's last digits."""
+
+WARY = 100.0
+"""Factor on what the nudge changes with the longest step: a hundred times as much was seen with
+shorter ones, whose roundings are more."""
 
 SURE = 50.0
 """A step's error that is to be divided by at most this is taken to obey its law."""
@@ -62,6 +76,7 @@ class Choices:
     a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
     its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
     step at first, until what the data send to the left has left the wave, 0 if there is none.
+    ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
     """
 
     step: float
@@ -71,6 +86,7 @@ class Choices:
     shift: float = 0.0
     absorber: float = 0.0
     start: float = 0.0
+    nudged: bool = False
 
 
 @dataclass(frozen=True)
@@ -123,6 +139,8 @@ class Engine(Protocol):
     """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
+    fragile: bool
+    """Whether perturbations may grow, so that what becomes of rounding is measured."""
 
     def first(self) -> Choices:
         """Where the search begins."""
@@ -198,11 +216,17 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         error = engine.safety * difference(trial, control) + rounding
+        if error <= tolerance and search.wary:
+            grown = search.grown(choices)
+            rounding, error = rounding + grown, error + grown
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)
         search.judged = control, error
-        since = 0 if error < best or math.isinf(error) else since + 1
+        fell = error < PROGRESS * best or math.isinf(error)
+        if not fell or search.wary:
+            search.check_rounding(choices)
+        since = 0 if fell else since + 1
         best = min(best, error)
         if since == PATIENCE:
             break
@@ -226,6 +250,7 @@ class _Search:
         self._shown = 0.0
         self._stopped = False
         self.seconds = 0.0
+        self.wary: bool | None = None
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
@@ -251,12 +276,19 @@ class _Search:
 
         The law is taken at its word where it does not lead far or has held twice.
         """
-        before, unstable, held = choices, 0, False
+        before, unstable, stalled, held = choices, 0, 0, False
         last = math.inf
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
+            if self.wary is None and math.isfinite(excess):
+                self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
             unstable += math.isinf(excess)
             if excess <= 1.0 or unstable == self._engine.unstable:
+                break
+            if math.isfinite(excess) and excess > PROGRESS * last:
+                self.check_rounding(choices)
+                stalled += 1
+            if stalled == PATIENCE:
                 break
             expected = last * (choices.step / before.step) ** self._engine.order
             held = excess <= LAWFUL * expected and math.isfinite(last)
@@ -270,6 +302,22 @@ class _Search:
                     choices = self._engine.better(choices, "step", shorter)
                 break
         return choices.step
+
+    def grown(self, choices: Choices) -> float:
+        """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
+        nudged = replace(choices, nudged=True)
+        self._run({choices: False, nudged: False})
+        return SAFETY * difference(self._done[choices], self._done[nudged])
+
+    def check_rounding(self, choices: Choices) -> None:
+        """Raise ValueError if rounding alone comes to more than the tolerance."""
+        grown = self.grown(choices)
+        if self._tolerance < grown < math.inf:
+            raise ValueError(
+                f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
+                f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
+                "rounding comes to that much, whatever the step; raise it or end earlier)"
+            )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
         """The run with these choices and its control, which is shown."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from verify.exponential.adams import ORDER
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.refine import (
+    NUDGE,
     Announce,
     Choices,
     Engine,
@@ -123,6 +124,8 @@ class SpectralEngine:
     average away, as step^1/2."""
     order = ORDER
     unstable = 10
+    fragile = False
+    """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, task: SpectralTask) -> None:
         self._task = task
@@ -263,6 +266,8 @@ class SpectralEngine:
         begun = time.perf_counter()
         tail = TAIL_SHARE * task.tolerance * task.eps
         state = self._state(choices)
+        if choices.nudged:
+            state = replace(state, y=(1.0 + NUDGE) * state.y)
         cutoff = short = 0.0
         if choices.absorber:
             cutoff, short = self._data.absorbed, self._data.short(state.circumference)

@@ -14,6 +14,7 @@ from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
 from verify.lattice.refine import (
+    NUDGE,
     SAFETY,
     Announce,
     Choices,
@@ -95,6 +96,7 @@ class StencilEngine:
         scheme = scheme_named(scene.scheme or PREFERRED)
         self.order: int = scheme.order
         self._scene, self._wave, self._extent = scene, wave, extent
+        self.fragile = wave.wavelength is not None
         self._domain = domain_kind(scene, wave)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self._least = least_sites(scene, wave, self._domain, extent)
@@ -176,12 +178,14 @@ class StencilEngine:
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         samples = StrainSamples(self._times)
+        looked = (shown or choices.causal) and not choices.nudged
         stated = replace(
             self._base,
+            eps=self._scene.eps * (1.0 + NUDGE * choices.nudged),
             step=choices.step,
             sites=int(choices.size),
             domain="closed_ring" if choices.causal else "window",
-            observables=self._base.observables if shown or choices.causal else (),
+            observables=self._base.observables if looked else (),
         )
         stopped = False
         try:
