@@ -19,12 +19,10 @@ import math
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from verify.lattice.trial import Choices, StoppedTrial, Trial, difference
 
-Array = NDArray[np.float64]
 Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -54,9 +52,6 @@ PATIENCE = 3
 PROGRESS = 0.7
 """An error that is more than this share of the one before it has ceased to fall."""
 
-NUDGE = 2.0**-51
-"""Relative change of the data's last digits."""
-
 WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
 shorter ones, whose roundings are more."""
@@ -68,51 +63,12 @@ LAWFUL = 3.0
 """What is left of a step's error obeys its law if it is at most this much larger."""
 
 
-@dataclass(frozen=True)
-class Choices:
-    """All numerical choices of a run.
+class TooDearError(ValueError):
+    """The next runs would take ``work``, more than the engine is given."""
 
-    ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
-    a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
-    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
-    step at first, until what the data send to the left has left the wave, 0 if there is none.
-    ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
-    """
-
-    step: float
-    size: float
-    causal: bool = False
-    density: float = 1.0
-    shift: float = 0.0
-    absorber: float = 0.0
-    start: float = 0.0
-    nudged: bool = False
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
-
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them.
-    ``payload`` is the engine's own. ``shown`` if the observables can be asked for. An unfinished
-    run holds the times before it was stopped.
-    """
-
-    choices: Choices
-    values: Array | None
-    work: float
-    seconds: float
-    rounding: float
-    payload: Any
-    shown: bool = True
-
-
-class StoppedTrial(KeyboardInterrupt):
-    """Ctrl-C during a run: what there is of it."""
-
-    def __init__(self, trial: Trial) -> None:
-        super().__init__("interrupted")
-        self.trial = trial
+    def __init__(self, work: float) -> None:
+        super().__init__(f"runs that take {work:.2g}")
+        self.work = work
 
 
 class StoppedSearch(KeyboardInterrupt):
@@ -141,6 +97,8 @@ class Engine(Protocol):
     """Steps tried, each shorter, until one is stable."""
     fragile: bool
     """Whether perturbations may grow, so that what becomes of rounding is measured."""
+    most_work: float
+    """The most that the next runs may take, in the unit of `work`."""
 
     def first(self) -> Choices:
         """Where the search begins."""
@@ -176,15 +134,6 @@ class Refined:
     error: float
     rounding: float
     before: float
-
-
-def difference(one: Trial, other: Trial) -> float:
-    """Largest difference of y/eps between two runs; infinite if either blew up."""
-    if one.values is None or other.values is None:
-        return math.inf
-    with np.errstate(invalid="ignore", over="ignore"):
-        found = float(np.max(np.abs(one.values - other.values)))
-    return found if math.isfinite(found) else math.inf
 
 
 def refine(
@@ -283,12 +232,10 @@ class _Search:
             if self.wary is None and math.isfinite(excess):
                 self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
             unstable += math.isinf(excess)
-            if excess <= 1.0 or unstable == self._engine.unstable:
-                break
-            if math.isfinite(excess) and excess > PROGRESS * last:
+            if 1.0 < excess < math.inf and excess > PROGRESS * last:
                 self.check_rounding(choices)
                 stalled += 1
-            if stalled == PATIENCE:
+            if excess <= 1.0 or unstable == self._engine.unstable or stalled == PATIENCE:
                 break
             expected = last * (choices.step / before.step) ** self._engine.order
             held = excess <= LAWFUL * expected and math.isfinite(last)
@@ -392,8 +339,14 @@ class _Search:
         self._progress(self._shown)
 
     def _tell(self, missing: Collection[Choices]) -> None:
-        """Announce runs that will take long, going by what those before them took."""
+        """Announce runs that will take long, going by what those before them took.
+
+        Raises TooDearError for more than the engine is given.
+        """
+        asked = sum(map(self._engine.work, missing))
+        if asked > self._engine.most_work:
+            raise TooDearError(asked)
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
-            self._announce(spent / work * sum(map(self._engine.work, missing)))
+            self._announce(spent / work * asked)

@@ -17,23 +17,14 @@ from numpy.typing import NDArray
 
 from verify.exponential.adams import ORDER
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
-from verify.lattice.refine import (
-    NUDGE,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    Progress,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from verify.lattice.refine import Announce, Engine, Kind, Progress, refine
 from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from verify.lattice.spectral_absorber import STRENGTH
 from verify.lattice.spectral_data import Ring, ring_data
 from verify.lattice.spectral_scale import first_density, first_step, typical_number
 from verify.lattice.spectral_task import SpectralCost, SpectralRun, SpectralTask
+from verify.lattice.trial import NUDGE, Choices, StoppedTrial, Trial
 
 __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
@@ -129,6 +120,7 @@ class SpectralEngine:
 
     def __init__(self, task: SpectralTask) -> None:
         self._task = task
+        self.most_work = task.most_work
         self._duration = task.times[-1] - task.t0
         self._data = ring_data(
             task.constants,

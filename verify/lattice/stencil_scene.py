@@ -14,18 +14,7 @@ from verify.lattice.domain import window_moves
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
-from verify.lattice.refine import (
-    NUDGE,
-    SAFETY,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    StoppedSearch,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from verify.lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
 from verify.lattice.scene import Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.stencil_plan import (
@@ -40,6 +29,7 @@ from verify.lattice.stencil_plan import (
     shorter_step,
 )
 from verify.lattice.stencil_run import run_from
+from verify.lattice.trial import NUDGE, Choices, StoppedTrial, Trial
 from verify.lattice.unfinished import UnfinishedRun, unfinished
 
 STEP_RATIO = 0.85
@@ -104,6 +94,7 @@ class StencilEngine:
     threads = 2
     safety = SAFETY
     unstable = 1
+    most_work = math.inf
 
     def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:
         scheme = scheme_named(scene.scheme or PREFERRED)
