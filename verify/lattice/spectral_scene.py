@@ -58,7 +58,7 @@ def run_spectral(
     except TooDearError as error:
         raise ValueError(
             f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': the next "
-            f"rings alone would take {RATES.spectral * error.work:.2g} s, all sites one by one about "
+            f"rings alone would take {RATES.spectral * error.work:.2g} s, site by site about "
             f"{stencil_seconds(scene, wave):.2g} s (or raise the tolerance)"
         ) from None
     except StepTooShortError as error:
