@@ -177,7 +177,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
             search.check_rounding(choices)
         since = 0 if fell else since + 1
         best = min(best, error)
-        if since == PATIENCE:
+        if PATIENCE in (since, scouting.stalled) and math.isfinite(best):
             break
         choices = search.improved(trial, error)
     raise ValueError(
@@ -200,6 +200,7 @@ class _Search:
         self._stopped = False
         self.seconds = 0.0
         self.wary: bool | None = None
+        self.stalled = 0
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
@@ -225,17 +226,18 @@ class _Search:
 
         The law is taken at its word where it does not lead far or has held twice.
         """
-        before, unstable, stalled, held = choices, 0, 0, False
+        before, unstable, held = choices, 0, False
         last = math.inf
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
             if self.wary is None and math.isfinite(excess):
                 self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
             unstable += math.isinf(excess)
-            if 1.0 < excess < math.inf and excess > PROGRESS * last:
+            stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
+            self.stalled = self.stalled + 1 if stuck else 0
+            if stuck:
                 self.check_rounding(choices)
-                stalled += 1
-            if excess <= 1.0 or unstable == self._engine.unstable or stalled == PATIENCE:
+            if excess <= 1.0 or unstable == self._engine.unstable or self.stalled == PATIENCE:
                 break
             expected = last * (choices.step / before.step) ** self._engine.order
             held = excess <= LAWFUL * expected and math.isfinite(last)

@@ -194,14 +194,10 @@ def test_the_table_counts_each_scene_once() -> None:
 
 @pytest.mark.slow
 def test_no_estimate_is_dishonest() -> None:
-    """Sixty random scenes, the program's own choice and each engine by name.
-
-    One may take longer than the search waits: 2:13, a ring by name at tolerance 1.6e-8.
-    """
+    """Sixty random scenes, the program's own choice and each engine by name."""
     found = [judge(2, index) for index in range(COUNT)]
-    wrong = [one for one in found if not one.sound and one.verdict != "no answer"]
+    wrong = [one for one in found if not one.sound]
     assert [(one.index, one.verdict, one.reason) for one in wrong] == []
-    assert sum(one.verdict == "no answer" for one in found) <= 1
     assert sum(one.verdict == "undecided" for one in found) <= 1
     ratios = [one.ratio for one in found if one.verdict == "honest"]
     assert np.median(ratios) > 0.05
