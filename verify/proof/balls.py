@@ -14,8 +14,8 @@ from flint import acb, arb, ctx, fmpq
 from solutions.special.function import JacobiFunction
 
 from . import ballfunctions as functions
+from .domain_signs import Signs
 from .jet import Index, Jet, Shape, constant, variable
-from .signs import Signs
 
 Point = Mapping[sp.Symbol, sp.Rational]
 

@@ -13,7 +13,6 @@ from verify.verdict import Outcome
 
 from .balls import Point
 from .certificate import (
-    Data,
     equality_certificate,
     equation_certificate,
     generator_count,
@@ -21,6 +20,7 @@ from .certificate import (
     regular_point,
 )
 from .checker import check_certificate
+from .draft import Data
 from .lemmas import find_lemmas
 from .problem import (
     Problem,

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from flint import acb
 
 from .balls import Point, ball_value, residual_ball
+from .domain_signs import Signs
 from .problem import Problem
-from .signs import Signs
 
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
