@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from solutions.closed_form import ClosedForm
+from solutions.exact import shown
 from solutions.parameter import Bound
 
 
@@ -31,6 +32,15 @@ class Domain:
     upper_open: bool = True
     nonzero: bool = False
     integer: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise TypeError for an end that is no SymPy expression; text is not evaluated."""
+        for end in (self.lower, self.upper):
+            if not isinstance(end, sp.Expr):
+                raise TypeError(
+                    f"ends of domains must be SymPy expressions, got {shown(end)} "
+                    "(such as sympy.Rational(1, 2))"
+                )
 
     def text(self, symbol: sp.Symbol) -> str:
         """The domain in words, of ``symbol``."""
@@ -112,11 +122,15 @@ def settled_domains(
 ) -> dict[sp.Symbol, Domain]:
     """The domain of each symbol: what is assumed and what is stated, both.
 
-    Raises ValueError for two symbols of one name, a stated domain of a symbol that is not among
-    them or occurs in a cycle of ends, and for a domain without an inner point.
+    Raises TypeError for what is no symbol, ValueError for two symbols of one name, a stated
+    domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
+    without an inner point.
     """
-    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
     everything = set(symbols)
+    for symbol in (*everything, *stated):
+        if not isinstance(symbol, sp.Symbol):
+            raise TypeError(f"symbols must be sympy.Symbol, got {shown(symbol)} (make it one)")
+    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
     for symbol in list(everything):
         everything |= intervals[symbol].symbols if symbol in intervals else set()
     found = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
@@ -146,7 +160,7 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
     if isinstance(domain, sp.Interval):
         return Domain(domain.start, domain.end, bool(domain.left_open), bool(domain.right_open))
     raise ValueError(
-        f"domains must be intervals, got {domain!r} (such as sympy.Interval.open(0, 1))"
+        f"domains must be intervals, got {shown(domain)} (such as sympy.Interval.open(0, 1))"
     )
 
 
@@ -177,10 +191,9 @@ def in_order(domains: Domains) -> list[sp.Symbol]:
 
 
 def _between(lower: Bound | None, upper: Bound | None) -> Domain:
-    low, high = (None if end is None else sp.sympify(end.value) for end in (lower, upper))
     return Domain(
-        -sp.oo if low is None else low,
-        sp.oo if high is None else high,
+        -sp.oo if lower is None else lower.value,
+        sp.oo if upper is None else upper.value,
         lower is None or lower.is_open,
         upper is None or upper.is_open,
     )

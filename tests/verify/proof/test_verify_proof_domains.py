@@ -1,9 +1,13 @@
 """Verdicts on whole domains: both signs, branches, cuts, and what is not known is never 0."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm
+from solutions.parameter import Bound
 from solutions.special import jacobi_dn
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domain import settled_domains
@@ -171,6 +175,34 @@ def test_bad_input_is_an_error_on_one_line() -> None:
     with pytest.raises(TypeError, match="equation must be"):
         prove(sp.Eq(field(x, t), 1), x)
     assert prove(equation, 3).outcome is Outcome.PROVED
+
+
+TEXT = {
+    "formula": lambda text: prove(u.diff(x), text),
+    "equation": lambda text: prove(text, x),
+    "side": lambda text: prove_equal(x, text, [x]),
+    "variable": lambda text: prove_equal(x, x, [text]),
+    "end": lambda text: prove(u.diff(x), t, domains={x: Domain(upper=text)}),
+    "domain": lambda text: prove(u.diff(x), t, domains={x: text}),
+    "symbol of a domain": lambda text: prove(u.diff(x), t, domains={text: POSITIVE}),
+    "value": lambda text: prove(u.diff(x), t, points=[{x: text}]),
+    "bound of a form": lambda text: form_domains(_form_bounded_by(text)),
+}
+
+
+def _form_bounded_by(text: str) -> ClosedForm:
+    form = next(form for form in CATALOGUE if form.parameters)
+    changed = replace(form.parameters[0], upper=Bound(text, "none"))  # type: ignore[arg-type]
+    return replace(form, parameters=(changed,))
+
+
+@pytest.mark.parametrize("place", TEXT)
+def test_text_is_refused_and_never_evaluated(place: str, tmp_path: Path) -> None:
+    witness = tmp_path / "evaluated"
+    with pytest.raises((TypeError, ValueError), match="must") as caught:
+        TEXT[place](f"__import__('pathlib').Path({str(witness)!r}).touch()")
+    assert not witness.exists()
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("odd", [sp.nan, sp.zoo, sp.Float("0.5") * x, sp.Function("f")(x)], ids=str)
