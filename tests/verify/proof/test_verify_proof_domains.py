@@ -236,3 +236,20 @@ def test_what_needs_a_parameter_below_one_is_not_proved_just_beyond(name: str) -
     assert prove_equal(*BELOW_ONE[name], [x], domains=ends).outcome is Outcome.PROVED
     beyond = {parameter: sp.Interval.open(sp.S.Half, 1 + TINY)}
     assert prove_equal(*BELOW_ONE[name], [x], domains=beyond).outcome is not Outcome.PROVED
+
+
+MOVING = x**2 / (1 + x**2)
+COMPLETE = [sp.elliptic_k(MOVING), sp.elliptic_e(MOVING), sp.tanh(sp.elliptic_k(x))]
+
+
+@pytest.mark.parametrize("formula", COMPLETE, ids=str)
+def test_an_elliptic_parameter_that_moves_is_not_held_fixed(formula: sp.Expr) -> None:
+    half = {x: sp.Interval.open(0, sp.S.Half)}
+    verdict = prove(u.diff(x) - sp.diff(formula, x), formula, domains=half)
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "constant" in verdict.detail
+    assert prove_equal(formula, formula + TINY, [x], domains=half).outcome is Outcome.REFUTED
+
+
+def test_the_slope_of_dn_in_a_parameter_that_moves_is_not_taken_for_0() -> None:
+    assert prove(u.diff(x) - x, jacobi_dn(t, MOVING)).outcome is Outcome.UNDECIDED
