@@ -3,7 +3,8 @@
 Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
 once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
 Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
-what the engine calls for, is its estimated error. That bounds the error as soon as the control run
+what the engine calls for, is its estimated error, with what the engine knows that both runs do
+alike. That bounds the error as soon as the control run
 is no worse than two thirds of the run before it, in each of the things that were varied.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
@@ -77,9 +78,10 @@ class Choices:
 class Trial:
     """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
 
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them.
-    ``payload`` is the engine's own. ``shown`` if the observables can be asked for. An unfinished
-    run holds the times before it was stopped.
+    They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
+    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
+    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
+    before it was stopped.
     """
 
     choices: Choices
@@ -89,6 +91,7 @@ class Trial:
     rounding: float
     payload: Any
     shown: bool = True
+    alike: float = 0.0
 
 
 class StoppedTrial(KeyboardInterrupt):
@@ -197,7 +200,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        error = engine.safety * difference(trial, control) + rounding
+        error = engine.safety * difference(trial, control) + rounding + control.alike
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)
