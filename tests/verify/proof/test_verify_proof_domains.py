@@ -253,3 +253,27 @@ def test_an_elliptic_parameter_that_moves_is_not_held_fixed(formula: sp.Expr) ->
 
 def test_the_slope_of_dn_in_a_parameter_that_moves_is_not_taken_for_0() -> None:
     assert prove(u.diff(x) - x, jacobi_dn(t, MOVING)).outcome is Outcome.UNDECIDED
+
+
+def test_a_formula_that_is_nested_too_deeply_is_undecided() -> None:
+    deep = x
+    for _ in range(120):
+        deep = sp.exp(-deep) + t
+    verdict = prove_equal(deep, deep + sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1, [x])
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "recursion" in verdict.detail
+
+
+def test_a_function_of_the_same_function_is_told_from_it() -> None:
+    """exp(exp(2 log x) - 1): whether the inner one is the outer one was asked without end."""
+    log = sp.log(x, evaluate=False)
+    square = sp.exp(2 * log, evaluate=False)
+    nested = sp.exp(square - 1, evaluate=False)
+    assert prove_equal(nested, sp.exp(x**2 - 1), [x]).outcome is Outcome.PROVED
+    assert prove_equal(nested, sp.exp(x**2 + 1), [x]).outcome is Outcome.REFUTED
+
+
+def test_a_square_with_a_minus_before_it_has_a_root() -> None:
+    root, turned = sp.sqrt(x**2 + x + sp.Rational(1, 4)), sp.sqrt(-(x**2) - x - sp.Rational(1, 4))
+    assert prove_equal(root, -sp.I * turned, [x]).outcome is Outcome.PROVED
+    assert prove_equal(root, sp.I * turned, [x]).outcome is Outcome.REFUTED
