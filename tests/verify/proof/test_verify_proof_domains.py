@@ -277,3 +277,27 @@ def test_a_square_with_a_minus_before_it_has_a_root() -> None:
     root, turned = sp.sqrt(x**2 + x + sp.Rational(1, 4)), sp.sqrt(-(x**2) - x - sp.Rational(1, 4))
     assert prove_equal(root, -sp.I * turned, [x]).outcome is Outcome.PROVED
     assert prove_equal(root, sp.I * turned, [x]).outcome is Outcome.REFUTED
+
+
+KINDS = {
+    "even": lambda n: sp.sin(sp.pi * n / 4) * sp.cos(sp.pi * n / 4),
+    "odd": lambda n: sp.cos(sp.pi * n / 4) ** 2 - sp.S.Half,
+    "prime": lambda n: sp.sin(sp.pi * (n**2 - 1) * (n - 2) * (n - 3) / 24),
+    "extended_positive": lambda s: sp.sqrt(sp.expand((s + 1) ** 2)) - s - 1,
+    "positive": lambda s: sp.sqrt(sp.expand((s - 1) ** 2)) + s - 1,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_assumption_that_no_sample_keeps_is_refused(kind: str) -> None:
+    """sin(pi n/4) cos(pi n/4) is 0 for even n; it was refuted at n = -5."""
+    symbol = sp.Symbol("n", **{kind: kind != "positive"})
+    with pytest.raises(ValueError, match=f"got n with .*{kind[:4]}|got n with composite"):
+        prove_equal(x * KINDS[kind](symbol), sp.S.Zero, [x])
+
+
+@pytest.mark.parametrize("end", [sp.sqrt(t), sp.log(t), sp.elliptic_k(t**2), sp.I * t], ids=str)
+def test_an_end_that_is_not_real_throughout_is_refused_on_one_line(end: sp.Expr) -> None:
+    with pytest.raises(ValueError, match="ends of domains must be real") as caught:
+        prove_equal(sp.Abs(x - 1), x - 1, [x], domains={x: Domain(lower=end)})
+    assert "\n" not in str(caught.value)
