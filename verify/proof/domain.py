@@ -86,6 +86,11 @@ REAL = Domain()
 POSITIVE = Domain(lower=sp.S.Zero)
 NEGATIVE = Domain(upper=sp.S.Zero)
 
+HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
+"""What may be assumed of a symbol that is then taken to be real."""
+
+KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
+
 Domains = Mapping[sp.Symbol, Domain]
 End = tuple[sp.Expr, bool]
 
@@ -93,7 +98,8 @@ End = tuple[sp.Expr, bool]
 def assumed_domain(symbol: sp.Symbol) -> Domain:
     """What SymPy's assumptions say of ``symbol``; without any it is real.
 
-    Raises ValueError for a symbol that is declared complex or not real.
+    Raises ValueError for a symbol that is declared complex or not real, and for one of which more
+    is assumed than a domain can say.
 
     >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
     '0 <= q'
@@ -103,6 +109,7 @@ def assumed_domain(symbol: sp.Symbol) -> Domain:
             f"symbols must be real, got {symbol} that is declared complex or not real "
             "(write it as a + I*b with real a and b)"
         )
+    _check_assumptions(symbol)
     low = sp.S.Zero if symbol.is_nonnegative else sp.S.NegativeInfinity
     high = sp.S.Zero if symbol.is_nonpositive else sp.S.Infinity
     excluded = bool(symbol.is_nonzero)
@@ -197,6 +204,21 @@ def _between(lower: Bound | None, upper: Bound | None) -> Domain:
         lower is None or lower.is_open,
         upper is None or upper.is_open,
     )
+
+
+def _check_assumptions(symbol: sp.Symbol) -> None:
+    """Raise ValueError where samples would leave what is assumed of ``symbol``."""
+    assumed = dict(symbol.assumptions0)
+    if symbol.is_real is None:
+        beyond = sorted(assumed.keys() - HARMLESS)
+    else:
+        counted = symbol.is_integer and symbol.is_positive
+        beyond = [k for k in KINDS_OF_INTEGERS if assumed.get(k) or (counted and k in assumed)]
+    if beyond:
+        raise ValueError(
+            f"symbols must be real, integer or of one sign, got {symbol} with {beyond[0]} = "
+            f"{assumed[beyond[0]]} (write an even one as 2*n, an extended one as positive)"
+        )
 
 
 def _inner(left: End, right: End, side: int) -> End:

@@ -166,7 +166,7 @@ class Rewriting:
             return (product,)
         found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
         if unit < 0 and not any(power % 2 and not base.is_Symbol for base, power in powers):
-            return [-1, -unit, *found]
+            return [sp.S.NegativeOne, -unit, *found]
         return found if unit == 1 else [unit, *found]
 
     def _absolute(self, inner: sp.Expr) -> sp.Expr:

@@ -45,7 +45,7 @@ def find_witness(
         for point in points[:LONG_POINTS] if precision > LONG else points:
             try:
                 ball = _residual(problem, point, precision, signs)
-            except (ValueError, ZeroDivisionError):
+            except (ValueError, ZeroDivisionError, RecursionError):
                 continue
             if ball.is_finite() and not ball.contains(0):
                 return Witness(point, ball)

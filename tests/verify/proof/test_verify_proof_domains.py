@@ -253,3 +253,51 @@ def test_an_elliptic_parameter_that_moves_is_not_held_fixed(formula: sp.Expr) ->
 
 def test_the_slope_of_dn_in_a_parameter_that_moves_is_not_taken_for_0() -> None:
     assert prove(u.diff(x) - x, jacobi_dn(t, MOVING)).outcome is Outcome.UNDECIDED
+
+
+def test_a_formula_that_is_nested_too_deeply_is_undecided() -> None:
+    deep = x
+    for _ in range(120):
+        deep = sp.exp(-deep) + t
+    verdict = prove_equal(deep, deep + sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1, [x])
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "recursion" in verdict.detail
+
+
+def test_a_function_of_the_same_function_is_told_from_it() -> None:
+    """exp(exp(2 log x) - 1): whether the inner one is the outer one was asked without end."""
+    log = sp.log(x, evaluate=False)
+    square = sp.exp(2 * log, evaluate=False)
+    nested = sp.exp(square - 1, evaluate=False)
+    assert prove_equal(nested, sp.exp(x**2 - 1), [x]).outcome is Outcome.PROVED
+    assert prove_equal(nested, sp.exp(x**2 + 1), [x]).outcome is Outcome.REFUTED
+
+
+def test_a_square_with_a_minus_before_it_has_a_root() -> None:
+    root, turned = sp.sqrt(x**2 + x + sp.Rational(1, 4)), sp.sqrt(-(x**2) - x - sp.Rational(1, 4))
+    assert prove_equal(root, -sp.I * turned, [x]).outcome is Outcome.PROVED
+    assert prove_equal(root, sp.I * turned, [x]).outcome is Outcome.REFUTED
+
+
+KINDS = {
+    "even": lambda n: sp.sin(sp.pi * n / 4) * sp.cos(sp.pi * n / 4),
+    "odd": lambda n: sp.cos(sp.pi * n / 4) ** 2 - sp.S.Half,
+    "prime": lambda n: sp.sin(sp.pi * (n**2 - 1) * (n - 2) * (n - 3) / 24),
+    "extended_positive": lambda s: sp.sqrt(sp.expand((s + 1) ** 2)) - s - 1,
+    "positive": lambda s: sp.sqrt(sp.expand((s - 1) ** 2)) + s - 1,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_assumption_that_no_sample_keeps_is_refused(kind: str) -> None:
+    """sin(pi n/4) cos(pi n/4) is 0 for even n; it was refuted at n = -5."""
+    symbol = sp.Symbol("n", **{kind: kind != "positive"})
+    with pytest.raises(ValueError, match=f"got n with .*{kind[:4]}|got n with composite"):
+        prove_equal(x * KINDS[kind](symbol), sp.S.Zero, [x])
+
+
+@pytest.mark.parametrize("end", [sp.sqrt(t), sp.log(t), sp.elliptic_k(t**2), sp.I * t], ids=str)
+def test_an_end_that_is_not_real_throughout_is_refused_on_one_line(end: sp.Expr) -> None:
+    with pytest.raises(ValueError, match="ends of domains must be real") as caught:
+        prove_equal(sp.Abs(x - 1), x - 1, [x], domains={x: Domain(lower=end)})
+    assert "\n" not in str(caught.value)

@@ -17,7 +17,7 @@ from .generators import Form, Generator, Hints, solved
 from .images import Images
 from .jacobi import Jacobi
 from .limits import CertificateError
-from .nodes import Nodes
+from .nodes import Nodes, children
 from .points import Balls, value_at
 from .principal import absolute_value, root
 from .ring import Element
@@ -58,6 +58,7 @@ class Field(Images):
 
         It is not used where another one stands for the same function of equal arguments.
         """
+        self.walk(children(self.nodes.all[node]))
         known = self.known(node)
         if known is not None and node not in self._images:
             self.generators.append(Generator(node))

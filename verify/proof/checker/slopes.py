@@ -93,8 +93,8 @@ class Slopes:
                 return images.zero
             case ("Pow", base, exponent):
                 rate = self._rate(base, variable)
-                degree = images.ring.number(int(exponent.q))
-                return images.zero if rate.is_zero else image * rate / (images.image(base) * degree)
+                factor = images.ring.number(exponent)
+                return images.zero if rate.is_zero else factor * image * rate / images.image(base)
             case ("Abs", f):
                 rate = self.derivative(images.squared(f), variable)
                 return images.zero if rate.is_zero else rate / (image + image)
