@@ -9,6 +9,7 @@ ends without an answer or a reason.
 import argparse
 import json
 import multiprocessing
+import os
 import sys
 import time
 from collections import Counter
@@ -61,6 +62,7 @@ def _options() -> argparse.Namespace:
 
 def _judged(seed: int, indices: list[int], workers: int) -> Iterator[Judged]:
     """The scenes' records as they come."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # else its idle threads use up the limits
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, context) as pool:
         try:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from solutions import Wave
 from verify.lattice.blow_up import BlowUp
-from verify.lattice.closing import REACH, blend_seam, negate_at_seam, rest_at_seam
+from verify.lattice.closing import fade_at_seam, negate_at_seam
 from verify.lattice.fading import DEPTH, Fading
 from verify.lattice.feed import WATCHED, FeedMonitor
 from verify.lattice.initial import initial_data, transported_data
@@ -184,7 +184,8 @@ class Ring:
     def _data(self, state: State) -> tuple[Array, Array]:
         """The wave's data; on a closed ring they pass smoothly over the seam.
 
-        A jump there could be more than the lattice bears.
+        A jump there could be more than the lattice bears, and so could two copies of a periodic
+        wave that do not fit.
         """
         scene, wave = self.scene, self.wave
         room = seam_room(wave, scene.eps)
@@ -192,17 +193,16 @@ class Ring:
             return initial_data(wave, scene, state.sites)
         middle = state.left + 0.5 * state.size
         length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
+        if wave.wavelength is not None:
+            y, s = initial_data(wave, scene, state.sites)
+            return fade_at_seam(y, s, scene.constants.sound_speed(), length, 0.5 * room, x)
 
         def profile(x: Array) -> Array:
             return np.stack(initial_data(wave, scene, x + middle))
 
-        if wave.wavelength is None:
-            crest = wave.phase_zeros(scene.t0, scene.eps)[0] - middle
-            y, s = negate_at_seam(profile, length, crest, x)
-            return y, s
-        width = 0.5 * room / REACH
-        y, s = blend_seam(profile, length, width, x)
-        return y, rest_at_seam(s, length, width, x)
+        crest = wave.phase_zeros(scene.t0, scene.eps)[0] - middle
+        y, s = negate_at_seam(profile, length, crest, x)
+        return y, s
 
     def follow(self, state: State) -> BlowUp | None:
         """Nothing: the ring stays where it is."""

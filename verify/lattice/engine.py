@@ -27,6 +27,7 @@ from verify.lattice.stencil_plan import (
     least_sites,
     longest_step,
 )
+from verify.lattice.unfinished import LONG
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -80,6 +81,9 @@ RATES = Rates()
 
 STEPPING = 2.0
 """Runs on the first ring with all longer steps, in units of the last of them."""
+
+FAR_DEARER = 100.0
+"""The spectral engine gives up at so many times what the stencil takes, and not before ``LONG``."""
 
 SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
@@ -146,6 +150,15 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
         if change <= SHARE * scene.tolerance:
             break
     return [min(length, data.causal.circumference) for length in tried]
+
+
+def most_spectral_work(scene: Scene, wave: Wave) -> float:
+    """Points times their log2 times evaluations that rings may take at once.
+
+    A ring on which short waves come round for ever improves ever more slowly. Where that takes long
+    and a window needs next to nothing, the ring is no help to anyone.
+    """
+    return max(LONG, FAR_DEARER * stencil_seconds(scene, wave)) / RATES.spectral
 
 
 SECONDS: Mapping[str, Callable[[Scene, Wave], float]] = {

@@ -10,18 +10,20 @@ is no worse than two thirds of the run before it, in each of the things that wer
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
 that it is not enough, each of the choices is varied by itself, to see which one it is.
+
+No step helps where the lattice amplifies rounding above the tolerance. So where an error ceases to
+fall, and on backgrounds about which perturbations may grow, a run is done again with the last
+digits of its data changed.
 """
 
 import math
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from verify.lattice.trial import Choices, StoppedTrial, Trial, difference
 
-Array = NDArray[np.float64]
 Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -45,8 +47,15 @@ BLOWN = 3
 CURE = 32.0
 """By how much all errors are to fall after a blow-up."""
 
-PATIENCE = 4
-"""Control runs without a new smallest error after which rounding is what is left."""
+PATIENCE = 3
+"""Control runs without progress after which rounding is what is left."""
+
+PROGRESS = 0.7
+"""An error that is more than this share of the one before it has ceased to fall."""
+
+WARY = 100.0
+"""Factor on what the nudge changes with the longest step: a hundred times as much was seen with
+shorter ones, whose roundings are more."""
 
 SURE = 50.0
 """A step's error that is to be divided by at most this is taken to obey its law."""
@@ -55,51 +64,12 @@ LAWFUL = 3.0
 """What is left of a step's error obeys its law if it is at most this much larger."""
 
 
-@dataclass(frozen=True)
-class Choices:
-    """All numerical choices of a run.
+class TooDearError(ValueError):
+    """The next runs would take ``work``, more than the engine is given."""
 
-    ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
-    a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
-    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
-    step at first, until what the data send to the left has left the wave, 0 if there is none.
-    """
-
-    step: float
-    size: float
-    causal: bool = False
-    density: float = 1.0
-    shift: float = 0.0
-    absorber: float = 0.0
-    start: float = 0.0
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
-
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
-    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
-    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
-    before it was stopped.
-    """
-
-    choices: Choices
-    values: Array | None
-    work: float
-    seconds: float
-    rounding: float
-    payload: Any
-    shown: bool = True
-    alike: float = 0.0
-
-
-class StoppedTrial(KeyboardInterrupt):
-    """Ctrl-C during a run: what there is of it."""
-
-    def __init__(self, trial: Trial) -> None:
-        super().__init__("interrupted")
-        self.trial = trial
+    def __init__(self, work: float) -> None:
+        super().__init__(f"runs that take {work:.2g}")
+        self.work = work
 
 
 class StoppedSearch(KeyboardInterrupt):
@@ -126,6 +96,10 @@ class Engine(Protocol):
     """Factor on the difference of two runs, ``SAFETY`` or more."""
     unstable: int
     """Steps tried, each shorter, until one is stable."""
+    fragile: bool
+    """Whether perturbations may grow, so that what becomes of rounding is measured."""
+    most_work: float
+    """The most that the next runs may take, in the unit of `work`."""
 
     def first(self) -> Choices:
         """Where the search begins."""
@@ -163,15 +137,6 @@ class Refined:
     before: float
 
 
-def difference(one: Trial, other: Trial) -> float:
-    """Largest difference of y/eps between two runs; infinite if either blew up."""
-    if one.values is None or other.values is None:
-        return math.inf
-    with np.errstate(invalid="ignore", over="ignore"):
-        found = float(np.max(np.abs(one.values - other.values)))
-    return found if math.isfinite(found) else math.inf
-
-
 def refine(
     engine: Engine,
     tolerance: float,
@@ -201,11 +166,17 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         error = engine.safety * difference(trial, control) + rounding + control.alike
+        if error <= tolerance and search.wary:
+            grown = search.grown(choices)
+            rounding, error = rounding + grown, error + grown
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             return Refined(control, error, rounding, search.seconds - control.seconds)
         search.judged = control, error
-        since = 0 if error < best or math.isinf(error) else since + 1
+        fell = error < PROGRESS * best or math.isinf(error)
+        if not fell or search.wary:
+            search.check_rounding(choices)
+        since = 0 if fell else since + 1
         best = min(best, error)
         if since == PATIENCE:
             break
@@ -229,6 +200,7 @@ class _Search:
         self._shown = 0.0
         self._stopped = False
         self.seconds = 0.0
+        self.wary: bool | None = None
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
@@ -254,12 +226,17 @@ class _Search:
 
         The law is taken at its word where it does not lead far or has held twice.
         """
-        before, unstable, held = choices, 0, False
+        before, unstable, stalled, held = choices, 0, 0, False
         last = math.inf
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
+            if self.wary is None and math.isfinite(excess):
+                self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
             unstable += math.isinf(excess)
-            if excess <= 1.0 or unstable == self._engine.unstable:
+            if 1.0 < excess < math.inf and excess > PROGRESS * last:
+                self.check_rounding(choices)
+                stalled += 1
+            if excess <= 1.0 or unstable == self._engine.unstable or stalled == PATIENCE:
                 break
             expected = last * (choices.step / before.step) ** self._engine.order
             held = excess <= LAWFUL * expected and math.isfinite(last)
@@ -273,6 +250,22 @@ class _Search:
                     choices = self._engine.better(choices, "step", shorter)
                 break
         return choices.step
+
+    def grown(self, choices: Choices) -> float:
+        """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
+        nudged = replace(choices, nudged=True)
+        self._run({choices: False, nudged: False})
+        return SAFETY * difference(self._done[choices], self._done[nudged])
+
+    def check_rounding(self, choices: Choices) -> None:
+        """Raise ValueError if rounding alone comes to more than the tolerance."""
+        grown = self.grown(choices)
+        if self._tolerance < grown < math.inf:
+            raise ValueError(
+                f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
+                f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
+                "rounding comes to that much, whatever the step; raise it or end earlier)"
+            )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
         """The run with these choices and its control, which is shown."""
@@ -347,8 +340,14 @@ class _Search:
         self._progress(self._shown)
 
     def _tell(self, missing: Collection[Choices]) -> None:
-        """Announce runs that will take long, going by what those before them took."""
+        """Announce runs that will take long, going by what those before them took.
+
+        Raises TooDearError for more than the engine is given.
+        """
+        asked = sum(map(self._engine.work, missing))
+        if asked > self._engine.most_work:
+            raise TooDearError(asked)
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
-            self._announce(spent / work * sum(map(self._engine.work, missing)))
+            self._announce(spent / work * asked)

@@ -17,16 +17,7 @@ from numpy.typing import NDArray
 
 from verify.exponential.adams import ORDER
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
-from verify.lattice.refine import (
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    Progress,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from verify.lattice.refine import Announce, Engine, Kind, Progress, refine
 from verify.lattice.ring_state import RingState
 from verify.lattice.spectral import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from verify.lattice.spectral_absorber import STRENGTH
@@ -39,6 +30,7 @@ from verify.lattice.spectral_scale import (
 )
 from verify.lattice.spectral_task import SpectralCost, SpectralRun, SpectralTask
 from verify.lattice.sublattices import DENSITY, energy_spread
+from verify.lattice.trial import NUDGE, Choices, StoppedTrial, Trial
 
 __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
@@ -97,8 +89,8 @@ SHORTEST = 0.02
 """Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
 less."""
 
-MOST_POINTS = 2**22
-"""Points on the largest ring."""
+MOST_POINTS = 2**20
+"""Points on the largest ring: a run takes 510 bytes a point (measured)."""
 
 
 class RingTooLargeError(ValueError):
@@ -145,9 +137,12 @@ class SpectralEngine:
     average away, as step^1/2."""
     order = ORDER
     unstable = 10
+    fragile = False
+    """Waves so steep that rounding grows soon are refused."""
 
     def __init__(self, task: SpectralTask) -> None:
         self._task = task
+        self.most_work = task.most_work
         self._duration = task.times[-1] - task.t0
         self._data = ring_data(
             task.constants,
@@ -313,6 +308,8 @@ class SpectralEngine:
         begun = time.perf_counter()
         tail = TAIL_SHARE * task.tolerance * task.eps
         state = self._state(choices)
+        if choices.nudged:
+            state = replace(state, y=(1.0 + NUDGE) * state.y)
         cutoff = short = 0.0
         if choices.absorber:
             cutoff, short = self._data.absorbed, self._data.short(state.circumference)

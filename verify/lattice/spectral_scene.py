@@ -12,10 +12,11 @@ from verify.exponential.adams import ORDER
 from verify.lattice.blow_up import BlowUp, find_blow_up
 from verify.lattice.comparison import Comparison
 from verify.lattice.dataset import build_dataset
+from verify.lattice.engine import RATES, most_spectral_work, stencil_seconds
 from verify.lattice.estimate import Estimate
 from verify.lattice.recorder import Observable, Recorder, build_recorders
 from verify.lattice.recording import Progress
-from verify.lattice.refine import Announce, StoppedSearch
+from verify.lattice.refine import Announce, StoppedSearch, TooDearError
 from verify.lattice.scene import Scene
 from verify.lattice.spectral_run import (
     RingTooLargeError,
@@ -53,6 +54,12 @@ def run_spectral(
         raise ValueError(
             f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
             "(raise it, end earlier or compare fewer sites)"
+        ) from None
+    except TooDearError as error:
+        raise ValueError(
+            f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': the next "
+            f"rings alone would take {RATES.spectral * error.work:.2g} s, site by site about "
+            f"{stencil_seconds(scene, wave):.2g} s (or raise the tolerance)"
         ) from None
     except StepTooShortError as error:
         raise ValueError(
@@ -109,6 +116,7 @@ def _task(
         tuple(sorted(times)),
         scene.compared,
         tolerance,
+        most_spectral_work(scene, wave),
     )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from solutions import Wave
 from verify.lattice.constants import Constants
 from verify.lattice.estimate import Estimate
-from verify.lattice.refine import Choices
+from verify.lattice.trial import Choices
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,8 @@ class SpectralTask:
     """What is to be run: a wave from ``t0``, seen at ``times`` within ``compared`` sites of c t.
 
     ``tolerance`` is the wanted sup error of y/eps there against the infinite lattice started from
-    the same data. ``times`` increase and do not lie before t0.
+    the same data. ``times`` increase and do not lie before t0. ``most_work`` is the most that the
+    next runs may ever take, in points times their log2 times evaluations.
     """
 
     constants: Constants
@@ -29,6 +30,7 @@ class SpectralTask:
     times: tuple[float, ...]
     compared: int
     tolerance: float
+    most_work: float = math.inf
 
     def __post_init__(self) -> None:
         if not self.tolerance > 0:

@@ -1,5 +1,6 @@
 """A scene with a tolerance by the stencil, in a window that holds the wave or on a causal ring."""
 
+import math
 import time
 from collections.abc import Collection
 from dataclasses import replace
@@ -13,17 +14,7 @@ from verify.lattice.domain import window_moves
 from verify.lattice.estimate import Estimate, clock_error, rounding_error
 from verify.lattice.extent import Extent
 from verify.lattice.recording import Progress
-from verify.lattice.refine import (
-    SAFETY,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    StoppedSearch,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from verify.lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
 from verify.lattice.scene import Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.stencil_plan import (
@@ -38,6 +29,7 @@ from verify.lattice.stencil_plan import (
     shorter_step,
 )
 from verify.lattice.stencil_run import run_from
+from verify.lattice.trial import NUDGE, Choices, StoppedTrial, Trial
 from verify.lattice.unfinished import UnfinishedRun, unfinished
 
 STEP_RATIO = 0.85
@@ -58,6 +50,13 @@ CLEARANCE = 128
 REACHES = (0.2, 4.0)
 """Least factor on a step, and largest factor on a size, from one choice to the next."""
 
+MOST_SITES = 2**20
+"""Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
+
+RUNAWAY = 4.0
+"""A causal ring whose strains ask for one so many times wider has run away: the step is at fault,
+or the lattice."""
+
 
 def run_stencil(
     scene: Scene, wave: Wave, progress: Progress, announce: Announce
@@ -77,6 +76,11 @@ def run_stencil(
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, stop.error, stop.before) from None
     run = found.trial.payload
+    if math.isinf(found.error) and not run.attrs["blow_up"]:
+        raise ValueError(
+            f"snapshots must end before strains run away, got {scene.end:g} (they grew beyond "
+            f"{run.attrs['most_strain']:.3g} whatever the step; end earlier or take a smaller eps)"
+        )
     planned = time.perf_counter() - begun - found.trial.seconds
     decade = 10.0 ** (1.0 / engine.order)
     if not found.trial.choices.causal:
@@ -90,14 +94,16 @@ class StencilEngine:
     threads = 2
     safety = SAFETY
     unstable = 1
+    most_work = math.inf
 
     def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:
         scheme = scheme_named(scene.scheme or PREFERRED)
         self.order: int = scheme.order
         self._scene, self._wave, self._extent = scene, wave, extent
+        self.fragile = wave.wavelength is not None
         self._domain = domain_kind(scene, wave)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
-        self._least = least_sites(scene, wave, self._domain, extent)
+        self._least = _checked(least_sites(scene, wave, self._domain, extent))
         self._longest = longest_step(scene, scheme, extent)
         self._base = replace(
             scene,
@@ -139,7 +145,9 @@ class StencilEngine:
             least = least_sites(self._base, self._wave, "ring", extent)
             if choices.size >= least:
                 return trial
-            choices, self._extent = replace(choices, size=least), extent
+            if least > RUNAWAY * choices.size:
+                return replace(trial, values=None)
+            choices, self._extent = replace(choices, size=_checked(least)), extent
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
@@ -171,17 +179,19 @@ class StencilEngine:
         """With that many sites, or a causal ring if that takes fewer."""
         causal = least_sites(self._base, self._wave, "ring", self._extent)
         if not choices.causal and sites >= causal:
-            return replace(choices, size=causal, causal=True)
-        return replace(choices, size=round_up(sites))
+            return replace(choices, size=_checked(causal), causal=True)
+        return replace(choices, size=_checked(round_up(sites)))
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         samples = StrainSamples(self._times)
+        looked = (shown or choices.causal) and not choices.nudged
         stated = replace(
             self._base,
+            eps=self._scene.eps * (1.0 + NUDGE * choices.nudged),
             step=choices.step,
             sites=int(choices.size),
             domain="closed_ring" if choices.causal else "window",
-            observables=self._base.observables if shown or choices.causal else (),
+            observables=self._base.observables if looked else (),
         )
         stopped = False
         try:
@@ -203,3 +213,12 @@ class StencilEngine:
         if stopped:
             raise StoppedTrial(trial)
         return trial
+
+
+def _checked(sites: int) -> int:
+    if sites <= MOST_SITES:
+        return sites
+    raise ValueError(
+        f"snapshots, compared and tolerance must ask for at most {MOST_SITES} sites with engine "
+        f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
+    )

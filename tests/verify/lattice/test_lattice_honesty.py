@@ -155,13 +155,26 @@ WIDENED = _scene(
     engine="spectral",
 )
 
+SOFT_SEAM = _scene(
+    "wave_sn",
+    0.02074,
+    K4=-513.7,
+    t0=-38.9,
+    snapshots=(122.6,),
+    compared=254,
+    tolerance=1.088e-4,
+    engine="stencil",
+    parameters=(("k", 0.978783471),),
+)
+
 
 @pytest.mark.parametrize(
-    "scene", [pytest.param(BREATHER, marks=pytest.mark.slow), STANDING, STARTING, WIDENED]
+    "scene",
+    [pytest.param(BREATHER, marks=pytest.mark.slow), STANDING, STARTING, WIDENED, SOFT_SEAM],
 )
 def test_the_true_error_is_below_the_estimate(scene: Scene) -> None:
-    """Short waves that come round, rounding that adds up, a start that leaves a plateau, and runs
-    on the size that a causal ring had before it was widened.
+    """Short waves that come round, rounding that adds up, a start that leaves a plateau, runs on
+    the size that a causal ring had before it was widened, and waves that cease to exist at a seam.
     """
     judged = judge_scene(RandomScene(0, 0, scene, 0))
     assert judged.verdict == "honest", judged.json()

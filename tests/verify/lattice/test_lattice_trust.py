@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.lattice import load_scene, run
+from verify.lattice import load_scene, run, trust
 from verify.lattice.scene import with_tolerance
 from verify.lattice.summary import summary_lines
 from verify.lattice.trust import TOLERANCE, horizon, trust_attributes, trust_in
@@ -63,6 +63,19 @@ def test_a_tolerance_beyond_the_horizon_is_refused_before_anything_is_run() -> N
     scene = replace(load_scene("rogue_cn_k_0.5"), snapshots=(2e6,))
     with pytest.raises(ValueError, match=r"snapshots must satisfy t <= 1.106e\+06 with tolerance"):
         run(with_tolerance(scene, 1e-4))
+
+
+@pytest.mark.parametrize("name", ["rogue_cn_k_0.5", "soliton_dn_k_0.7", "breather_sn_k_0.5"])
+def test_a_scene_within_the_bound_of_the_rate_is_not_kept_waiting(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Hill's eigenvalues take seconds; a bound of them is enough for most scenes."""
+    scene = with_tolerance(replace(load_scene(name), K2=0.9), 1e-4)
+    assert trust._most_rate(scene) > trust.trust_in(scene, 1e-4).rate
+    monkeypatch.setattr(trust, "trust_in", None)
+    trust.check_trust(replace(scene, t0=0.0, snapshots=(100.0,)))
+    with pytest.raises(TypeError):
+        trust.check_trust(replace(scene, t0=0.0, snapshots=(1e9,)))
 
 
 def test_a_bare_wave_is_its_own_background() -> None:

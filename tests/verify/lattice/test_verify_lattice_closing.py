@@ -8,7 +8,7 @@ import pytest
 
 import derive
 from solutions import Wave, closed_form
-from verify.lattice.closing import blend_seam, close_circumference
+from verify.lattice.closing import blend_seam, close_circumference, fade_at_seam
 from verify.lattice.constants import Constants
 from verify.lattice.initial import lattice_data
 from verify.lattice.spectral import SpectralRing
@@ -120,3 +120,17 @@ def _seen(data: RingData, ring: Ring, disturbance: float) -> np.ndarray:
     end = data.t0 + data.duration
     sites = round(data.constants.sound_speed() * end) + np.arange(-100, 101)
     return SpectralRing(data.constants, state, 0.25).at(end).strain(sites) / data.eps
+
+
+def test_a_wave_that_fades_at_the_seam_still_runs_one_way() -> None:
+    """Its part that runs to the left, (y + s/c)/2 after a sum over the sites, is far smaller."""
+    x = np.arange(-200, 200) + 0.5
+    number = 2 * math.pi / 40.3
+    data = np.sin(number * x), -number * np.cos(number * x)
+    y, s = fade_at_seam(*data, 1.0, 400.0, 60.0, x)
+    np.testing.assert_array_equal((y, s), np.where(abs(x) < 140, data, (y, s)))
+    assert max(abs(y[[0, -1]])) < 1e-3
+    left = np.gradient(y) + s
+    assert abs(left[1:-1]).max() < 0.05 * number
+    stopped = np.gradient(y) + s * (abs(x) < 140)
+    assert abs(stopped).max() > 0.5 * number
