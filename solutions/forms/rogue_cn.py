@@ -122,18 +122,22 @@ def _printed() -> sp.Expr:
 def _stable() -> sp.Expr:
     """Sum-of-squares denominator, everything divided by powers of ``1 + |theta|**2``.
 
-    ``w_i`` are 1, theta and theta**2 so divided. The two imaginary parts use
-    ``(1 - theta**2) (1 + conj(theta)**2)`` and ``2 (1 - theta**2) conj(theta)`` in the coordinates
-    ``n_i`` of theta on the unit sphere, where nothing cancels.
+    ``w_i`` are 1, theta and theta**2 so divided; ``n_i`` are theta's coordinates on the unit
+    sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 their terms
+    cancel in 20 digits. By ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` they are sums of products of
+    ``near``, which vanishes with them, and ``far``, which never does.
     """
     one, re, im, square_re, square_im = w = sp.symbols("w_:5", real=True)
     n = sp.symbols("n_:3", real=True)
     N, M, S = _combinations(one, re + sp.I * im, square_re + sp.I * square_im)
-    even, odd = _weight * (n[0] - sp.I * n[1] * n[2]), _weight * (n[0] * n[1] - sp.I * n[2])
-    turn = _inverse_lambda / 2
-    G_1 = 4 * k * _kp * (_y * _parts(even)[1] - _slope * _parts(odd * (k + sp.I * _kp))[1])
-    cross = _slope * _parts(even)[1] - _y * _parts(odd * turn)[1]
-    G_2 = 2 * _kp**2 * _squared(N) + 4 * cross**2 / (_squared(M) + _squared(S) + _squared(N))
+    sn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_dn))
+    near = dn * _y * n[2] - k * _kp * sn * n[0]
+    far = k * (dn + sn * _y * n[1])
+    rest = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
+    G_1 = 4 * k * _kp * (far * rest - (_y**4 + k**2 * _kp**2) * near * n[1]) / dn
+    G_2 = 2 * _kp**2 * _squared(N) + 4 * (near * far) ** 2 / (
+        _squared(M) + _squared(S) + _squared(N)
+    )
     size = _theta_re**2 + _theta_im**2
     difference = (_theta_re - _theta_im) * (_theta_re + _theta_im)
     divided = (sp.S.One, _theta_re, _theta_im, difference, 2 * _theta_re * _theta_im)
