@@ -4,8 +4,8 @@ Everything that is chosen about a run is one record, `Choices`. A *control* run 
 once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
 Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
 what the engine calls for, is its estimated error, with what the engine knows that both runs do
-alike. That bounds the error as soon as the control run
-is no worse than two thirds of the run before it, in each of the things that were varied.
+alike. That bounds the error as soon as the control run is no worse than two thirds of the run
+before it, in each of the things that were varied.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
