@@ -7,13 +7,13 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from solutions.linear_phase import LinearPhase
+from solutions.linear_phase import LinearPhase, as_pairs
 from solutions.pair_machine import run_pairs
 from solutions.program import compile_program
 from solutions.special.bounded import PARTS
 from solutions.special.doubledouble import check_range, split
 from solutions.special.extended import evaluate_pairs
-from solutions.special.parameter import EllipticParameter, elliptic_parameter
+from solutions.special.parameter import EllipticParameter, exact_parameter
 from solutions.variables import Variables
 
 __all__ = ["Evaluator", "PointEvaluator"]
@@ -58,12 +58,14 @@ class Evaluator:
     def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
         program = self._program
-        rows = [phase(x, t) for phase in phases]
-        arguments = dict(zip((ph.symbol for ph in program.phases), rows, strict=True))
+        found = [phase(x, t) for phase in phases]
+        arguments = dict(zip((ph.symbol for ph in program.phases), found, strict=True))
+        rows = [as_pairs(phase) for phase in found]
         for call, modulus, thetas in zip(
             program.calls, self._moduli, program.uses_theta, strict=True
         ):
-            values = evaluate_pairs(modulus, *arguments[call.phase], theta=thetas)
+            *parts, bound = arguments[call.phase]
+            values = evaluate_pairs(modulus, *parts, bound=bound, theta=thetas)
             theta = values.dn if values.theta is None else values.theta
             rows += [values.sn, values.cn, values.dn, values.zeta, theta]
         out = np.empty((3, PARTS, x.size))
@@ -73,5 +75,4 @@ class Evaluator:
 
 
 def _elliptic_parameter(m: Any) -> EllipticParameter:
-    (m_hi, m_lo), (m1_hi, m1_lo) = split(check_range(m)), split(check_range(1 - m))
-    return elliptic_parameter(m_hi, m1_hi, m_lo, m1_lo)
+    return exact_parameter(check_range(m), check_range(1 - m))

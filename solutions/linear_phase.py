@@ -1,7 +1,8 @@
-"""Linear phases ``p x + q t + r`` in double-double, at arrays of points.
+"""Linear phases ``p x + q t + r`` as sums of three floats, at arrays of points.
 
-The coefficients are sums of three floats. ``p x`` and ``q t`` may be 10^15 and cancel: the sum
-still has the precision of double-double.
+The coefficients are sums of three floats, too. ``p x`` and ``q t`` may be 10^15 and cancel: the sum
+still has the precision of double-double. And a phase of 10^25, as at late times under a strong
+force, still has the digits that say where in its period it is.
 """
 
 from typing import Any
@@ -10,21 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions.jit import njit
-from solutions.special.doubledouble import (
-    check_range,
-    quick_two_sum,
-    split_three,
-    two_prod,
-    two_sum,
-)
+from solutions.special.doubledouble import Three, check_range, split_three, two_prod, two_sum
 
-__all__ = ["LinearPhase"]
+__all__ = ["LinearPhase", "as_pairs"]
 
 Array = NDArray[np.float64]
-Three = tuple[float, float, float]
 
-ROUNDING, OF_TERMS = 2.0**-104, 2.0**-150
-"""Bounds of the error relative to the phase and to the largest term."""
+OF_TERMS = 2.0**-150
+"""Bound of the error relative to the largest term."""
 
 
 @njit(error_model="numpy")
@@ -51,10 +45,18 @@ def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
         high, middle, low = _plus(_plus(moving, drifting), r)
         high, middle = two_sum(high, middle)
         middle, low = two_sum(middle, low)
-        high, middle = two_sum(high, middle)
-        out[0, i], out[1, i] = quick_two_sum(high, middle + low)
-        largest = abs(moving[0]) + abs(drifting[0]) + abs(r[0])
-        out[2, i] = ROUNDING * abs(out[0, i]) + OF_TERMS * largest
+        out[0, i], middle = two_sum(high, middle)
+        out[1, i], out[2, i] = two_sum(middle, low)
+        out[3, i] = OF_TERMS * (abs(moving[0]) + abs(drifting[0]) + abs(r[0]))
+
+
+def as_pairs(phase: Array) -> Array:
+    """High part, low part and bound of the error of what a phase returned: (3, points).
+
+    >>> as_pairs(np.array([[1.0], [2.0**-54], [-(2.0**-108)], [0.0]]))[2] == 2.0**-108
+    array([ True])
+    """
+    return np.stack([phase[0], phase[1], np.abs(phase[2]) + phase[3]])
 
 
 class LinearPhase:
@@ -64,9 +66,9 @@ class LinearPhase:
 
     >>> from fractions import Fraction
     >>> phase = LinearPhase(Fraction(1, 3), Fraction(-1, 3), 0)
-    >>> high, low, bound = phase(np.array([1e6]), np.array([1e6]))
-    >>> print(high[0], low[0], bound[0] < 1e-38)
-    0.0 0.0 True
+    >>> high, middle, low, bound = phase(np.array([1e6]), np.array([1e6]))
+    >>> print(high[0], middle[0], low[0], bound[0] < 1e-38)
+    0.0 0.0 0.0 True
     """
 
     def __init__(self, p: Any, q: Any, r: Any) -> None:
@@ -83,7 +85,11 @@ class LinearPhase:
         return None if p == 0 else -(q * t + r) / p
 
     def __call__(self, x: Array, t: Array) -> Array:
-        """High part, low part and bound of the error at the points (x, t), flat and of one size."""
-        out = np.empty((3, x.size))
+        """The phase at the points (x, t), flat and of one size: (4, points).
+
+        Rows are three floats, each below the rounding of the one before, and a bound of the error
+        of their sum.
+        """
+        out = np.empty((4, x.size))
         _fill(*self._coefficients, x, t, out)
         return out

@@ -8,7 +8,7 @@ import sympy as sp
 from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
-from solutions.linear_phase import LinearPhase
+from solutions.linear_phase import LinearPhase, as_pairs
 from solutions.program import long_number
 from solutions.rational_kernel import rational_loop
 from solutions.special.bounded import PARTS
@@ -41,7 +41,7 @@ class RationalEvaluator:
 
     def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
-        place, time = (phase(x, t) for phase in phases)
+        place, time = (as_pairs(phase(x, t)) for phase in phases)
         out = np.empty((3, PARTS, x.size))
         rational_loop(self._A, self._B, self._parities, self._sign, place, time, out)
         return out

@@ -67,9 +67,14 @@ def evaluate_mp(
 def _with_differences(
     context: Any, function: Callable[..., Any], x: Any, t: Any, point: list[Any]
 ) -> tuple[Any, Any, Any]:
-    value = function(x, t, *point)
-    slope = context.diff(lambda s: function(s, t, *point), x)
-    return value, slope, context.diff(lambda s: function(x, s, *point), t)
+    """Value and slopes from three values at more than twice the precision of the slopes."""
+    step = context.ldexp(1, -context.prec)
+    size = max(context.mag(x), context.mag(t), 1)
+    with context.workprec(2 * context.prec + size):
+        value = function(x, t, *point)
+        slope = (function(x + step, t, *point) - value) / step
+        rate = (function(x, t + step, *point) - value) / step
+    return value, slope, rate
 
 
 def _agree(context: Any, one: tuple[Any, ...], other: tuple[Any, ...], digits: int) -> bool:

@@ -5,10 +5,8 @@ With N, M, S the printed combinations ``(1 + theta**2) y - theta y'/lambda`` and
 denominator ``G_2 = (1 - 2 k**2) |N|**2 + |M|**2 + |S|**2`` cancels as k goes to 1. Because
 ``N**2 = M**2 + S**2``, it is also ``2 k'**2 |N|**2 + 4 Im(M conj S)**2/(|M|**2+|S|**2+|N|**2)``,
 a sum of squares: that is evaluated in floating point, after division by ``1 + |theta|**2``.
-Likewise ``S + y**3 y'/Q`` is evaluated through ``shifted_area``.
+Likewise theta is evaluated without the poles of its integral, which cancel identically.
 """
-
-from collections.abc import Callable
 
 import sympy as sp
 
@@ -39,17 +37,14 @@ def integrand(u: sp.Expr) -> sp.Expr:
     return y**2 / (y**2 + sp.I * k * complementary_modulus) ** 2
 
 
-def integral(u: sp.Expr, growth: Callable[[sp.Expr], sp.Expr] | None = None) -> Parts:
-    """Real and imaginary part of the integral of ``integrand`` from 0 to ``u``.
-
-    ``growth`` replaces the combination ``S + y**3 y'/Q`` by an equal one.
-    """
+def integral(u: sp.Expr) -> Parts:
+    """Real and imaginary part of the integral of ``integrand`` from 0 to ``u``."""
     z = sp.Dummy("z", real=True)
     square = k**2 * complementary_modulus**2
     speed = 2 * k**2 - 1
     y, pole = _pole(z)
     real = speed * z / 2 - _area(z) - (speed / 2 + y**2) * pole
-    fourth = (z - pole) / 2 + speed / (4 * square) * (growth or _growth)(z)
+    fourth = (z - pole) / 2 + speed / (4 * square) * (_area(z) + y**2 * pole)
     return real.subs(z, u), (-2 * k * complementary_modulus * fourth).subs(z, u)
 
 
@@ -64,31 +59,27 @@ def _area(z: sp.Symbol) -> sp.Expr:
     return jacobi_epsilon(z, k**2) - complementary_modulus**2 * z
 
 
-def _growth(z: sp.Symbol) -> sp.Expr:
-    y, pole = _pole(z)
-    return _area(z) + y**2 * pole
-
-
-def _stable_growth(z: sp.Symbol) -> sp.Expr:
-    """``S + y**3 y'/Q``, of order k'**2, without its cancellation as k goes to 1."""
-    sn, cn, dn = (f(z, k**2) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
-    s, c, d = sp.symbols("s c d", positive=True)
-    y, pole = _pole(z)
-    periodic = (y**2 * pole).xreplace({sn: s, cn: c, dn: d}) + k**2 * s * c / d
-    ratio = (periodic * d / (s * c)).expand().subs(d, sp.sqrt(1 - k**2 + k**2 * c**2))
-    ratio = sp.factor(sp.cancel(ratio / (1 - k**2)))
-    rest = complementary_modulus**2 * ratio.subs(c, cn) * sn * cn / dn
-    return shifted_area(z) - complementary_modulus**2 * z + rest
-
-
-def theta(growth: Callable[[sp.Expr], sp.Expr] | None = None) -> Parts:
+def theta() -> Parts:
     """Real and imaginary part of theta_cn in xi, tau and k: the paper's eq. (28)."""
     real, imaginary = sp.symbols("integral_re integral_im", real=True)
     printed = -4 * _lambda * _weight * (real + sp.I * imaginary)
-    integral_re, integral_im = integral(CN_PHASE, growth)
+    integral_re, integral_im = integral(CN_PHASE)
     values = _background_values() | {real: integral_re - tau, imaginary: integral_im}
     theta_re, theta_im = (part.xreplace(values) for part in _parts(printed))
     return theta_re, theta_im
+
+
+def _stable_theta() -> Parts:
+    """``theta`` with the poles ``Q = 0`` divided out, and epsilon through ``shifted_area``.
+
+    In the printed form terms of order 1 cancel to k'**2 as k goes to 1; here nothing does.
+    """
+    kp, square = complementary_modulus, CN_WAVE**2
+    sn, cn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
+    area = shifted_area(CN_PHASE)
+    real = square * ((area - CN_PHASE) / k + 2 * k * tau) - k * (area + 2 * kp**2 * tau)
+    imaginary = square * (area / kp + 2 * kp * tau) + kp * (area - CN_PHASE + 2 * k**2 * tau)
+    return real - k * sn * cn / dn, imaginary
 
 
 def _background_values() -> dict[sp.Expr, sp.Expr]:
@@ -131,18 +122,22 @@ def _printed() -> sp.Expr:
 def _stable() -> sp.Expr:
     """Sum-of-squares denominator, everything divided by powers of ``1 + |theta|**2``.
 
-    ``w_i`` are 1, theta and theta**2 so divided. The two imaginary parts use
-    ``(1 - theta**2) (1 + conj(theta)**2)`` and ``2 (1 - theta**2) conj(theta)`` in the coordinates
-    ``n_i`` of theta on the unit sphere, where nothing cancels.
+    ``w_i`` are 1, theta and theta**2 so divided; ``n_i`` are theta's coordinates on the unit
+    sphere, in which the imaginary parts in G_1 and G_2 are polynomials. As k goes to 1 their terms
+    cancel in 20 digits. By ``y'**2 = (k**2 - y**2) (y**2 + k'**2)`` they are sums of products of
+    ``near``, which vanishes with them, and ``far``, which never does.
     """
     one, re, im, square_re, square_im = w = sp.symbols("w_:5", real=True)
     n = sp.symbols("n_:3", real=True)
     N, M, S = _combinations(one, re + sp.I * im, square_re + sp.I * square_im)
-    even, odd = _weight * (n[0] - sp.I * n[1] * n[2]), _weight * (n[0] * n[1] - sp.I * n[2])
-    turn = _inverse_lambda / 2
-    G_1 = 4 * k * _kp * (_y * _parts(even)[1] - _slope * _parts(odd * (k + sp.I * _kp))[1])
-    cross = _slope * _parts(even)[1] - _y * _parts(odd * turn)[1]
-    G_2 = 2 * _kp**2 * _squared(N) + 4 * cross**2 / (_squared(M) + _squared(S) + _squared(N))
+    sn, dn = (f(CN_PHASE, k**2) for f in (jacobi_sn, jacobi_dn))
+    near = dn * _y * n[2] - k * _kp * sn * n[0]
+    far = k * (dn + sn * _y * n[1])
+    rest = _kp * _y * n[0] - k * sn * dn * (_y**2 - _kp**2) * n[2]
+    G_1 = 4 * k * _kp * (far * rest - (_y**4 + k**2 * _kp**2) * near * n[1]) / dn
+    G_2 = 2 * _kp**2 * _squared(N) + 4 * (near * far) ** 2 / (
+        _squared(M) + _squared(S) + _squared(N)
+    )
     size = _theta_re**2 + _theta_im**2
     difference = (_theta_re - _theta_im) * (_theta_re + _theta_im)
     divided = (sp.S.One, _theta_re, _theta_im, difference, 2 * _theta_re * _theta_im)
@@ -150,7 +145,7 @@ def _stable() -> sp.Expr:
     weights = {
         symbol: value / (1 + size) for symbol, value in zip(w + n, divided + sphere, strict=True)
     }
-    return _in_xi_tau(G_1 / G_2, theta(_stable_growth), weights)
+    return _in_xi_tau(G_1 / G_2, _stable_theta(), weights)
 
 
 _FAR_FIELD = -CN_WAVE

@@ -58,19 +58,22 @@ def store(block: Array, i: int, value: Pair) -> None:
 
 
 @njit(error_model="numpy")
-def get(w: Array, row: int, i: int) -> Pair:
-    """Return the i-th number of a row of `w`, blocks one after the other."""
-    return w[2 * BLOCK * row + i], w[2 * BLOCK * row + BLOCK + i]
+def get(w: Array, row: np.int64, i: int) -> Pair:
+    """Return the i-th number of a row of `w`, blocks one after the other.
+
+    Unsigned indices: with numba's test for negative ones the loops do not run on vectors.
+    """
+    return w[np.uint64(2 * BLOCK * row + i)], w[np.uint64(2 * BLOCK * row + BLOCK + i)]
 
 
 @njit(error_model="numpy")
-def put(w: Array, row: int, i: int, value: Pair) -> None:
+def put(w: Array, row: np.int64, i: int, value: Pair) -> None:
     """Set the i-th number of a row of `w`."""
-    w[2 * BLOCK * row + i], w[2 * BLOCK * row + BLOCK + i] = value
+    w[np.uint64(2 * BLOCK * row + i)], w[np.uint64(2 * BLOCK * row + BLOCK + i)] = value
 
 
 @njit(error_model="numpy")
-def block_of(w: Array, row: int) -> Array:
+def block_of(w: Array, row: np.int64) -> Array:
     """Return a row of `w` as a block."""
     return w[2 * BLOCK * row : 2 * BLOCK * (row + 1)]
 

@@ -21,6 +21,7 @@ from numba.extending import intrinsic
 from solutions.jit import njit
 
 Pair = tuple[float, float]
+Three = tuple[float, float, float]
 
 _CONTEXT = MPContext()
 _BITS = 240
@@ -41,7 +42,7 @@ def split(number: Any) -> Pair:
     return high, low
 
 
-def split_three(number: Any) -> tuple[float, float, float]:
+def split_three(number: Any) -> Three:
     """Return the three floats whose sum is nearest to an exact number.
 
     >>> sum(map(Fraction, split_three("0.1"))) - Fraction("0.1") < 1e-49

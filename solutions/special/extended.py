@@ -1,16 +1,18 @@
 """sn, cn, dn, epsilon, zeta and Theta in double-double, about 30 digits, on NumPy arrays.
 
 The parameter comes as an `EllipticParameter`, because 1 - m loses digits near m = 1.  The argument
-is reduced to u = j K + r, |r| <= K/2, so that no function is evaluated near a cancellation.  For
+is reduced to u = j K + r, |r| <= K/2, so that no function is evaluated near a cancellation; u and K
+are sums of three floats there, for u may be 1e28 and must keep its place in the period.  For
 m <= 1/2 the theta series run in sines and cosines of v = pi r / (2K) with the nome q; for m > 1/2
 Jacobi's imaginary transformation turns the same four series into hyperbolic functions of
 w = pi r / (2K') with the nome q', scaled by exp(-|w|), which stay finite down to m1 = 0 (q' = 0:
 tanh and sech).  Both nomes are below 0.0433.  Errors are below 1e-31 of max(1, |value|), plus
-5e-33 |u| from the period.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
+1e-45 |u| from the period.  Sources: DLMF 20.2, 20.7(viii), 22.2, 22.16(iii).
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +34,7 @@ from solutions.special.pair_rows import (
     COSINE,
     DN,
     EPSILON,
+    LOW,
     MINUS,
     PLUS,
     POWER,
@@ -47,6 +50,7 @@ from solutions.special.pair_rows import (
     C,
     G,
     J,
+    Q,
     R,
     S,
     U,
@@ -56,8 +60,11 @@ from solutions.special.pair_rows import (
 from solutions.special.pair_series import cosines, multiples, sines, slopes, thetas
 from solutions.special.parameter import EllipticParameter
 
-_PERIOD = 2.0**-105
-"""Bound of the error of the reduced argument, relative to the argument."""
+_PERIOD, _REST = 2.0**-150, 2.0**-104
+"""Bounds of the error of the reduced argument, relative to the argument and to itself."""
+
+_FARTHEST = 2.0**100
+"""From as many quarter periods on, the quotient has more bits than two doubles."""
 
 _ROUNDING = 2.0**-99
 """Bound of what rounding adds, relative to the value."""
@@ -98,7 +105,7 @@ def _series(w: Array, circular: bool, p: PairConstants) -> None:
 def _circular_quotients(w: Array) -> None:
     """Fill SN, CN, DN, ZETA with unscaled numerators, EPSILON with their denominator."""
     for i in range(BLOCK):
-        odd = get(w, J, i)[1] != 0.0
+        odd = get(w, Q, i)[1] != 0.0
         sine, cosine = get(w, SINE, i), get(w, COSINE, i)
         theta3, theta4, y = get(w, THETA3, i), get(w, THETA4, i), get(w, Y, i)
         put(w, SN, i, choose(odd, cosine, sine))
@@ -113,7 +120,7 @@ def _circular_quotients(w: Array) -> None:
 def _hyperbolic_quotients(w: Array) -> None:
     """Fill SN, CN, DN, ZETA with unscaled numerators, EPSILON with their denominator."""
     for i in range(BLOCK):
-        odd = get(w, J, i)[1] != 0.0
+        odd = get(w, Q, i)[1] != 0.0
         sine, cosine, g = get(w, SINE, i), get(w, COSINE, i), get(w, G, i)
         upper, lower = multiply(g, get(w, THETA4, i)), multiply(g, get(w, THETA3, i))
         put(w, SN, i, choose(odd, upper, sine))
@@ -128,14 +135,14 @@ def _hyperbolic_quotients(w: Array) -> None:
 def _finish(w: Array, p: PairConstants) -> None:
     """Make sn, cn, dn, epsilon and zeta of the quotients."""
     for i in range(BLOCK):
-        j, odd = get(w, J, i)
+        quadrant, odd = get(w, Q, i)
         r = get(w, R, i)
         inverse = reciprocal(get(w, EPSILON, i))
-        signed = scale(inverse, 1.0 if j - 4.0 * np.floor(0.25 * j) < 2.0 else -1.0)
+        signed = scale(inverse, 1.0 if quadrant < 2.0 else -1.0)
         cn_scale = choose(odd != 0.0, p.cn_scale_odd, p.cn_scale)
         dn_scale = choose(odd != 0.0, p.dn_scale_odd, p.dn_scale)
         z = multiply(p.rate, multiply(get(w, ZETA, i), inverse))
-        growth = add(scale(p.epsilon_quarter, j), multiply(p.epsilon_rate, r))
+        growth = add(multiply(p.epsilon_quarter, get(w, J, i)), multiply(p.epsilon_rate, r))
         put(w, SN, i, multiply(multiply(p.sn_scale, get(w, SN, i)), signed))
         put(w, CN, i, multiply(multiply(cn_scale, get(w, CN, i)), signed))
         put(w, DN, i, multiply(multiply(dn_scale, get(w, DN, i)), inverse))
@@ -160,7 +167,7 @@ def _theta(w: Array, circular: bool, p: PairConstants) -> None:
     """Fill THETA from what `_series` made; V and Y are lost."""
     if circular:
         for i in range(BLOCK):
-            odd = get(w, J, i)[1] != 0.0
+            odd = get(w, Q, i)[1] != 0.0
             put(w, THETA, i, choose(odd, get(w, THETA3, i), get(w, THETA4, i)))
         return
     for i in range(BLOCK):
@@ -169,7 +176,7 @@ def _theta(w: Array, circular: bool, p: PairConstants) -> None:
     work, power = block_of(w, WORK), block_of(w, POWER)
     decay(block_of(w, V), work, power, block_of(w, THETA), block_of(w, Y))
     for i in range(BLOCK):
-        odd = get(w, J, i)[1] != 0.0
+        odd = get(w, Q, i)[1] != 0.0
         whole = multiply(p.theta_scale, get(w, THETA3, i))
         half = multiply(p.eta_scale, multiply(get(w, COSINE, i), reciprocal(get(w, G, i))))
         put(w, THETA, i, multiply(get(w, THETA, i), choose(odd, whole, half)))
@@ -184,7 +191,9 @@ def _bounds(w: Array, i: int, e: float, p: PairConstants, bounds: Array) -> None
     u, r = get(w, U, i)[0], get(w, R, i)[0]
     sn, cn, dn = get(w, SN, i)[0], get(w, CN, i)[0], get(w, DN, i)[0]
     zeta, theta = get(w, ZETA, i)[0], get(w, THETA, i)[0]
-    e += _PERIOD * abs(u)
+    e = (e + _PERIOD * abs(u) + _REST * abs(r)) * (1.0 + 2.0**-50)
+    if abs(get(w, J, i)[0]) > _FARTHEST:
+        e = math.inf
     rest = 2.0 * e * e
     bounds[0] = abs(cn * dn) * e + rest + _ROUNDING * abs(sn)
     bounds[1] = abs(sn * dn) * e + rest + _ROUNDING * abs(cn)
@@ -197,9 +206,9 @@ def _bounds(w: Array, i: int, e: float, p: PairConstants, bounds: Array) -> None
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _loop(
-    u: Array, u_lo: Array, u_bound: Array, circular: bool, p: PairConstants, out: Array
+    u: Array, u_lo: Array, rest: Array, e: Array, circular: bool, p: PairConstants, out: Array
 ) -> None:
-    """Fill out[:, 0], out[:, 1], out[:, 2] with high parts, low parts and bounds at u + u_lo.
+    """Fill out[:, 0], out[:, 1], out[:, 2] with high parts, low parts, bounds at u + u_lo + rest.
 
     The rows are SN .. ZETA, and THETA if there is a sixth.
     """
@@ -209,6 +218,7 @@ def _loop(
         count = min(BLOCK, u.size - start)
         for i in range(count):
             put(w, U, i, two_sum(u[start + i], u_lo[start + i]))
+            put(w, LOW, i, (rest[start + i], 0.0))
         _series(w, circular, p)
         _jacobi(w, circular, p)
         if out.shape[0] > 5:
@@ -217,7 +227,7 @@ def _loop(
             for i in range(count):
                 out[row, 0, start + i], out[row, 1, start + i] = get(w, SN + row, i)
         for i in range(count):
-            _bounds(w, i, u_bound[start + i], p, bounds)
+            _bounds(w, i, e[start + i], p, bounds)
             for row in range(out.shape[0]):
                 out[row, 2, start + i] = bounds[row]
 
@@ -226,16 +236,18 @@ def evaluate_pairs(
     parameter: EllipticParameter,
     u: ArrayLike,
     u_lo: ArrayLike = 0.0,
-    u_bound: ArrayLike = 0.0,
+    rest: ArrayLike = 0.0,
     *,
+    bound: ArrayLike = 0.0,
     theta: bool = False,
 ) -> JacobiPairs:
-    """Return sn, cn, dn, epsilon, zeta and, if asked for, Theta at u + u_lo in double-double.
+    """Return sn, cn, dn, epsilon, zeta and, if asked for, Theta in double-double.
 
     Args:
         parameter: from `elliptic_parameter(m, m1)` or `parameter_of_modulus(k)`.
         u, u_lo: real arguments, broadcast together; u_lo is the low part of the sum.
-        u_bound: bound of the error of u + u_lo, of the same shape or a number.
+        rest: what is to be added to u + u_lo besides, of the same shape or a number.
+        bound: bound of the error of the sum, of the same shape or a number.
         theta: whether Theta is wanted, too.
 
     Returns:
@@ -252,7 +264,9 @@ def evaluate_pairs(
     if theta and parameter.m1[0] == 0:
         raise ValueError("m1 must satisfy m1 > 0, got 0 (Theta has no limit as m -> 1)")
     high, low, shape = flat_pair(u, u_lo)
-    bounds = np.broadcast_to(np.asarray(u_bound, dtype=float), shape).ravel()
+    lowest, bounds = (
+        np.broadcast_to(np.asarray(part, dtype=float), shape).ravel() for part in (rest, bound)
+    )
     out = np.empty((6 if theta else 5, 3, high.size))
-    _loop(high, low, bounds, parameter.circular, pair_constants(parameter), out)
+    _loop(high, low, lowest, bounds, parameter.circular, pair_constants(parameter), out)
     return JacobiPairs(*out.reshape(-1, 3, *shape))

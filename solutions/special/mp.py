@@ -17,13 +17,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 Number = Any
 """An `mpf` or `mpc` of some context, or anything its `convert` takes."""
 
 _GUARD_BITS = 20
+_KEPT = 512
 
 
 @contextmanager
@@ -43,12 +44,35 @@ def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
         raise ValueError(
             "m must satisfy m != 1, got 1 (H and Theta have no limit there; use m < 1)"
         )
-    return ctx.pi * z / (2 * ctx.ellipk(m)), ctx.qfrom(m=m)
+    K, q = _integral_and_nome(ctx, ctx.prec, m)
+    return ctx.pi * z / (2 * K), q
+
+
+@lru_cache(maxsize=_KEPT)
+def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
+    """Return K and the nome at the context's precision."""
+    return ctx.ellipk(m), ctx.qfrom(m=m)
+
+
+@lru_cache(maxsize=_KEPT)
+def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: int = 0) -> Number:
+    """Return a theta function at the context's precision.
+
+    A wave takes sn, cn, dn and epsilon of one phase, and of the same constants at every point.
+    """
+    return ctx.jtheta(n, v, q, derivative)
 
 
 def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
+    """Return theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
+    a, b, c = {"sn": (3, 2, 1), "cn": (4, 2, 2), "dn": (4, 3, 3)}[kind]
     with _guarded(ctx, z, m) as (z, m):
-        value = ctx.ellipfun(kind, z, m=m)
+        if m in (0, 1):
+            value = ctx.ellipfun(kind, z, m=m)
+        else:
+            v, q = _theta_argument(ctx, z, m)
+            at = partial(_theta, ctx, ctx.prec)
+            value = at(a, ctx.zero, q) / at(b, ctx.zero, q) * at(c, v, q) / at(4, v, q)
     return +value
 
 
@@ -71,8 +95,8 @@ def _zeta(ctx: Any, z: Number, m: Number) -> Number:
     if m == 1:
         return ctx.tanh(z)
     v, q = _theta_argument(ctx, z, m)
-    slope = ctx.pi / (2 * ctx.ellipk(m))
-    return slope * ctx.jtheta(4, v, q, 1) / ctx.jtheta(4, v, q)
+    slope = ctx.pi / (2 * _integral_and_nome(ctx, ctx.prec, m)[0])
+    return slope * _theta(ctx, ctx.prec, 4, v, q, 1) / _theta(ctx, ctx.prec, 4, v, q)
 
 
 def zeta(ctx: Any, z: Number, m: Number) -> Number:
@@ -85,7 +109,7 @@ def zeta(ctx: Any, z: Number, m: Number) -> Number:
 def epsilon(ctx: Any, z: Number, m: Number) -> Number:
     """Jacobi's epsilon function, the integral of dn^2 from 0 to z, as Z(z) + z E / K."""
     with _guarded(ctx, z, m) as (z, m):
-        slope = 0 if m == 1 else ctx.ellipe(m) / ctx.ellipk(m)
+        slope = 0 if m == 1 else ctx.ellipe(m) / _integral_and_nome(ctx, ctx.prec, m)[0]
         value = _zeta(ctx, z, m) + slope * z
     return +value
 
@@ -97,7 +121,7 @@ def eta(ctx: Any, z: Number, m: Number) -> Number:
         ValueError: at m = 1, where the nome is 1.
     """
     with _guarded(ctx, z, m) as (z, m):
-        value = ctx.jtheta(1, *_theta_argument(ctx, z, m)) if z else ctx.zero
+        value = _theta(ctx, ctx.prec, 1, *_theta_argument(ctx, z, m)) if z else ctx.zero
     return +value
 
 
@@ -108,7 +132,7 @@ def theta(ctx: Any, z: Number, m: Number) -> Number:
         ValueError: at m = 1, where the nome is 1.
     """
     with _guarded(ctx, z, m) as (z, m):
-        value = ctx.jtheta(4, *_theta_argument(ctx, z, m))
+        value = _theta(ctx, ctx.prec, 4, *_theta_argument(ctx, z, m))
     return +value
 
 

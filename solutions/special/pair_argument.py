@@ -7,9 +7,19 @@ import numpy as np
 from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.blocks import BLOCK, block_of, decay, get, put, sine_cosine
-from solutions.special.doubledouble import Pair, add_loosely, multiply, reciprocal, scale, subtract
+from solutions.special.doubledouble import (
+    Pair,
+    Three,
+    add_loosely,
+    multiply,
+    quick_two_sum,
+    reciprocal,
+    scale,
+    two_prod,
+    two_sum,
+)
 from solutions.special.pair_constants import PairConstants
-from solutions.special.pair_rows import POWER, WORK, C, G, J, R, S, U, V, X, Y
+from solutions.special.pair_rows import LOW, POWER, WORK, C, G, J, Q, R, S, U, V, X, Y
 
 _LARGEST = 1e50  # bounds cosh 2v where q' is so small that its terms are zero anyway
 
@@ -21,14 +31,39 @@ def choose(condition: bool, a: Pair, b: Pair) -> Pair:
 
 
 @njit(error_model="numpy")
+def _without(u: Three, j: float, quarter: Three) -> Three:
+    """Return u - j K as three floats, with an error of 2^-155 |u|."""
+    high, e = two_prod(quarter[0], j)
+    middle, f = two_prod(quarter[1], j)
+    high, g = two_sum(u[0], -high)
+    middle, a = two_sum(u[1], -middle)
+    middle, b = two_sum(middle, -e)
+    middle, c = two_sum(middle, g)
+    low = (u[2] - quarter[2] * j) + ((a - f) + (b + c))
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    high, middle = two_sum(high, middle)
+    middle, low = two_sum(middle, low)
+    return high, middle, low
+
+
+@njit(error_model="numpy")
 def reduce_argument(w: Array, p: PairConstants) -> None:
-    """Fill J and R from U = J K + R with |R| <= K/2, and V = R times the rate."""
+    """Fill J and R from U + LOW = J K + R with |R| <= K/2, and V = R times the rate.
+
+    Q is J modulo 4, and modulo 2. A quotient of more than 53 bits takes the second step.
+    """
     quarter = p.quarter[0] if p.quarter[0] != 0.0 else np.inf
     for i in range(BLOCK):
         u = get(w, U, i)
-        j = np.floor(u[0] / quarter + 0.5)
-        r = subtract(u, scale(p.quarter, j))
-        put(w, J, i, (j, j - 2.0 * np.floor(0.5 * j)))
+        first = np.floor(u[0] / quarter + 0.5)
+        rest = _without((u[0], u[1], get(w, LOW, i)[0]), first, p.quarter)
+        second = np.floor(rest[0] / quarter + 0.5)
+        high, middle, low = _without(rest, second, p.quarter)
+        r = quick_two_sum(high, middle + low)
+        j = first - 4.0 * np.floor(0.25 * first) + (second - 4.0 * np.floor(0.25 * second))
+        put(w, J, i, two_sum(first, second))
+        put(w, Q, i, (j - 4.0 * np.floor(0.25 * j), j - 2.0 * np.floor(0.5 * j)))
         put(w, R, i, r)
         put(w, V, i, multiply(r, p.rate))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from solutions.special.doubledouble import Pair, multiply, scale
+from solutions.special.doubledouble import Pair, Three, multiply, scale
 from solutions.special.parameter import EllipticParameter
 
 Series = tuple[Pair, Pair, Pair, Pair]
@@ -17,9 +17,9 @@ RISING = (3.0, 5.0, 7.0, 9.0)
 
 
 class PairConstants(NamedTuple):
-    """What the loop needs of an `EllipticParameter`, as pairs (K = 0 stands for inf)."""
+    """What the loop needs of an `EllipticParameter`; a quarter period of 0 stands for inf."""
 
-    quarter: Pair
+    quarter: Three
     rate: Pair
     q1: Pair
     q4: Pair
@@ -58,7 +58,7 @@ def pair_constants(p: EllipticParameter) -> PairConstants:
         )  # fmt: skip
 
     return PairConstants(
-        p.K if math.isfinite(p.K[0]) else (0.0, 0.0), p.rate,
+        p.K if math.isfinite(p.K[0]) else (0.0, 0.0, 0.0), p.rate,
         powers[1], powers[4], powers[9], powers[16][0], powers[25][0],
         series(ALTERNATING), series(EVEN), series(RISING),
         p.sn_scale, p.cn_scale, p.dn_scale, p.cn_scale_odd, p.dn_scale_odd,

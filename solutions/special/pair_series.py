@@ -6,6 +6,8 @@ beyond q^12, below 1e-18 of their sums, are added in double.  Source: DLMF 20.2.
 
 from __future__ import annotations
 
+import numpy as np
+
 from solutions.jit import njit
 from solutions.special.arrays import Array
 from solutions.special.blocks import BLOCK, get, put
@@ -36,7 +38,7 @@ def _one_and(a: Pair, b: Pair, c: Pair, d: float, series: Series) -> Pair:
 
 
 @njit(error_model="numpy")
-def sines(w: Array, series: Series, row: int) -> None:
+def sines(w: Array, series: Series, row: np.int64) -> None:
     """Fill the row with 1 + the sum of coefficients times sin (2n+1)v / sin v."""
     for i in range(BLOCK):
         a = add_loosely((1.0, 0.0), get(w, X, i))

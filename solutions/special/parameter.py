@@ -13,7 +13,7 @@ from typing import Any
 
 from mpmath import MPContext
 
-from solutions.special.doubledouble import Pair, split
+from solutions.special.doubledouble import Pair, Three, split, split_three
 
 _CONTEXT = MPContext()
 _CONTEXT.prec = 240
@@ -30,7 +30,8 @@ class EllipticParameter:
 
     Attributes:
         m, m1: the parameter and its complement.
-        K, E: complete elliptic integrals of the first and second kind (K = inf at m = 1).
+        K, E: complete elliptic integrals of the first and second kind (K = inf at m = 1); K as
+            three floats, for it is subtracted many times from large arguments.
         slope: E / K, the mean of dn^2 and the linear growth of epsilon.
         rate: pi / (2K), or pi / (2K') when not circular.
         nome: q, or q' when not circular.
@@ -45,7 +46,7 @@ class EllipticParameter:
     circular: bool
     m: Pair
     m1: Pair
-    K: Pair
+    K: Three
     E: Pair
     slope: Pair
     rate: Pair
@@ -107,8 +108,20 @@ def _from_exact(m: Any, m1: Any) -> EllipticParameter:
     """Make the record from m and m1 = 1 - m, held exactly enough in the private context."""
     constants = (_circular_constants if m <= 0.5 else _hyperbolic_constants)(m, m1)
     circular = constants.pop("circular")
+    K = split_three(constants.pop("K"))
     pairs = {name: split(value) for name, value in constants.items()}
-    return EllipticParameter(circular=circular, m=split(m), m1=split(m1), **pairs)
+    return EllipticParameter(circular=circular, m=split(m), m1=split(m1), K=K, **pairs)
+
+
+@lru_cache(maxsize=256)
+def exact_parameter(m: Any, m1: Any) -> EllipticParameter:
+    """Return the record for long numbers m and m1 = 1 - m, mpf of any context, 0 < m < 1.
+
+    >>> from mpmath import mpf
+    >>> exact_parameter(mpf(0.25), mpf(0.75)) == elliptic_parameter(0.25, 0.75)
+    True
+    """
+    return _from_exact(_CONTEXT.convert(m), _CONTEXT.convert(m1))
 
 
 @lru_cache(maxsize=256)

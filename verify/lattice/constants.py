@@ -11,6 +11,10 @@ from verify.lattice.stencil import present
 Array = NDArray[np.float64]
 KernelConstants = tuple[float, float | None, float | None]
 
+NEGLIGIBLE = 1e-200
+"""K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
+of the others neither overflow nor underflow."""
+
 
 @dataclass(frozen=True)
 class Constants:
@@ -31,8 +35,14 @@ class Constants:
 
     @property
     def kernel(self) -> KernelConstants:
-        """The constants as the kernels take them: ``None`` for an absent term."""
-        return float(self.K2), present(self.K3), present(self.K4)
+        """The constants as the kernels take them: ``None`` for an absent or a negligible term.
+
+        >>> Constants(4, 1e-300, 1).kernel
+        (4.0, None, 1.0)
+        """
+        least = NEGLIGIBLE * max(self.K2, abs(self.K3), abs(self.K4))
+        K3, K4 = (0.0 if abs(value) < least else value for value in (self.K3, self.K4))
+        return float(self.K2), present(K3), present(K4)
 
     def stiffness(self, y: Array) -> Array:
         """V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.
@@ -43,13 +53,27 @@ class Constants:
         y = np.asarray(y, dtype=np.float64)
         return self.K2 + y * (2.0 * self.K3 + 3.0 * self.K4 * y)
 
+    def least_stiffness(self, least: float, most: float) -> float:
+        """The smallest V''(y) of all strains from ``least`` to ``most``.
+
+        >>> Constants(4, 1, 1).least_stiffness(-2.0, 3.0)  # at y = -1/3
+        3.6666666666666665
+        """
+        places = [least, most]
+        if self.K4 > 0.0:
+            places.append(min(max(-self.K3 / (3.0 * self.K4), least), most))
+        return min(self._stiffness(y) for y in places)
+
+    def _stiffness(self, y: float) -> float:
+        return self.K2 + y * (2.0 * self.K3 + 3.0 * self.K4 * y)
+
     def sound_speed(self, ybar: float = 0.0) -> float:
         """Speed (sites per unit time) of long waves on the uniform strain ``ybar``.
 
         >>> Constants(4, 0, 1).sound_speed()
         2.0
         """
-        stiffness = float(self.stiffness(np.array(ybar)))
+        stiffness = self._stiffness(ybar)
         if stiffness <= 0:
             raise ValueError(
                 f"K2 + 2 K3 y + 3 K4 y^2 must be positive, got {stiffness:g} at y = {ybar:g} "

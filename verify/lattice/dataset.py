@@ -1,6 +1,7 @@
 """What a run returns: what was recorded, with the scene, the versions and the cost."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.metadata import version
 
 import xarray as xr
@@ -28,6 +29,12 @@ def build_dataset(
         "scene": scene.json(),
         "title": scene.title or scene.name,
         **cost,
-        "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+        "versions": _versions(),
     }
     return xr.Dataset(data, coordinates, attributes)
+
+
+@cache
+def _versions() -> str:
+    """Those of the packages that a run's numbers depend on; each takes a file to be found."""
+    return ", ".join(f"{package} {version(package)}" for package in PACKAGES)

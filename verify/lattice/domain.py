@@ -5,8 +5,8 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
-from bisect import bisect_right
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -17,10 +17,11 @@ from verify.lattice.blow_up import BlowUp
 from verify.lattice.closing import fade_at_seam, negate_at_seam
 from verify.lattice.fading import DEPTH, Fading
 from verify.lattice.feed import WATCHED, FeedMonitor
-from verify.lattice.initial import initial_data, transported_data
+from verify.lattice.initial import initial_data
 from verify.lattice.observables import entry_named
 from verify.lattice.scene import Scene
 from verify.lattice.state import State, empty_state
+from verify.lattice.tail import Tail
 
 Array = NDArray[np.float64]
 
@@ -32,9 +33,6 @@ MARGIN = 64
 
 KINK = 80.0
 """Room for a kink at the seam, in units of its width."""
-
-AHEAD = 32
-"""Moves of a window whose feeds are evaluated at once: a call costs as much as 450 sites."""
 
 BISECTIONS = 40
 """Halvings to the speed that a ring holds."""
@@ -250,9 +248,7 @@ class Window:
             )
         self.monitor = FeedMonitor(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self._moves = window_moves(self.scene)
-        self.moves = frozenset(self._moves)
-        self._feeds: dict[float, tuple[Array, Array]] = {}
+        self.moves = frozenset(window_moves(self.scene))
         least = least_window(self.scene.compared)
         if self.scene.sites < least:
             raise ValueError(
@@ -281,35 +277,26 @@ class Window:
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
-        left = self._left(state.t)
-        moved = left - state.left
+        left = frame(self.scene, state.t) - self.scene.sites // 2
+        fed = 2 * (left - state.left) + MARGIN
         state.left = left
-        fed = 2 * moved + MARGIN
-        front = state.sites[-(fed + WATCHED) :]
-        y, s = (values[-front.size :] for values in self._feed(state.t))
+        end = left + state.size
+        front = np.arange(end - fed - WATCHED, end)
+        y, s = self._tail.at(front, state.t)
         fault = self.monitor.compare(state, front[:WATCHED], y[:WATCHED])
         state.store(front[WATCHED:], y[WATCHED:], s[WATCHED:])
         return fault
 
-    def _left(self, t: float) -> int:
-        """The first site of the window that has followed the wave until t."""
-        return frame(self.scene, t) - self.scene.sites // 2
-
-    def _feed(self, t: float) -> tuple[Array, Array]:
-        """The far field in front at the move at t, on the most sites that a move feeds or watches.
-
-        Those of some moves to come are evaluated with it.
-        """
-        if t not in self._feeds:
-            first = bisect_right(self._moves, t)
-            times = (t, *self._moves[first : first + AHEAD])
-            most = 2 * (STRIDE + 1) + MARGIN + WATCHED
-            ends = np.array([self._left(move) + self.scene.sites for move in times])
-            sites = ends[:, None] + np.arange(-most, 0)
-            columns = np.array(times)[:, None]
-            y, s = transported_data(self.wave, self.scene, self.background_speed, sites, columns)
-            self._feeds = {move: (y[row], s[row]) for row, move in enumerate(times)}
-        return self._feeds[t]
+    @cached_property
+    def _tail(self) -> Tail:
+        """The far field on all offsets from the background's sound at which moves feed or watch."""
+        scene = self.scene
+        gain = self.background_speed - scene.constants.sound_speed()
+        drift = gain * (scene.end - scene.t0)
+        end = scene.sites - scene.sites // 2
+        begin = end - (2 * (STRIDE + 1) + MARGIN + WATCHED)
+        low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
+        return Tail(self.wave, scene, self.background_speed, low, high)
 
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:

@@ -6,6 +6,7 @@ evaluations, with steps set by the slow time and the tolerance, on every ring th
 the domain goes through. `Rates` holds what was measured.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ from verify.lattice.discretisation import COST
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.spectral_data import ring_data
+from verify.lattice.spectral_run import ALIKE, TURNED
 from verify.lattice.spectral_scale import first_density
 from verify.lattice.stencil_plan import (
     PREFERRED,
@@ -68,6 +70,9 @@ class Rates:
     (eps L/2)^3 and per unit of the peak: the absorbed ring's law."""
     radiated: float = 1.0
     """Of a kink, which has no absorber, times (a eps peak)^4 and the passages of sound."""
+    apart: float = 400.0
+    """Spread of the energies of a ring's lattices, in units of exp(-pi^2/(a |y|)); 250 to 520 for
+    solitons of a |y| from 0.35 to 0.6."""
     phase: float = 0.1
     """On a periodic one, times (eps L/2)^2 and per unit of b eps^3 t times peak^3."""
 
@@ -106,6 +111,11 @@ def spectral_seconds(scene: Scene, wave: Wave) -> float:
     peak = float(np.max(np.abs(extent_of(scene, wave).strain))) / scene.eps
     turns = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0) * peak**3
     evaluations = RATES.evaluations * (1.0 + turns) * scene.tolerance ** (-1.0 / ORDER)
+    steepness = float(wave.normal_form.a) * scene.eps * peak
+    apart = RATES.apart * math.exp(-((math.pi) ** 2) / steepness) * (1.0 + turns) * peak
+    if apart > ALIKE * scene.tolerance:
+        passed = scene.constants.sound_speed() * (scene.end - scene.t0)
+        evaluations = max(evaluations, 2.0 * math.pi * passed / TURNED)
     first, *wider = _circumferences(scene, wave, peak, turns)
     density = RATES.density * peak * first_density(wave, scene.eps)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0

@@ -28,12 +28,13 @@ class FeedMonitor:
         ``feed`` holds the strains that the feed would put on ``sites``, which it leaves alone.
         """
         misses = np.abs(state.strain(sites) - feed) / self.eps
-        self.mismatch = max(self.mismatch, float(np.max(misses)))
+        most = float(misses.max())
+        self.mismatch = max(self.mismatch, most)
         wrong = misses > TOLERANCE
         if not wrong.any():
             return None
         criterion = (
-            f"the window's feed misses the lattice by {float(np.max(misses)):.2g} eps, "
+            f"the window's feed misses the lattice by {most:.2g} eps, "
             f"more than {TOLERANCE:g} eps (the wave's far field is not what is fed)"
         )
         return BlowUp(criterion, state.t, int(sites[wrong][0]))

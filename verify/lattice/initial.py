@@ -77,7 +77,16 @@ def transported_data(
     wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there. Sites
     and times are broadcast.
     """
-    X = scene.eps * ((sites - scene.constants.sound_speed() * scene.t0) - speed * (t - scene.t0))
+    begin = scene.constants.sound_speed() * scene.t0
+    return rigid_data(wave, scene, speed, (sites - begin) - speed * (t - scene.t0))
+
+
+def rigid_data(wave: Wave, scene: Scene, speed: float, offsets: ArrayLike) -> tuple[Array, Array]:
+    """Strain and velocity of the initial strain that moves rigidly at ``speed``.
+
+    ``offsets`` are those from the place that began at c t0.
+    """
+    X = scene.eps * np.asarray(offsets, dtype=np.float64)
     value = wave(X, scene.eps**3 * scene.t0)
     rest = np.zeros_like(X)
     velocity = _initial_velocity()(value.Y_X, rest, speed, scene.eps)

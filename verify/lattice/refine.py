@@ -3,8 +3,9 @@
 Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
 once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
 Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
-what the engine calls for, is its estimated error. That bounds the error as soon as the control run
-is no worse than two thirds of the run before it, in each of the things that were varied.
+what the engine calls for, is its estimated error, with what the engine knows that both runs do
+alike. That bounds the error as soon as the control run is no worse than two thirds of the run
+before it, in each of the things that were varied.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
@@ -164,7 +165,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        error = engine.safety * difference(trial, control) + rounding
+        error = engine.safety * difference(trial, control) + rounding + control.alike
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown

@@ -101,7 +101,7 @@ class RingData:
         least = ROOM * self.extent.width
         if self.periodic:
             return max(LEAST * self.unit, least + 2.0 * self.unit)
-        return least + 2.0 * self._reach(least)
+        return least + 2.0 * self.seam(least)
 
     @property
     def absorbed(self) -> float:
@@ -146,7 +146,7 @@ class RingData:
         if math.isinf(self.duration):
             return None
         c, fastest = self.constants.sound_speed(), self.fastest
-        reach = self._reach(2.0 * fastest * self.duration + 2 * self.compared)
+        reach = self.seam(2.0 * fastest * self.duration + 2 * self.compared)
         half = self.compared + fastest * self.duration + front(fastest, self.duration) + reach
         ahead = c * self.duration
         return Ring(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
@@ -167,11 +167,11 @@ class RingData:
             crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
             return RingState(self.t0, left, length, y, s)
-        width = self._reach(length) / REACH
+        width = self.seam(length) / REACH
         y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
         return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
 
-    def _reach(self, circumference: float) -> float:
+    def seam(self, circumference: float) -> float:
         """The data within this distance of the seam are not the wave's."""
         if self.periodic:
             return self.unit

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions.jit import njit
-from verify.lattice.vector import LANES, stage
+from verify.lattice.vector import LANES, pair, stage
 
 Array = NDArray[np.float64]
 
@@ -88,14 +88,17 @@ def _pass(
     K4: float | None,
 ) -> None:
     """All stages once over the rows; each leaves one more row at either end untrue."""
-    total = y.size // LANES
+    total, stages = y.size // LANES, kicks.size
     forces[:] = 0.0
     for low in range(0, total, ROWS):
         high = min(low + ROWS, total)
-        for k in range(kicks.size):
-            first = max(low - k, k + 1)
-            if first < high - k:
-                stage(y, s, forces, k, first, high - k, drifts[k], kicks[k], K2, K3, K4)  # type: ignore[call-arg]
+        for k in range(0, stages, 2):
+            first, past = max(low - k, k + 1), high - k
+            both = max(first, k + 3) if k + 1 < stages else past
+            if first < min(both, past):
+                stage(y, s, forces, drifts, kicks, k, first, min(both, past), K2, K3, K4)  # type: ignore[call-arg]
+            if both < past:
+                pair(y, s, forces, drifts, kicks, k, both, past, K2, K3, K4)  # type: ignore[call-arg]
 
 
 @_jit

@@ -1,13 +1,18 @@
-"""The fused stage of a splitting scheme as vector code, for kernels of numba.
+"""The fused stages of a splitting scheme as vector code, for kernels of numba.
 
 A stage is one drift and one kick,
 
     y += a s,    s += b D V'(y),
 
 on rows of ``LANES`` sites. Neighbouring sites stand in neighbouring rows, so D needs no shuffles
-and every load is aligned. The loop goes up the rows once: the forces of the last two rows and the
-velocity of the last one stay in registers, so that a row costs two loads, two stores and the
-arithmetic. LLVM's own vectoriser does not find this form; it takes three passes over memory.
+and every load is aligned. The loop goes up the rows once: the last row's force, how much it rose
+there and its velocity stay in registers. Two stages go together, the second one row behind the
+first: a row then costs two loads and two stores for both. LLVM's own vectoriser does not find this
+form; it takes three passes over memory.
+
+The force is taken in units of its highest constant, with which the kick is multiplied instead, and
+D as a difference of differences: y^3 + (K2/K4) y and D take one multiply-add, one product and two
+subtractions.
 
 The code says vectors of eight doubles and multiply-adds that may be contracted; LLVM lowers both to
 what the processor has: one without AVX-512 runs the same code in halves, without AVX2 in quarters.
@@ -27,10 +32,10 @@ LANES = 8
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _INDEX = ir.IntType(64)
 
-OPERATIONS = {(False, False): 5, (True, False): 6, (False, True): 7, (True, True): 7}
+OPERATIONS = {(False, False): 4, (True, False): 6, (False, True): 6, (True, True): 7}
 """Arithmetic instructions per site and stage, by the presence of (K3, K4).
 
-A fused multiply-add counts once: the drift 1, the force 1, 2, 3 or 3, the kick 3.
+A fused multiply-add counts once: the drift 1, the force 0, 2, 2 or 3, the kick 3.
 """
 
 
@@ -54,6 +59,11 @@ class _Rows:
         data = context.make_array(kind)(context, builder, value).data
         self._data = builder.bitcast(data, _VECTOR.as_pointer())
 
+    def number(self, place: Any) -> Any:
+        """One of the array's doubles."""
+        data = self._builder.bitcast(self._data, ir.DoubleType().as_pointer())
+        return self._builder.load(self._builder.gep(data, [place]))
+
     def load(self, row: Any) -> Any:
         return self._builder.load(self._builder.gep(self._data, [row]), align=8)
 
@@ -61,48 +71,118 @@ class _Rows:
         self._builder.store(value, self._builder.gep(self._data, [row]), align=8)
 
 
-def _force(builder: Any, y: Any, K2: Any, K3: Any, K4: Any) -> Any:
-    """V'(y) in Horner form; a constant that is ``None`` costs nothing."""
-    if K4 is None and K3 is None:
-        return builder.fmul(K2, y)
-    if K4 is None:
-        return builder.fmul(y, _fma(builder, K3, y, K2))
-    if K3 is None:
-        return builder.fmul(y, _fma(builder, K4, builder.fmul(y, y), K2))
-    return builder.fmul(y, _fma(builder, y, _fma(builder, K4, y, K3), K2))
+def _force(builder: Any, y: Any, factors: list[Any]) -> Any:
+    """V'(y) in units of its highest constant: y, y (y + q) or y (y (y + p) + q).
+
+    ``factors`` are the lower constants in that unit, the highest of them first; None for p = 0.
+    """
+    found = y
+    for place, factor in enumerate(factors):
+        if place == 0:
+            found = y if factor is None else builder.fadd(y, factor)
+        else:
+            found = _fma(builder, y, found, factor)
+    return builder.fmul(y, found) if factors else y
 
 
-def _generate(present: tuple[bool, bool]) -> Callable[..., Any]:
+def _factors(builder: Any, present: tuple[bool, bool], constants: Any) -> tuple[list[Any], Any]:
+    """The force's lower constants in units of the highest one, and that."""
+    K2, K3, K4 = (
+        _splat(builder, value) if there else None
+        for there, value in zip((True, *present), constants, strict=True)
+    )
+    if K4 is not None:
+        return [None if K3 is None else builder.fdiv(K3, K4), builder.fdiv(K2, K4)], K4
+    if K3 is not None:
+        return [builder.fdiv(K2, K3)], K3
+    return [], K2
+
+
+class _Stage:
+    """The weights of one of the stages that go together, and what it carries up the rows.
+
+    The last row's rise of the force, its force and its velocity before the kick; behind the first
+    stage also the strain that the stage before has left in the next row.
+    """
+
+    def __init__(
+        self, builder: Any, arrays: list[_Rows], level: Any, behind: int, unit: Any
+    ) -> None:
+        self._builder, self.behind = builder, behind
+        self._y, self._s, self._forces, drifts, kicks = arrays
+        place = builder.add(level, _INDEX(behind))
+        self.a = _splat(builder, drifts.number(place))
+        self.b = builder.fmul(_splat(builder, kicks.number(place)), unit)
+        self._rise = builder.mul(place, _INDEX(2))
+        self._force = builder.add(self._rise, _INDEX(1))
+
+    def begin(self, first: Any) -> None:
+        """Take what stands in memory below ``first``."""
+        below = self._builder.sub(first, _INDEX(self.behind))
+        values = [self._forces.load(self._rise), self._forces.load(self._force)]
+        values.append(self._s.load(self._builder.sub(below, _INDEX(1))))
+        if self.behind:
+            values.append(self._y.load(below))
+        self.slots = [cgutils.alloca_once_value(self._builder, value) for value in values]
+
+    def row(self, y: Any, s: Any, factors: list[Any]) -> tuple[Any, Any]:
+        """Drift a row and kick the one below it; give the strain and the kicked velocity."""
+        builder = self._builder
+        rise, middle, before, *waiting = (builder.load(slot) for slot in self.slots)
+        if waiting:
+            builder.store(y, self.slots[3])
+            y = waiting[0]
+        y = _fma(builder, self.a, s, y)
+        force = _force(builder, y, factors)
+        next_rise = builder.fsub(force, middle)
+        kicked = _fma(builder, self.b, builder.fsub(next_rise, rise), before)
+        for slot, value in zip(self.slots, (next_rise, force, s), strict=False):
+            builder.store(value, slot)
+        return y, kicked
+
+    def end(self, past: Any) -> None:
+        """Leave in memory what the next call takes from there."""
+        rise, force, before, *waiting = (self._builder.load(slot) for slot in self.slots)
+        self._forces.store(self._rise, rise)
+        self._forces.store(self._force, force)
+        if waiting:
+            below = self._builder.sub(past, _INDEX(self.behind))
+            self._s.store(self._builder.sub(below, _INDEX(1)), before)
+            self._y.store(below, waiting[0])
+
+
+def _generate(together: int, present: tuple[bool, bool]) -> Callable[..., Any]:
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        y, s, forces = (
+        arrays = [
             _Rows(context, builder, kind, value)
-            for kind, value in zip(signature.args[:3], arguments[:3], strict=True)
-        )
-        level, first, past = arguments[3:6]
-        a, b, K2 = (_splat(builder, value) for value in arguments[6:9])
-        K3, K4 = (
-            _splat(builder, value) if there else None
-            for there, value in zip(present, arguments[9:], strict=True)
-        )
-        minus_two = _splat(builder, ir.Constant(ir.DoubleType(), -2.0))
-        places = [builder.add(builder.mul(level, _INDEX(2)), _INDEX(i)) for i in range(2)]
-        begin = [*map(forces.load, places), s.load(builder.sub(first, _INDEX(1)))]
-        carried = [cgutils.alloca_once_value(builder, value) for value in begin]
+            for kind, value in zip(signature.args[:5], arguments[:5], strict=True)
+        ]
+        level, first, past = arguments[5:8]
+        factors, unit = _factors(builder, present, arguments[8:])
+        stages = [_Stage(builder, arrays, level, behind, unit) for behind in range(together)]
+        for one in stages:
+            one.begin(first)
+        rows_y, rows_s = arrays[:2]
         with cgutils.for_range_slice(builder, first, past, _INDEX(1)) as (row, _):
-            left, middle, before = (builder.load(slot) for slot in carried)
-            velocity = s.load(row)
-            strain = _fma(builder, a, velocity, y.load(row))
-            y.store(row, strain)
-            right = _force(builder, strain, K2, K3, K4)
-            bend = _fma(builder, minus_two, middle, builder.fadd(left, right))
-            s.store(builder.sub(row, _INDEX(1)), _fma(builder, b, bend, before))
-            for slot, value in zip(carried, (middle, right, velocity), strict=True):
-                builder.store(value, slot)
-        for place, slot in zip(places, carried, strict=False):
-            forces.store(place, builder.load(slot))
+            y, s = rows_y.load(row), rows_s.load(row)
+            for one in stages:
+                y, s = one.row(y, s, factors)
+            rows_y.store(builder.sub(row, _INDEX(together - 1)), y)
+            rows_s.store(builder.sub(row, _INDEX(together)), s)
+        for one in stages:
+            one.end(past)
         return context.get_dummy_value()
 
     return codegen
+
+
+def _stages(
+    together: int, arrays: tuple[Any, ...], constants: tuple[Any, ...]
+) -> tuple[Any, Callable[..., Any]]:
+    _, K3, K4 = constants
+    present = (K3 is not types.none, K4 is not types.none)
+    signature = types.void(*arrays, *(types.intp,) * 3, types.float64, K3, K4)
+    return signature, _generate(together, present)
 
 
 @intrinsic
@@ -111,22 +191,40 @@ def stage(
     y: Any,
     s: Any,
     forces: Any,
+    drifts: Any,
+    kicks: Any,
     level: Any,
     first: Any,
     past: Any,
-    a: Any,
-    b: Any,
     K2: Any,
     K3: Any,
     K4: Any,
 ) -> Any:
     """Drift the rows ``first`` .. ``past - 1`` of (y, s), kick those one row lower.
 
-    ``y``, ``s`` and ``forces`` are contiguous arrays of doubles. Rows 2 level and 2 level + 1 of
-    ``forces`` hold V' at the rows first - 2 and first - 1, and at the end that at past - 2 and
-    past - 1, so that the next call goes on where this one stopped. 1 <= first <= past; K3 or K4
-    is ``None`` when absent.
+    All arrays are contiguous, of doubles; the stage is number ``level`` of ``drifts`` and
+    ``kicks``. Rows 2 level and 2 level + 1 of ``forces`` hold the force at the row first - 1 less
+    that at the row below it, and the former, in the force's units, and at the end those for
+    past - 1, so that the next call goes on where this one stopped. 1 <= first <= past; K3 or K4 is
+    ``None`` when absent.
     """
-    present = (K3 is not types.none, K4 is not types.none)
-    signature = types.void(y, s, forces, *(types.intp,) * 3, *(types.float64,) * 3, K3, K4)
-    return signature, _generate(present)
+    return _stages(1, (y, s, forces, drifts, kicks), (K2, K3, K4))
+
+
+@intrinsic
+def pair(
+    _context: Any,
+    y: Any,
+    s: Any,
+    forces: Any,
+    drifts: Any,
+    kicks: Any,
+    level: Any,
+    first: Any,
+    past: Any,
+    K2: Any,
+    K3: Any,
+    K4: Any,
+) -> Any:
+    """`stage` for ``level``, and for level + 1 on the rows first - 1 .. past - 2. 2 <= first."""
+    return _stages(2, (y, s, forces, drifts, kicks), (K2, K3, K4))

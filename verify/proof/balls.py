@@ -14,8 +14,8 @@ from flint import acb, arb, ctx, fmpq
 from solutions.special.function import JacobiFunction
 
 from . import ballfunctions as functions
+from .domain_signs import Signs
 from .jet import Index, Jet, Shape, constant, variable
-from .signs import Signs
 
 Point = Mapping[sp.Symbol, sp.Rational]
 
@@ -97,7 +97,7 @@ class BallEvaluator:
             taylor = getattr(elliptic, node.func.__name__.removeprefix("jacobi_"))
             return self.jet(node.args[0]).composed(taylor)
         if isinstance(node, sp.elliptic_k | sp.elliptic_e):
-            m = self.jet(node.args[0]).value
+            m = self._constant(node.args[0])
             is_first = isinstance(node, sp.elliptic_k)
             return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
         if node.func in QUOTIENTS:
@@ -162,8 +162,15 @@ class BallEvaluator:
 
     def _parameter(self, m: sp.Expr) -> functions.Elliptic:
         if m not in self._elliptic:
-            self._elliptic[m] = functions.Elliptic(self.jet(m).value)
+            self._elliptic[m] = functions.Elliptic(self._constant(m))
         return self._elliptic[m]
+
+    def _constant(self, m: sp.Expr) -> acb:
+        """The value of an elliptic parameter; raises ValueError if it has derivatives."""
+        value, *slopes = self.jet(m).coefficients
+        if not all(slope == 0 for slope in slopes):
+            raise ValueError(f"elliptic parameters must be constant, got {m} (hold it fixed)")
+        return value
 
 
 def exact(value: sp.Rational) -> acb:

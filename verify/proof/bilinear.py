@@ -18,8 +18,9 @@ from flint import fmpq_mpoly
 from solutions.rational import rational_tau
 from verify.verdict import Outcome
 
-from .certificate import Data, signed
+from .certificate import signed
 from .checker import CertificateError, check_certificate
+from .draft import Data
 from .tree import NodeTable
 from .verdict import ProofVerdict
 

@@ -10,10 +10,11 @@ from solutions.catalogue import CATALOGUE, closed_form
 from solutions.closed_form import ClosedForm
 from solutions.rational import rational_tau
 
-from .certificate import Data, equality_certificate, equation_certificate
+from .certificate import equality_certificate, equation_certificate
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
 from .domain import form_domains
+from .draft import Data
 from .lab import LabEquation, lab_frame
 from .problem import Problem, make_equality, make_problem
 from .proof import decide, prove_equal

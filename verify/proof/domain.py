@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from solutions.closed_form import ClosedForm
+from solutions.exact import shown
 from solutions.parameter import Bound
 
 
@@ -31,6 +32,15 @@ class Domain:
     upper_open: bool = True
     nonzero: bool = False
     integer: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise TypeError for an end that is no SymPy expression; text is not evaluated."""
+        for end in (self.lower, self.upper):
+            if not isinstance(end, sp.Expr):
+                raise TypeError(
+                    f"ends of domains must be SymPy expressions, got {shown(end)} "
+                    "(such as sympy.Rational(1, 2))"
+                )
 
     def text(self, symbol: sp.Symbol) -> str:
         """The domain in words, of ``symbol``."""
@@ -76,6 +86,11 @@ REAL = Domain()
 POSITIVE = Domain(lower=sp.S.Zero)
 NEGATIVE = Domain(upper=sp.S.Zero)
 
+HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
+"""What may be assumed of a symbol that is then taken to be real."""
+
+KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
+
 Domains = Mapping[sp.Symbol, Domain]
 End = tuple[sp.Expr, bool]
 
@@ -83,7 +98,8 @@ End = tuple[sp.Expr, bool]
 def assumed_domain(symbol: sp.Symbol) -> Domain:
     """What SymPy's assumptions say of ``symbol``; without any it is real.
 
-    Raises ValueError for a symbol that is declared complex or not real.
+    Raises ValueError for a symbol that is declared complex or not real, and for one of which more
+    is assumed than a domain can say.
 
     >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
     '0 <= q'
@@ -93,6 +109,7 @@ def assumed_domain(symbol: sp.Symbol) -> Domain:
             f"symbols must be real, got {symbol} that is declared complex or not real "
             "(write it as a + I*b with real a and b)"
         )
+    _check_assumptions(symbol)
     low = sp.S.Zero if symbol.is_nonnegative else sp.S.NegativeInfinity
     high = sp.S.Zero if symbol.is_nonpositive else sp.S.Infinity
     excluded = bool(symbol.is_nonzero)
@@ -112,11 +129,15 @@ def settled_domains(
 ) -> dict[sp.Symbol, Domain]:
     """The domain of each symbol: what is assumed and what is stated, both.
 
-    Raises ValueError for two symbols of one name, a stated domain of a symbol that is not among
-    them or occurs in a cycle of ends, and for a domain without an inner point.
+    Raises TypeError for what is no symbol, ValueError for two symbols of one name, a stated
+    domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
+    without an inner point.
     """
-    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
     everything = set(symbols)
+    for symbol in (*everything, *stated):
+        if not isinstance(symbol, sp.Symbol):
+            raise TypeError(f"symbols must be sympy.Symbol, got {shown(symbol)} (make it one)")
+    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
     for symbol in list(everything):
         everything |= intervals[symbol].symbols if symbol in intervals else set()
     found = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
@@ -146,7 +167,7 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
     if isinstance(domain, sp.Interval):
         return Domain(domain.start, domain.end, bool(domain.left_open), bool(domain.right_open))
     raise ValueError(
-        f"domains must be intervals, got {domain!r} (such as sympy.Interval.open(0, 1))"
+        f"domains must be intervals, got {shown(domain)} (such as sympy.Interval.open(0, 1))"
     )
 
 
@@ -177,13 +198,27 @@ def in_order(domains: Domains) -> list[sp.Symbol]:
 
 
 def _between(lower: Bound | None, upper: Bound | None) -> Domain:
-    low, high = (None if end is None else sp.sympify(end.value) for end in (lower, upper))
     return Domain(
-        -sp.oo if low is None else low,
-        sp.oo if high is None else high,
+        -sp.oo if lower is None else lower.value,
+        sp.oo if upper is None else upper.value,
         lower is None or lower.is_open,
         upper is None or upper.is_open,
     )
+
+
+def _check_assumptions(symbol: sp.Symbol) -> None:
+    """Raise ValueError where samples would leave what is assumed of ``symbol``."""
+    assumed = dict(symbol.assumptions0)
+    if symbol.is_real is None:
+        beyond = sorted(assumed.keys() - HARMLESS)
+    else:
+        counted = symbol.is_integer and symbol.is_positive
+        beyond = [k for k in KINDS_OF_INTEGERS if assumed.get(k) or (counted and k in assumed)]
+    if beyond:
+        raise ValueError(
+            f"symbols must be real, integer or of one sign, got {symbol} with {beyond[0]} = "
+            f"{assumed[beyond[0]]} (write an even one as 2*n, an extended one as positive)"
+        )
 
 
 def _inner(left: End, right: End, side: int) -> End:

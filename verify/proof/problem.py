@@ -9,6 +9,7 @@ from itertools import product
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from solutions.exact import shown
 from verify.terms import FieldEquation
 
 from .balls import Point
@@ -65,8 +66,8 @@ def make_problem(
         left, label = equation, f"{equation} = 0"
     elif not hasattr(equation, "residual"):
         raise TypeError(
-            f"equation must be a SymPy expression, got {equation!r} (its left-hand side, '= 0' "
-            "understood)"
+            f"equation must be a SymPy expression, got {shown(equation)} (its left-hand "
+            "side, '= 0' understood)"
         )
     else:
         left, label = equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
@@ -109,7 +110,9 @@ def formula(name: str, given: object) -> sp.Expr:
         return given
     if isinstance(given, int) and not isinstance(given, bool):
         return sp.Integer(given)
-    raise TypeError(f"{name} must be a SymPy expression, got {given!r} (sympy.sympify makes one)")
+    raise TypeError(
+        f"{name} must be a SymPy expression, got {shown(given)} (make it from sympy.Symbol)"
+    )
 
 
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
@@ -167,7 +170,8 @@ def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
     found = sp.Integer(value) if isinstance(value, int) else value
     if not (isinstance(found, sp.Expr) and found.is_Rational):
         raise ValueError(
-            f"points must have rational numbers, got {symbol} = {value!r} (sympy.Rational(1, 2))"
+            f"points must have rational numbers, got {symbol} = {shown(value)} "
+            "(sympy.Rational(1, 2))"
         )
     return found
 

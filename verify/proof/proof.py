@@ -13,7 +13,6 @@ from verify.verdict import Outcome
 
 from .balls import Point
 from .certificate import (
-    Data,
     equality_certificate,
     equation_certificate,
     generator_count,
@@ -21,6 +20,7 @@ from .certificate import (
     regular_point,
 )
 from .checker import check_certificate
+from .draft import Data
 from .lemmas import find_lemmas
 from .problem import (
     Problem,
@@ -128,7 +128,7 @@ def _decide(problem: Problem) -> ProofVerdict:
         return _refuted(problem, witness)
     try:
         return proved(problem.equation_name, METHOD, equation_certificate(problem))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         witness = find_witness(problem, [*problem.points, *more_points(problem)])
         return _refuted(problem, witness) if witness else _undecided(problem, str(error))
 
@@ -141,7 +141,7 @@ def _decide_equal(
         return _refuted(problem, witness)
     try:
         return _proved_equal(problem, left, right, variables)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         reason = str(error)
     witness = find_witness(problem, [*problem.points, *more_points(problem)])
     return _refuted(problem, witness) if witness else _undecided(problem, reason)

@@ -11,9 +11,13 @@ from collections import Counter
 import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
+from .checker.check import registered
 from .checker.field import Field
 from .checker.limits import CertificateError
+from .checker.nodes import Nodes
 from .checker.ring import Element
+from .checker.statement import read_statement
+from .draft import Data
 from .tree import NodeTable
 
 Key = tuple[str, int]
@@ -95,3 +99,34 @@ class Radicals:
             below = self._table.made("Pow", self._places[generator.below], "-1")
             return self._table.made("Mul", node, below)
         return node
+
+
+def with_radicals(table: NodeTable, statement: Data, proof: Data) -> Data:
+    """The proof with each square root that depends on earlier ones named, not a generator."""
+    roots = {
+        entry[1]
+        for entry in proof["generators"]
+        if entry[0] == "atom"
+        and table.nodes[entry[1]][0] == "Pow"
+        and table.nodes[entry[1]][2] == "1/2"
+    }
+    if not roots:
+        return proof
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    radicals = Radicals(field, table, {node: place for place, node in enumerate(nodes.places)})
+    dependent: dict[int, int] = {}
+    for entry in proof["generators"]:
+        if entry[0] == "atom" and entry[1] in roots:
+            value = radicals.value(nodes.places[entry[1]])
+            if value is not None and _is_not_negative(table, statement, proof, value):
+                dependent[entry[1]] = value
+    kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
+    values = [*proof["values"], *([root, value] for root, value in dependent.items())]
+    return {**proof, "generators": kept, "values": values}
+
+
+def _is_not_negative(table: NodeTable, statement: Data, proof: Data, value: int) -> bool:
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    return field.signs.not_negative(nodes.places[value])

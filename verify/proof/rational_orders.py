@@ -17,8 +17,9 @@ from solutions.rational import rational_tau
 from solutions.symbols import tau, xi
 from verify.verdict import Outcome
 
-from .certificate import Data, signed
+from .certificate import signed
 from .checker import CertificateError, check_certificate
+from .draft import Data
 from .tree import NodeTable
 from .verdict import ProofVerdict
 

@@ -17,9 +17,9 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from .domain_signs import BELOW_PI, Signs
 from .factors import Quotients, TooLong, factored
 from .kernels import HYPERBOLIC, TRIGONOMETRIC
-from .signs import BELOW_PI, Signs
 
 DIGITS, LARGEST = 40, 10**6
 """Decimals of a number whose cube root is sought, and its largest denominator."""
@@ -166,7 +166,7 @@ class Rewriting:
             return (product,)
         found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
         if unit < 0 and not any(power % 2 and not base.is_Symbol for base, power in powers):
-            return [-1, -unit, *found]
+            return [sp.S.NegativeOne, -unit, *found]
         return found if unit == 1 else [unit, *found]
 
     def _absolute(self, inner: sp.Expr) -> sp.Expr:

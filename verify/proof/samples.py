@@ -105,7 +105,17 @@ def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
 
 
 def _rational(end: sp.Expr) -> sp.Rational | None:
-    """A rational number close to a finite end; the margin covers the difference."""
+    """A rational number close to a finite end; the margin covers the difference.
+
+    Raises ValueError for an end that is not real.
+    """
     if end in (sp.oo, -sp.oo):
         return None
-    return end if end.is_Rational else sp.Rational(str(sp.N(end, 20)))
+    if end.is_Rational:
+        return end
+    number = sp.N(end, 20)
+    if not number.is_Float:
+        raise ValueError(
+            f"ends of domains must be real, got {end} (state where what it contains makes it so)"
+        )
+    return sp.Rational(str(number))

@@ -16,8 +16,8 @@ from verify.mutation import abbreviated
 from verify.tree import distinct_nodes
 
 from .domain import Domains
+from .domain_signs import Signs
 from .ranges import Range
-from .signs import Signs
 
 POLES = {sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin}
 HYPERBOLIC_POLES = (sp.coth, sp.csch)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from flint import acb
 
 from .balls import Point, ball_value, residual_ball
+from .domain_signs import Signs
 from .problem import Problem
-from .signs import Signs
 
 QUICK_BITS = (160,)
 LONG_BITS = (2560,)
@@ -45,7 +45,7 @@ def find_witness(
         for point in points[:LONG_POINTS] if precision > LONG else points:
             try:
                 ball = _residual(problem, point, precision, signs)
-            except (ValueError, ZeroDivisionError):
+            except (ValueError, ZeroDivisionError, RecursionError):
                 continue
             if ball.is_finite() and not ball.contains(0):
                 return Witness(point, ball)

@@ -6,7 +6,6 @@ ones. Errors are in units of max(1, |value|). The reference evaluates the canoni
 with differences for derivatives, and doubles its digits until two results agree.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -28,9 +27,6 @@ WIDTHS = (4.0, 60.0)
 """Half-widths, in units of xi, of the places that are searched for points."""
 
 GRID = 2001
-SLICE = 1000
-"""Points of a call: as many as a wave settles in mpmath at most."""
-
 BISECTIONS = 60
 
 
@@ -93,9 +89,7 @@ def sample_sites(
     widths = [width / rate / scale for width in WIDTHS for scale in {1.0, sharpest}]
     offsets = np.concatenate([width * np.linspace(-1, 1, grid) for width in widths])
     sites = np.concatenate([place + offsets for place in centres])
-    slices = np.array_split(sites, math.ceil(sites.size / SLICE))
-    parts = zip(*(wave.at(few, t, eps) for few in slices), strict=True)
-    found = [np.abs(np.concatenate(part)) for part in parts]
+    found = [np.abs(part) for part in wave.at(sites, t, eps)]
     zero = _last_zero(wave, t, eps, np.sort(sites))
     chosen = (np.argmin(found[1]), np.argmax(found[2]), np.argmin(found[0]), np.argmax(found[0]))
     near = float(rng.choice(sites))

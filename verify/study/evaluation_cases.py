@@ -3,7 +3,8 @@
 ``all_cases`` has the ends of every parameter's domain at ordinary constants, and cases drawn from
 the whole domain: k and every other bounded parameter down to 1e-8 from one end and 1e-12 from the
 other, amplitudes from 1e-3 to 1e3, K2 and |K4| from 1e-4 to 1e4, eps from 1e-3 to 1/2, sites to
-1e8; rational solutions up to order 8 with and without free shifts.
+1e8, four of them at the corners of K2 and K4; rational solutions up to order 8 with and without
+free shifts.
 """
 
 import random
@@ -51,6 +52,17 @@ SMALLEST, BELOW_ONE = 1e-8, 1e-12
 LEAST, LARGEST = 1e-3, 1e3
 WEAKEST, STRONGEST = 1e-4, 1e4
 FINEST, COARSEST = 1e-3, 0.5
+
+CORNERS: tuple[tuple[sp.Rational, sp.Rational, sp.Rational], ...] = tuple(
+    (sp.Rational(str(K2)), sp.Rational(str(K4)), sp.Rational(str(eps)))
+    for K2, K4, eps in (
+        (WEAKEST, STRONGEST, COARSEST),
+        (STRONGEST, WEAKEST, FINEST),
+        (WEAKEST, WEAKEST, COARSEST),
+        (STRONGEST, STRONGEST, COARSEST),
+    )
+)
+"""Ends of K2, K4 and eps; at the first, phases reach 1e19 and more at late times."""
 
 USUAL_EPS = sp.Rational(1, 20)
 
@@ -128,16 +140,18 @@ def all_cases(name: str, drawn: int = DRAWN) -> Iterator[Case]:
 
 
 def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[Case]:
-    """Random cases of one wave from the whole domain.
+    """Random cases of one wave from the whole domain, the second to fifth at ``CORNERS``.
 
     >>> [str(case) for case in drawn_cases("kink", 1)]
     ['A = 24.02, K2 = 0.8219, K4 = -73.21, eps = 0.006092']
     """
     rng = random.Random(f"{name} {seed}")
-    for _ in range(count):
+    for index in range(count):
         values = _drawn_values(name, rng)
         K2, K4 = (_logarithmic(rng, WEAKEST, STRONGEST) for _ in range(2))
         eps = _logarithmic(rng, FINEST, COARSEST)
+        if 0 < index <= len(CORNERS):
+            K2, K4, eps = CORNERS[index - 1]
         latest = FARTHEST_SITE / float(sp.sqrt(K2))
         late = rng.choice((-1, 1)) * float(_logarithmic(rng, 1e-6 * latest, latest))
         yield Case(name, values, K2, K4, eps, (0, late, -latest))

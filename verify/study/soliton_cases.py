@@ -57,7 +57,10 @@ _ROWS: dict[str, tuple[tuple[sp.Expr | int, ...], ...]] = {
 
 SOLITON_VALUES: dict[str, tuple[tuple[tuple[str, sp.Expr], ...], ...]] = {
     name: tuple(
-        tuple((key, sp.sympify(value)) for key, value in zip(_NAMES[name], row, strict=True))
+        tuple(
+            (key, sp.sympify(value, strict=True))
+            for key, value in zip(_NAMES[name], row, strict=True)
+        )
         for row in rows
     )
     for name, rows in _ROWS.items()

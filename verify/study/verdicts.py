@@ -19,7 +19,7 @@ from verify.proof import prove, prove_equal
 from verify.proof.tree import CONSTANTS, FUNCTIONS
 from verify.proof.verdict import ProofVerdict
 from verify.study.statements import Statement, Truth, statement
-from verify.study.statements.labels import fails_at
+from verify.study.statements.labels import fails_at, label_fault
 from verify.study.statements.values import ValueMissing
 from verify.study.time_limit import OutOfTime, time_limit
 from verify.tree import distinct_nodes
@@ -92,9 +92,10 @@ def marked(given: Statement, verdict: ProofVerdict) -> tuple[Mark, str]:
         right = given.truth is Truth.VOID
         return (Mark.RIGHT if right else Mark.UNDECIDED), verdict.detail
     if outcome is Outcome.PROVED:
-        return _wrong_unless(given.truth is Truth.TRUE, "PROVED")
+        right = given.truth is Truth.TRUE
+        return (Mark.RIGHT, "") if right else (Mark.WRONG, _contradiction(given, "PROVED"))
     if given.truth is not Truth.FALSE:
-        return Mark.WRONG, f"REFUTED at {verdict.witness}"
+        return Mark.WRONG, _contradiction(given, f"REFUTED at {verdict.witness}")
     fault = witness_fault(given, verdict.witness or {})
     return (Mark.RIGHT, "") if fault is None else (Mark.WRONG, fault)
 
@@ -135,8 +136,10 @@ def _is_known(node: sp.Basic, unknown: sp.Expr | None) -> bool:
     return not of_unknown and node.func.__name__ in FUNCTIONS
 
 
-def _wrong_unless(right: bool, words: str) -> tuple[Mark, str]:
-    return (Mark.RIGHT, "") if right else (Mark.WRONG, words)
+def _contradiction(given: Statement, words: str) -> str:
+    """``words``, and what speaks for the verdict and against the statement's label."""
+    fault = label_fault(given)
+    return words if fault is None else f"{words}; against the label: {fault}"
 
 
 def judgements(seed: int, indices: range, limit: float = LIMIT) -> Iterator[Judgement]:

@@ -8,7 +8,7 @@ import pytest
 from mpmath import MPContext
 
 from solutions.special.extended import evaluate_pairs
-from solutions.special.mp import theta
+from solutions.special.mp import cn, dn, epsilon, sn, theta, zeta
 from solutions.special.parameter import parameter_of_modulus
 
 ctx = MPContext()
@@ -37,12 +37,36 @@ def test_bounds_cover_every_argument_within_e(
     p = parameter_of_modulus(k)
     u = p.K[0] * np.concatenate([np.arange(-8, 9) / 4, rng.uniform(-40, 40, 8)])
     for i in range(u.size):
-        values = evaluate_pairs(p, u[i], 0.0, e)[:5]
+        values = evaluate_pairs(p, u[i], bound=e)[:5]
         for end in (-e, e):
             exact = reference(k, float(u[i]), end)
             for (high, low, bound), wanted in zip(values, exact, strict=True):
                 assert abs(ctx.mpf(float(high)) + float(low) - wanted) <= bound + 1e-45
                 assert bound < 2 * e + 3e-29 * max(1, abs(u[i]))
+
+
+@pytest.mark.parametrize("k", [1e-8, 0.3, 0.9, 1 - 1e-12])
+@pytest.mark.parametrize("size", [1e16, 1e17, 3e18, 1e22, 1e25])
+def test_arguments_of_three_floats_keep_their_place_in_the_period(
+    k: float, size: float, rng: np.random.Generator
+) -> None:
+    """From 1e17 on the quotient by K is no double: one step of reduction gave any value at all."""
+    p = parameter_of_modulus(k)
+    for u in size * rng.uniform(-2, 2, 4):
+        u_lo, rest = float(np.spacing(u)) / 3, float(np.spacing(np.spacing(u))) / 7
+        values = evaluate_pairs(p, u, u_lo, rest)
+        with ctx.workdps(80):
+            exact = ctx.mpf(u) + u_lo + rest
+            m = ctx.mpf(k) ** 2
+            wanted = [f(ctx, exact, m) for f in (sn, cn, dn, epsilon, zeta)]
+            for (high, low, bound), right in zip(values[:5], wanted, strict=True):
+                found = ctx.mpf(float(high)) + float(low)
+                assert abs(found - right) <= bound < 1e-18 * max(1, abs(right))
+
+
+def test_arguments_beyond_the_reduction_are_said_to_be_unknown() -> None:
+    for u in (1e31, 1e200):
+        assert not np.isfinite(evaluate_pairs(parameter_of_modulus(0.5), u).sn[2])
 
 
 @pytest.mark.parametrize("k", [1e-8, 0.3, 0.70711, 0.9, 1 - 1e-8])

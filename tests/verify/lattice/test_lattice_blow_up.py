@@ -50,3 +50,16 @@ def test_a_velocity_that_is_not_finite_is_seen() -> None:
     found = find_blow_up(SOFT, broken, 0.1)
     assert found is not None
     assert found.site == 0
+
+
+@pytest.mark.parametrize("K3", [-0.9, 0.0, 0.9])
+@pytest.mark.parametrize("K4", [-0.3, 0.0, 0.26, 0.3])
+def test_the_extremes_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
+    """Catches: a soft strain between the extremes, or at one of them, that is overlooked."""
+    constants = Constants(1.0, K3, K4)
+    for least, most in ((-0.5, 0.2), (-2.0, 0.5), (-0.5, 2.0), (-2.0, 2.0), (0.9, 2.0)):
+        strains = np.linspace(least, most, 4001)
+        made = State(0.0, 0, strains, np.zeros(strains.size))
+        soft = bool((constants.stiffness(strains) <= 0.0).any())
+        assert (find_blow_up(constants, made, 1.0) is not None) == soft
+        assert (constants.least_stiffness(least, most) <= 0.0) == soft

@@ -89,7 +89,7 @@ def test_only_the_seam_is_not_the_wave(data: RingData) -> None:
     ring = data.ring(data.smallest)
     state = data.state(ring, 2000)
     inside = np.abs(state.points - data.constants.sound_speed() * data.t0 - ring.ahead)
-    inside = inside < 0.5 * ring.circumference - data._reach(ring.circumference)
+    inside = inside < 0.5 * ring.circumference - data.seam(ring.circumference)
     value = data.wave.at(state.points[inside], data.t0, data.eps)
     y, s = lattice_data(value, data.constants.sound_speed(), data.eps)
     assert np.count_nonzero(inside) > 1000
@@ -115,7 +115,7 @@ def _seen(data: RingData, ring: Ring, disturbance: float) -> np.ndarray:
     """y/eps on the compared sites at the end, with a hump at the seam."""
     state = data.state(ring, 2 * round(ring.circumference))
     distance = np.minimum(state.points - state.left, state.left + ring.circumference - state.points)
-    hump = disturbance * data.eps * np.exp(-((4 * distance / data._reach(ring.circumference)) ** 2))
+    hump = disturbance * data.eps * np.exp(-((4 * distance / data.seam(ring.circumference)) ** 2))
     state = replace(state, y=state.y + hump)
     end = data.t0 + data.duration
     sites = round(data.constants.sound_speed() * end) + np.arange(-100, 101)

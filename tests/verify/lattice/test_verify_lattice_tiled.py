@@ -18,7 +18,9 @@ SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Com
 
 @pytest.mark.parametrize("K3", [0.0, 0.3])
 @pytest.mark.parametrize("K4", [0.0, -0.7, 1.0])
-@pytest.mark.parametrize(("size", "steps"), [(4096, 9), (4608, 4), (1032, 4), (120, 5)])
+@pytest.mark.parametrize(
+    ("size", "steps"), [(4096, 9), (4608, 4), (3648, 9), (3872, 1), (1032, 4), (120, 5)]
+)
 def test_tiled_equals_plain(K3: float, K4: float, size: int, steps: int) -> None:
     random = np.random.default_rng(1)
     y, s = 0.1 * random.standard_normal((2, size))

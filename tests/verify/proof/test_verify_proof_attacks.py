@@ -303,3 +303,26 @@ def test_a_sign_is_tried_with_both_values() -> None:
     point, place = {nodes.place(n.x): fmpq(-1)}, nodes.place(sign)
     values = [Branches(field, point, {place: fmpq(k, 2)}).ball(place).real for k in (0, 1)]
     assert [bool(value < 0) for value in values] == [True, False]
+
+
+@pytest.mark.parametrize(("exponent", "degree"), [("2", 1), ("-2", 1), ("3/2", 2)])
+def test_a_power_that_stands_for_an_equal_part_has_its_own_slope(
+    exponent: str, degree: int
+) -> None:
+    """x**2 as a generator had the slope x**2/x; that of x**(p/q) is p/q x**(p/q)/x."""
+    n = Table()
+    power, root = n.power(n.x, exponent), n.power(n.x, f"1/{degree}")
+    empty: Data = {name: [] for name in ("sums", "values", "logs", "signs", "parts")}
+    same = {"generators": [["atom", n.x]], "point": [[n.x, "1"]], **empty}
+    if degree > 1:
+        same["generators"].append(["atom", root])
+
+    def slope(factor: str) -> Data:
+        value = n("Mul", power, n.power(n.x, "-1"), n("number", factor))
+        equation = [["1", [], [[0, [1]]]], ["-1", [value], []]]
+        generators = [["atom", n.x], ["part", 0, 0]]
+        return certificate(n, power, equation, generators, {n.x: "1"}, parts=[[power, power, same]])
+
+    with pytest.raises(CertificateError, match="the residual is not 0"):
+        check_certificate(slope(f"1/{degree}"))
+    assert "u_x" in check_certificate(slope(exponent))

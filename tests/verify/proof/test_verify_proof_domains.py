@@ -1,9 +1,13 @@
 """Verdicts on whole domains: both signs, branches, cuts, and what is not known is never 0."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm
+from solutions.parameter import Bound
 from solutions.special import jacobi_dn
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domain import settled_domains
@@ -173,6 +177,34 @@ def test_bad_input_is_an_error_on_one_line() -> None:
     assert prove(equation, 3).outcome is Outcome.PROVED
 
 
+TEXT = {
+    "formula": lambda text: prove(u.diff(x), text),
+    "equation": lambda text: prove(text, x),
+    "side": lambda text: prove_equal(x, text, [x]),
+    "variable": lambda text: prove_equal(x, x, [text]),
+    "end": lambda text: prove(u.diff(x), t, domains={x: Domain(upper=text)}),
+    "domain": lambda text: prove(u.diff(x), t, domains={x: text}),
+    "symbol of a domain": lambda text: prove(u.diff(x), t, domains={text: POSITIVE}),
+    "value": lambda text: prove(u.diff(x), t, points=[{x: text}]),
+    "bound of a form": lambda text: form_domains(_form_bounded_by(text)),
+}
+
+
+def _form_bounded_by(text: str) -> ClosedForm:
+    form = next(form for form in CATALOGUE if form.parameters)
+    changed = replace(form.parameters[0], upper=Bound(text, "none"))  # type: ignore[arg-type]
+    return replace(form, parameters=(changed,))
+
+
+@pytest.mark.parametrize("place", TEXT)
+def test_text_is_refused_and_never_evaluated(place: str, tmp_path: Path) -> None:
+    witness = tmp_path / "evaluated"
+    with pytest.raises((TypeError, ValueError), match="must") as caught:
+        TEXT[place](f"__import__('pathlib').Path({str(witness)!r}).touch()")
+    assert not witness.exists()
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("odd", [sp.nan, sp.zoo, sp.Float("0.5") * x, sp.Function("f")(x)], ids=str)
 def test_what_is_no_formula_is_undecided(odd: sp.Expr) -> None:
     assert prove_equal(odd, x, [x]).outcome is Outcome.UNDECIDED
@@ -204,3 +236,68 @@ def test_what_needs_a_parameter_below_one_is_not_proved_just_beyond(name: str) -
     assert prove_equal(*BELOW_ONE[name], [x], domains=ends).outcome is Outcome.PROVED
     beyond = {parameter: sp.Interval.open(sp.S.Half, 1 + TINY)}
     assert prove_equal(*BELOW_ONE[name], [x], domains=beyond).outcome is not Outcome.PROVED
+
+
+MOVING = x**2 / (1 + x**2)
+COMPLETE = [sp.elliptic_k(MOVING), sp.elliptic_e(MOVING), sp.tanh(sp.elliptic_k(x))]
+
+
+@pytest.mark.parametrize("formula", COMPLETE, ids=str)
+def test_an_elliptic_parameter_that_moves_is_not_held_fixed(formula: sp.Expr) -> None:
+    half = {x: sp.Interval.open(0, sp.S.Half)}
+    verdict = prove(u.diff(x) - sp.diff(formula, x), formula, domains=half)
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "constant" in verdict.detail
+    assert prove_equal(formula, formula + TINY, [x], domains=half).outcome is Outcome.REFUTED
+
+
+def test_the_slope_of_dn_in_a_parameter_that_moves_is_not_taken_for_0() -> None:
+    assert prove(u.diff(x) - x, jacobi_dn(t, MOVING)).outcome is Outcome.UNDECIDED
+
+
+def test_a_formula_that_is_nested_too_deeply_is_undecided() -> None:
+    deep = x
+    for _ in range(120):
+        deep = sp.exp(-deep) + t
+    verdict = prove_equal(deep, deep + sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1, [x])
+    assert verdict.outcome is Outcome.UNDECIDED
+    assert "recursion" in verdict.detail
+
+
+def test_a_function_of_the_same_function_is_told_from_it() -> None:
+    """exp(exp(2 log x) - 1): whether the inner one is the outer one was asked without end."""
+    log = sp.log(x, evaluate=False)
+    square = sp.exp(2 * log, evaluate=False)
+    nested = sp.exp(square - 1, evaluate=False)
+    assert prove_equal(nested, sp.exp(x**2 - 1), [x]).outcome is Outcome.PROVED
+    assert prove_equal(nested, sp.exp(x**2 + 1), [x]).outcome is Outcome.REFUTED
+
+
+def test_a_square_with_a_minus_before_it_has_a_root() -> None:
+    root, turned = sp.sqrt(x**2 + x + sp.Rational(1, 4)), sp.sqrt(-(x**2) - x - sp.Rational(1, 4))
+    assert prove_equal(root, -sp.I * turned, [x]).outcome is Outcome.PROVED
+    assert prove_equal(root, sp.I * turned, [x]).outcome is Outcome.REFUTED
+
+
+KINDS = {
+    "even": lambda n: sp.sin(sp.pi * n / 4) * sp.cos(sp.pi * n / 4),
+    "odd": lambda n: sp.cos(sp.pi * n / 4) ** 2 - sp.S.Half,
+    "prime": lambda n: sp.sin(sp.pi * (n**2 - 1) * (n - 2) * (n - 3) / 24),
+    "extended_positive": lambda s: sp.sqrt(sp.expand((s + 1) ** 2)) - s - 1,
+    "positive": lambda s: sp.sqrt(sp.expand((s - 1) ** 2)) + s - 1,
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_assumption_that_no_sample_keeps_is_refused(kind: str) -> None:
+    """sin(pi n/4) cos(pi n/4) is 0 for even n; it was refuted at n = -5."""
+    symbol = sp.Symbol("n", **{kind: kind != "positive"})
+    with pytest.raises(ValueError, match=f"got n with .*{kind[:4]}|got n with composite"):
+        prove_equal(x * KINDS[kind](symbol), sp.S.Zero, [x])
+
+
+@pytest.mark.parametrize("end", [sp.sqrt(t), sp.log(t), sp.elliptic_k(t**2), sp.I * t], ids=str)
+def test_an_end_that_is_not_real_throughout_is_refused_on_one_line(end: sp.Expr) -> None:
+    with pytest.raises(ValueError, match="ends of domains must be real") as caught:
+        prove_equal(sp.Abs(x - 1), x - 1, [x], domains={x: Domain(lower=end)})
+    assert "\n" not in str(caught.value)

@@ -10,8 +10,8 @@ HOUSE = Path(__file__).parents[3]
 CHECKER = sorted((HOUSE / "verify" / "proof" / "checker").glob("*.py"))
 BALLS = HOUSE / "verify" / "proof" / "ballfunctions.py"
 STANDARD = {
-    *("__future__", "collections", "dataclasses", "functools", "fractions", "hashlib", "itertools"),
-    *("json", "math", "operator", "re", "typing"),
+    *("__future__", "abc", "collections", "dataclasses", "functools", "fractions", "hashlib"),
+    *("itertools", "json", "math", "operator", "re", "typing"),
 }
 """Modules of Python that the checker may use; FLINT and its own files are all else."""
 

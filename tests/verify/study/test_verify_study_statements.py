@@ -69,6 +69,25 @@ def test_a_change_of_the_two_hundredth_digit_is_a_residual() -> None:
     assert fails_at(_equation(Truth.FALSE, left, sp.exp(x)), {x: sp.Rational(1, 3)})
 
 
+@pytest.mark.parametrize(
+    ("left", "right", "fails"),
+    [
+        (sp.exp(x) * sp.Abs(x), sp.exp(x) * x, True),
+        (sp.exp(x) * sp.Abs(x), -sp.exp(x) * x, False),
+        (sp.exp(x) * (sp.sin(x) ** 2 + sp.cos(x) ** 2), sp.exp(x), False),
+        (sp.tanh(x / 40), -sp.S.One, True),
+        (sp.tanh(x / 4), (sp.exp(x / 2) - 1) / (sp.exp(x / 2) + 1), False),
+    ],
+)
+def test_a_residual_of_size_exp_minus_22000_is_one_and_rounding_is_none(
+    left: sp.Expr, right: sp.Expr, fails: bool
+) -> None:
+    point = {x: sp.Rational(-154001, 7)}
+    made = Statement("by hand", Truth.FALSE, left, right, (x,), (Range(x),))
+    assert fails_at(made, point) is fails
+    assert fails_at(replace(made, left=u - left, unknown=u), point) is fails
+
+
 def test_values_are_mpmaths() -> None:
     values = Values(30)
     point = {x: sp.Rational(-1, 3)}

@@ -1,5 +1,6 @@
 """The search for wrong verdicts, and that it sees the wrong ones."""
 
+import random
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -84,6 +85,38 @@ def test_an_answer_has_its_mark(
 ) -> None:
     monkeypatch.setattr(verdicts, "ask", said)
     assert judge(given).mark is mark
+
+
+def test_a_prover_with_the_words_exchanged_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each true statement REFUTED, each other one PROVED, and all of them reported."""
+
+    def liar(given: Statement) -> ProofVerdict:
+        if given.truth is Truth.TRUE:
+            point = given.point(random.Random(given.index))
+            witness = {str(symbol): str(value) for symbol, value in point.items()}
+            return answer(Outcome.REFUTED, witness=witness)(given)
+        return answer(Outcome.PROVED, certificate={"format": "none"})(given)
+
+    monkeypatch.setattr(verdicts, "ask", liar)
+    found = list(judgements(2, range(60)))
+    assert {j.mark for j in found} == {Mark.WRONG}
+    assert not [j.words for j in found if "against the label" in j.words]
+
+
+def test_a_refutation_at_a_point_without_a_residual_is_caught(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    nearly = replace(FALSE, left=u.diff(x) - u + (x - sp.Rational(1, 3)) / 10**200)
+    for place, mark in (("1/3", Mark.WRONG), ("1/2", Mark.RIGHT)):
+        monkeypatch.setattr(verdicts, "ask", answer(Outcome.REFUTED, witness={"x": place}))
+        assert judge(nearly).mark is mark
+
+
+def test_a_wrong_label_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verdicts, "ask", answer(Outcome.REFUTED, witness={"x": "1/3"}))
+    found = judge(replace(FALSE, truth=Truth.TRUE))
+    assert found.mark is Mark.WRONG
+    assert "against the label: the residual" in found.words
 
 
 def test_a_crash_and_a_hang_are_findings(monkeypatch: pytest.MonkeyPatch) -> None:

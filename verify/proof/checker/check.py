@@ -10,7 +10,8 @@ from typing import Any
 from flint import fmpq
 
 from .denominators import Denominators, is_linear
-from .field import Field, Form, Hints, Sum
+from .field import Field
+from .generators import Form, Hints, Sum
 from .identity import Residual
 from .limits import GENERATORS, NAME, NODES, CertificateError, within
 from .nodes import Nodes, listed, number

@@ -13,9 +13,11 @@ from math import prod
 
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
-from .field import Field, Generator
+from .field import Field
+from .generators import Generator
 from .limits import BRANCHES, CertificateError, within
 from .points import BITS, Balls, excludes_zero
+from .smoothness import is_clean
 from .statement import Statement
 
 Point = Mapping[int, fmpq]
@@ -108,7 +110,7 @@ class Denominators:
         """Whether a function may have another branch in another part of the domain."""
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
-                return not (self._connected and self._field.is_clean(node))
+                return not (self._connected and is_clean(self._field, node))
             case ("Abs" | "sign", _):
                 return True
         return False
@@ -117,7 +119,7 @@ class Denominators:
         match self._field.nodes.all[node]:
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
-                return not self._field.is_clean(root)
+                return not is_clean(self._field, root)
             case ("atan", inner):
                 return not self._field.signs.is_real(inner)
         return False

@@ -11,8 +11,8 @@ from .equations import true_equality, true_equation
 from .formulas import constant, formula, phase, positive
 from .labels import with_counterexample
 from .near import shown_at
+from .paraphrase import rewritten
 from .record import Statement, Truth
-from .rewriting import rewritten
 from .setting import Setting
 
 Sides = Callable[[sp.Expr, sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]

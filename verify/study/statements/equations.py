@@ -5,8 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 from .formulas import constant, formula, phase, piece, positive
+from .paraphrase import rewritten
 from .record import Statement, Truth
-from .rewriting import rewritten
 from .setting import Setting
 
 HIGHEST = 3

@@ -3,46 +3,36 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import pairwise
-
-import sympy as sp
+from typing import Any
 
 from .record import Point, Statement, Truth
 from .values import ValueMissing, Values, values_at
 
 POINTS = 6
 TRIES = 10
-DIGITS = (40, 240, 700)
-"""A residual counts as clear if it is so at one of these; they suit changes by 10**-200."""
+DIGITS = (40, 240)
+"""Two precisions suffice for most residuals that are no rounding."""
 
-MOST_DIGITS = 6000
-"""For a witness far out, where exp(-3*t) makes both sides smaller than the other digits show."""
+MORE_DIGITS = (*DIGITS, 700, 1400, 6000)
+"""Where terms cancel: changes by 10**-200, and witnesses far out: 1 - tanh(1000)."""
 
-FALL = 1e-20
-"""Rounding falls at least by this from the first of the digits to the second."""
-
-
-def is_clear(residual: object, values: Values) -> bool:
-    """Whether a relative residual is more than rounding."""
-    found: bool = abs(residual) > values.context.mpf(10) ** (-values.digits / 2)  # type: ignore[arg-type]
-    return found
+SAME = 1e-3
+"""Relative difference up to which two values are one; rounding differs by 10**-200 and more."""
 
 
-def fails_at(statement: Statement, point: Point) -> bool:
+def fails_at(statement: Statement, point: Point, digits: Sequence[int] = MORE_DIGITS) -> bool:
     """Whether the statement has a residual at ``point``; raises ValueMissing without a value.
 
     A residual that is one term by construction is taken from that term where it is small.
     """
-    try:
-        if _has_residual(statement, point, DIGITS[:1]):
-            return True
-    except ValueMissing:
-        return _has_residual(statement, point, DIGITS[1:])
-    if statement.change is not None:
-        return _is_value(statement.change, point)
-    return _has_residual(statement, point, (*DIGITS[1:], MOST_DIGITS))
+    if _is_number(lambda values: values.residual(statement, point), digits[:2]):
+        return True
+    change = statement.change
+    if change is not None:
+        return _is_number(lambda values: values.value(change, point), digits)
+    return _is_number(lambda values: values.residual(statement, point), digits[1:])
 
 
 def with_counterexample(statement: Statement, draw: random.Random) -> Statement | None:
@@ -50,28 +40,35 @@ def with_counterexample(statement: Statement, draw: random.Random) -> Statement 
     for _ in range(TRIES):
         point = statement.point(draw)
         try:
-            if fails_at(statement, point):
+            if fails_at(statement, point, DIGITS):
                 return replace(statement, counterexample=point)
         except ValueMissing:
             continue
     return None
 
 
-def _has_residual(statement: Statement, point: Point, digits: Sequence[int]) -> bool:
+def _is_number(find: Callable[[Values], Any], digits: Sequence[int]) -> bool:
+    """Whether ``find`` gives one number other than 0, however small, at two of the precisions.
+
+    Rounding falls with the precision.  Raises ValueMissing if there is a value at none of them.
+    """
+    before, missing = None, None
     for values in map(values_at, digits):
         try:
-            if is_clear(values.residual(statement, point), values):
-                return True
-        except ValueMissing:
-            if values.digits == digits[-1]:
-                raise
+            found = find(values)
+        except ValueMissing as error:
+            missing = error
+            continue
+        if before is not None and _is_same(before, found):
+            return True
+        before = found
+    if before is None and missing is not None:
+        raise missing
     return False
 
 
-def _is_value(term: sp.Expr, point: Point) -> bool:
-    """Whether ``term`` has a value other than 0, however small."""
-    found = [values_at(digits).value(term, point) for digits in DIGITS]
-    return any(abs(a - b) < abs(b) / 1000 for a, b in pairwise(found))
+def _is_same(coarse: Any, fine: Any) -> bool:
+    return bool(abs(coarse - fine) < SAME * abs(fine))
 
 
 def label_fault(statement: Statement, points: int = POINTS) -> str | None:
@@ -96,21 +93,12 @@ def label_fault(statement: Statement, points: int = POINTS) -> str | None:
 
 
 def _true_fault(statement: Statement, point: Point) -> str | None:
-    """Rounding falls with the digits, what is no rounding stays."""
-    coarse, fine = (values_at(digits) for digits in DIGITS[:2])
-    residual = coarse.residual(statement, point)
-    if not is_clear(residual, coarse):
-        return None
-    finer = fine.residual(statement, point)
-    if abs(finer) < abs(residual) * FALL:
-        return None
-    return f"the residual at {point} is {fine.context.nstr(finer, 5)}"
+    return f"the residual at {point} is no rounding" if fails_at(statement, point, DIGITS) else None
 
 
 def _void_fault(statement: Statement, point: Point) -> str | None:
     """A division by 0 gives rounding, if it gives anything: another value at other digits."""
-    pair = [values_at(digits).value(statement.right, point) for digits in DIGITS[:2]]
-    same = abs(pair[0] - pair[1]) < abs(pair[0]) / 1000
+    same = _is_number(lambda values: values.value(statement.right, point), DIGITS)
     return f"there is a value at {point}" if same else None
 
 

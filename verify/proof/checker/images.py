@@ -1,0 +1,176 @@
+"""The images of formulas in the generators of a proof.
+
+Sums, products and integer powers are computed here; what the image of a root or of another
+function is, a subclass says.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+from flint import fmpq
+
+from .conjugates import conjugate
+from .generators import Hints, Sum
+from .limits import EXPONENT, CertificateError, within
+from .nodes import Nodes, children
+from .ring import Element, Ring
+from .signs import Signs
+
+
+class Images(ABC):
+    """The nodes of a certificate as elements of a ring."""
+
+    signs: Signs
+
+    def __init__(self, nodes: Nodes, count: int, variables: Sequence[int], hints: Hints) -> None:
+        self.nodes, self.ring, self.hints = nodes, Ring(count), hints
+        self.variables = variables
+        self.one = self.ring.number(1)
+        self.zero = self.ring.number(0)
+        self._images: dict[int, Element] = {}
+        self._atoms: dict[str, list[int]] = {}
+
+    def walk(self, nodes: Sequence[int]) -> None:
+        """Make the images of ``nodes`` from the inside out."""
+        wanted = set(nodes)
+        for node in range(max(nodes, default=-1), -1, -1):
+            if node in wanted and node not in self._images:
+                wanted.update(children(self.nodes.all[node]))
+        for node in sorted(wanted):
+            self.image(node)
+
+    def image(self, node: int) -> Element:
+        """The image of a node; raises CertificateError where it does not follow from generators."""
+        if node not in self._images:
+            self._images[node] = self._image(node)
+        return self._images[node]
+
+    def equal(self, left: int, right: int) -> bool:
+        """Whether two nodes have the same image."""
+        return left == right or (self.image(left) - self.image(right)).is_zero
+
+    def made(self, name: str, *arguments: int) -> Element:
+        """The image of the node ``(name, *arguments)``."""
+        return self.image(self.nodes.made(name, *arguments))
+
+    def sum(self, parts: list[Element]) -> Element:
+        """The sum; polynomials are added first."""
+        whole = self.zero.numerator
+        for part in parts:
+            if not part.powers:
+                whole += part.numerator
+        result = Element(self.ring, whole)
+        for part in parts:
+            if part.powers:
+                result = result + part
+        return result
+
+    def product(self, parts: list[Element]) -> Element:
+        """The product of one or more."""
+        total = parts[0]
+        for part in parts[1:]:
+            total = total * part
+        return total
+
+    def atoms(self, name: str) -> list[int]:
+        """The nodes of the function ``name`` that are generators."""
+        return self._atoms.get(name, [])
+
+    def known(self, node: int) -> Element | None:
+        """The image of the same function of equal arguments, if that is a generator."""
+        name, *arguments = self.nodes.all[node]
+        if not arguments or name == "symbol":
+            return None
+        for atom in self._atoms.get(name, []):
+            others = self.nodes.all[atom][1:]
+            if name == "Pow" and arguments[1] != others[1]:
+                continue
+            inner = zip(children(self.nodes.all[node]), children(self.nodes.all[atom]), strict=True)
+            if all(self.equal(a, b) for a, b in inner):
+                return self._images[atom]
+        return None
+
+    def moves(self, node: int) -> bool:
+        """Whether a formula contains a variable of the equation."""
+        return any(inner in self.variables for inner in self.nodes.below([node]))
+
+    def sum_of(self, function: int) -> Sum:
+        """The combination that a hint gives for a function's argument, checked."""
+        found, z = self.hints.sums.get(function), self.nodes.all[function][1]
+        if found is None:
+            raise CertificateError("there is no generator for a function of a sum")
+        parts = [self.ring.number(n) * self.image(u) for n, u in found]
+        if not (self.sum([self.zero, *parts]) - self.image(z)).is_zero:
+            raise CertificateError("an argument is not the sum that it is said to be")
+        return found
+
+    def named(self, node: int) -> int:
+        """The node that a hint says is the value of ``node``."""
+        if node not in self.hints.values:
+            raise CertificateError(f"there is no generator for a {self.nodes.all[node][0]}")
+        return self.hints.values[node]
+
+    def conjugate(self, node: int) -> int:
+        """The complex conjugate of a node as a node."""
+        return conjugate(self.nodes, self.signs, node)
+
+    def squared(self, inner: int) -> Element:
+        """abs(f)**2 = f conj(f)."""
+        return self.image(inner) * self.image(self.conjugate(inner))
+
+    def _image(self, node: int) -> Element:
+        match self.nodes.all[node]:
+            case ("number", value):
+                return self.ring.number(value)
+            case ("Add", *terms):
+                return self.sum([self.image(term) for term in terms])
+            case ("Mul", *factors):
+                return self.product([self.image(factor) for factor in factors])
+            case ("poly", terms, *places):
+                return self._polynomial(terms, [self.image(place) for place in places])
+            case ("Pow", base, exponent):
+                return self._power(node, base, int(exponent.p), int(exponent.q))
+            case ("symbol", name, _):
+                raise CertificateError(f"there is no generator for the symbol {name}")
+            case (name, *arguments) if arguments:
+                return self._function(node, name, arguments)
+            case (name,):
+                raise CertificateError(f"there is no generator for {name}")
+        raise CertificateError("a node has no image")
+
+    def _polynomial(
+        self, terms: Sequence[tuple[fmpq, tuple[int, ...]]], values: list[Element]
+    ) -> Element:
+        parts = []
+        for coefficient, exponents in terms:
+            powers = (v**n for v, n in zip(values, exponents, strict=True) if n)
+            parts.append(self.product([self.ring.number(coefficient), *powers]))
+        return self.sum(parts)
+
+    def _power(self, node: int, base: int, p: int, q: int) -> Element:
+        if q != 1:
+            if p != 1:
+                return self.image(self.nodes.made("Pow", base, fmpq(1, q))) ** p
+            return self._root(node, base, q)
+        inner = self.nodes.all[base]
+        if inner[0] == "Abs" and p % 2 == 0:
+            return self.squared(inner[1]) ** (p // 2)
+        return self.image(base) ** p
+
+    @abstractmethod
+    def _root(self, node: int, base: int, q: int) -> Element:
+        """The image of base**(1/q)."""
+
+    @abstractmethod
+    def _function(self, node: int, name: str, arguments: Sequence[int]) -> Element:
+        """The image of a function of ``arguments`` that is neither a sum, product nor power."""
+
+
+def integer_of(value: fmpq) -> int:
+    """The integer that a coefficient in a sum of arguments must be."""
+    if value.q != 1:
+        raise CertificateError("coefficients in a sum of arguments must be integers")
+    within("coefficients", abs(int(value.p)), EXPONENT)
+    return int(value.p)
