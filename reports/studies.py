@@ -65,14 +65,14 @@ def study_jobs(full: bool) -> dict[Key, Job]:
     for form in CATALOGUE:
         jobs["cost", form.name] = Job(evaluation_costs, (form.name,), 1.0)
     for problem in PROBLEMS:
-        jobs["precision", problem] = Job(work_precision, (problem,), 8.0)
+        jobs["precision", problem] = Job(work_precision, (problem,), 5.0)
     for eps in EPSILONS + MORE_EPSILONS * full:
-        jobs["scaling", eps] = Job(at_eps, (eps, full), 10.0)
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
     jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
-    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 10.0)
+    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
     for case in HARD_CASES:
         if full or not case.slow:
-            jobs["hard", case.name] = Job(_hard_case, (case.name,), 30.0 if case.slow else 2.0)
+            jobs["hard", case.name] = Job(_hard_case, (case.name,), 2.0 if case.slow else 1.0)
     return jobs | _further_jobs() if full else jobs
 
 
@@ -82,13 +82,13 @@ def _further_jobs() -> dict[Key, Job]:
     for order in ORDERS:
         for eps in EPS:
             jobs["peak", (order, eps)] = Job(peak_error, (order, eps), PEAK_SECONDS[order])
-    jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 30.0, tells=True)
+    jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 4.0, tells=True)
     for name in LONG_SCENES:
         jobs["ring", name] = Job(by_ring, (name,), 5.0, tells=True)
         for share in SHARES:
-            jobs["sites", (name, share)] = Job(by_sites, (name, share), 4.0 / share, tells=True)
+            jobs["sites", (name, share)] = Job(by_sites, (name, share), 1.5 / share, tells=True)
     for index in range(ESTIMATES):
-        jobs["estimate", index] = Job(judge, (ESTIMATE_SEED, index), 2.0)
+        jobs["estimate", index] = Job(judge, (ESTIMATE_SEED, index), 0.8)
     return jobs
 
 
