@@ -23,7 +23,7 @@ __all__ = ["accuracy_command"]
 
 PIPE_WIDTH = 120
 
-CASE_SECONDS = 3.0
+CASE_SECONDS = 0.3
 """About the time that one case takes in a process."""
 
 
