@@ -180,7 +180,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         best = min(best, error)
         if PATIENCE in (since, scouting.stalled) and math.isfinite(best):
             break
-        choices = search.improved(trial, error)
+        choices = search.improved(choices, trial, error)
     raise ValueError(
         f"tolerance must satisfy tolerance >= {1.05 * best:.2g} here, got {tolerance:g} "
         "(finer steps and wider domains no longer help: rounding or an instability is what is "
@@ -275,9 +275,9 @@ class _Search:
         self._run({choices: False, control: True})
         return self._done[choices], self._done.pop(control)
 
-    def improved(self, trial: Trial, error: float) -> Choices:
+    def improved(self, choices: Choices, trial: Trial, error: float) -> Choices:
         """Better choices: in what exceeds its share when it is varied by itself, or in all."""
-        engine, choices = self._engine, trial.choices
+        engine = self._engine
         if trial.values is None:
             for kind in engine.kinds:
                 choices = engine.better(choices, kind, CURE)

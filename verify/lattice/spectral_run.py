@@ -222,11 +222,11 @@ class SpectralEngine:
         """
         kept = self._density
         while True:
-            dense = replace(choices, density=max(choices.density, self._density))
+            dense = replace(choices, density=self._dense(choices), finer=1.0)
             try:
                 trial = self._run(dense, progress)
             except SamplingError:
-                self._density = 1.5 * dense.density
+                self._density = 1.5 * dense.density / choices.finer
                 continue
             except FloatingPointError as error:
                 if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
@@ -247,8 +247,7 @@ class SpectralEngine:
             step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
             choices = replace(choices, step=step, start=start)
         if "sampling" in kinds:
-            density = max(choices.density, self._density)
-            choices = replace(choices, density=DENSITY_RATIO * density)
+            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
         if "domain" in kinds and not choices.causal:
             choices = replace(
                 self._sized(choices, SIZE_RATIO * choices.size),
@@ -267,8 +266,7 @@ class SpectralEngine:
                 raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
-            density = max(choices.density, self._density)
-            return replace(choices, density=1.4 * density)
+            return replace(choices, density=1.4 * self._dense(choices))
         if choices.causal:
             return choices
         factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
@@ -276,8 +274,12 @@ class SpectralEngine:
 
     def work(self, choices: Choices) -> float:
         """Evaluations times points times their logarithm."""
-        points = choices.size * max(choices.density, self._density)
+        points = choices.size * self._dense(choices)
         return self._duration / choices.step * points * math.log2(points + 2.0)
+
+    def _dense(self, choices: Choices) -> float:
+        """Points per site that the choices mean, by what is known of the spectrum now."""
+        return choices.finer * max(choices.density, self._density)
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal

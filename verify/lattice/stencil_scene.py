@@ -38,9 +38,10 @@ STEP_RATIO = 0.85
 SIZE_RATIO = 1.3
 """Size of a control run's window."""
 
-WINDOW_SAFETY = 4.0
-"""Factor on the difference of two windows. The error of a small one fell by a fifth only where the
-window grew by 1.25: it had hardly left the wave, a rational one of order 5."""
+WINDOW_SAFETY = 3.0
+"""Factor on the difference of two windows, enough where the error falls like 1/size^1.1. That of a
+small one fell by a fifth only where it grew by 1.25: it had hardly left the wave, a rational one of
+order 5."""
 
 WIDER = 256
 """Sites by which the control run's ring is wider, which is causal as it is."""

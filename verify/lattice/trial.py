@@ -18,8 +18,9 @@ class Choices:
     """All numerical choices of a run.
 
     ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
-    a compared site in time; ``density`` in points per site; ``shift`` of the domain's middle, in
-    its sizes; ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
+    a compared site in time; ``density`` in points per site, or more if the spectrum calls for more,
+    and of either ``finer`` times as many; ``shift`` of the domain's middle, in its sizes;
+    ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
     step at first, until what the data send to the left has left the wave, 0 if there is none.
     ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
     """
@@ -28,6 +29,7 @@ class Choices:
     size: float
     causal: bool = False
     density: float = 1.0
+    finer: float = 1.0
     shift: float = 0.0
     absorber: float = 0.0
     start: float = 0.0
