@@ -18,7 +18,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 from verify.study.estimate_scenes import random_scene
-from verify.study.estimates import QUANTILES, VERDICTS, Judged, judge, rows
+from verify.study.estimates import QUANTILES, VERDICTS, Judged, judge, rows, warm_up
 
 POOL = 64
 """Scenes handed to the pool ahead, so that an interrupt is soon obeyed."""
@@ -64,7 +64,7 @@ def _judged(seed: int, indices: list[int], workers: int) -> Iterator[Judged]:
     """The scenes' records as they come."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # else its idle threads use up the limits
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, context) as pool:
+    with ProcessPoolExecutor(workers, context, warm_up) as pool:
         try:
             for first in range(0, len(indices), POOL):
                 part = indices[first : first + POOL]

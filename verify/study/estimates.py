@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from verify.lattice.initial import build_wave
 from verify.lattice.run import run
-from verify.lattice.scene import Scene
+from verify.lattice.scene import ENGINES, Scene
 from verify.study.causal_reference import CausalReference, SoftenedError
 from verify.study.estimate_scenes import RandomScene, random_scene
 from verify.study.time_limit import OutOfTime, time_limit
 
-__all__ = ["VERDICTS", "Judged", "Row", "judge", "judge_scene", "rows"]
+__all__ = ["VERDICTS", "Judged", "Row", "judge", "judge_scene", "rows", "warm_up"]
 
 Array = NDArray[np.float64]
 
@@ -123,6 +123,27 @@ class _Answer:
     estimate: float
     reason: str
     ended: bool = True
+
+
+def warm_up() -> None:
+    """Run both engines on both kinds of background: compiling is then no part of a scene's time."""
+    for wave in ("rational_1", "wave_cn"):
+        for engine in ENGINES:
+            run(
+                Scene(
+                    name="warm-up",
+                    wave=wave,
+                    eps=0.05,
+                    t0=0.0,
+                    snapshots=(10.0,),
+                    K2=1.0,
+                    K4=1.0,
+                    compared=30,
+                    parameters=() if wave == "rational_1" else (("k", 0.5),),
+                    tolerance=1e-3,
+                    engine=engine,
+                )
+            )
 
 
 def judge(seed: int, index: int) -> Judged:

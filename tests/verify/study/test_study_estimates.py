@@ -14,7 +14,7 @@ from verify.lattice.initial import build_wave
 from verify.study import estimates
 from verify.study.causal_reference import CausalReference, SoftenedError
 from verify.study.estimate_scenes import WAVES, RandomScene, random_scene
-from verify.study.estimates import VERDICTS, judge, judge_scene, rows
+from verify.study.estimates import VERDICTS, judge, judge_scene, rows, warm_up
 
 COUNT = 60
 QUICK = (4, 6, 9)
@@ -195,6 +195,7 @@ def test_the_table_counts_each_scene_once() -> None:
 @pytest.mark.slow
 def test_no_estimate_is_dishonest() -> None:
     """Sixty random scenes, the program's own choice and each engine by name."""
+    warm_up()
     found = [judge(2, index) for index in range(COUNT)]
     wrong = [one for one in found if not one.sound]
     assert [(one.index, one.verdict, one.reason) for one in wrong] == []
