@@ -33,7 +33,13 @@ RATIO = 0.72
 """Step of the reference, in units of the one before it."""
 
 FIRST, SHORTEST = 0.65, 0.02
-"""Longest and shortest step of the references' first runs, in units of the stability limit."""
+"""Longest and shortest step of the references, in units of the stability limit."""
+
+FINE = 0.12
+"""Shortest step of a reference's first run: rounding is what is left below it on the longest."""
+
+PARTED = 2.0
+"""What rounding does to one of two runs, in units of their difference."""
 
 GOOD = 0.1
 """The reference's error, in units of the estimate, that is good enough."""
@@ -233,25 +239,30 @@ def _softens(scene: Scene) -> bool:
 
 
 def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, float, bool]:
-    """Largest difference of y/eps to the reference, what that may err, and whether it is good."""
+    """Largest difference of y/eps to the reference, what that may err, and whether it is good.
+
+    Where a shorter step makes the reference worse, rounding is what is left.
+    """
     reference = CausalReference(scene, build_wave(scene))
     wanted = GOOD * max(estimate, 1e-13)
-    share = max(SHORTEST, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
+    share = max(FINE, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain
     largest = float(np.max(np.abs(coarse))) / scene.eps
     wanted = max(GOOD * estimate, FLOOR * largest)
-    shorter = RATIO
+    shorter, best = RATIO, (math.inf, math.inf)
     while True:
         share *= shorter
         fine = reference.run(share * reference.longest_step).strain
         own = ROUNDING * largest + float(np.max(np.abs(fine - coarse))) / scene.eps
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
+        worse, best = own >= best[0], min(best, (own, true))
         clear = own <= GOOD * (true - estimate)
         shorter = min(RATIO, 0.9 * (wanted / own) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
         dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS
-        if own <= wanted or clear or dear or share < SHORTEST:
-            return true, own, own <= wanted
+        if own <= wanted or clear or dear or worse or share < SHORTEST:
+            good = best[0] <= wanted
+            return best[1], best[0] if good else PARTED * best[0], good
         coarse = fine
 
 
