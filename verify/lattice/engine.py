@@ -68,8 +68,6 @@ class Rates:
     tail: float = 20.0
     """What doubling a ring to the circumference L changes, on a constant background, times
     (eps L/2)^3 and per unit of the peak: the absorbed ring's law."""
-    radiated: float = 1.0
-    """Of a kink, which has no absorber, times (a eps peak)^4 and the passages of sound."""
     apart: float = 400.0
     """Spread of the energies of a ring's lattices, in units of exp(-pi^2/(a |y|)); 250 to 520 for
     solitons of a |y| from 0.35 to 0.6."""
@@ -127,7 +125,7 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
     """Those that are tried: doubled until the law says that it is enough, or until the causal one.
 
     On a constant background a doubling changes by the tails, which are cut off at the seam; on a
-    periodic one by what the wave radiates.
+    periodic one by what the wave radiates. A kink's ring is causal.
     """
     assert scene.tolerance is not None
     data = ring_data(
@@ -138,12 +136,11 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
         scene.compared,
         scene.tolerance,
     )
-    level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
-    if not data.periodic and not data.absorbed:
-        passages = 2.0 * scene.constants.sound_speed() * data.duration
-        level, power = RATES.radiated * (data.steepness * peak) ** 4 * passages * scene.eps, 1
-    tried = [data.smallest]
     assert data.causal is not None
+    if data.kink:
+        return [data.causal.circumference]
+    level, power = (RATES.phase * turns, 2) if data.periodic else (RATES.tail * peak, 3)
+    tried = [data.smallest]
     while tried[-1] < data.causal.circumference:
         change = level / (scene.eps * tried[-1]) ** power
         tried.append(2.0 * tried[-1])

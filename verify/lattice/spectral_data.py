@@ -163,7 +163,7 @@ class RingData:
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
         left = self._middle + ring.ahead - 0.5 * length
-        if self._kink:
+        if self.kink:
             crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
             return RingState(self.t0, left, length, y, s)
@@ -175,14 +175,18 @@ class RingData:
         """The data within this distance of the seam are not the wave's."""
         if self.periodic:
             return self.unit
-        if self._kink:
+        if self.kink:
             return 0.5 * seam_room(self.wave, self.eps)
         least = SCALES / self.steepness
         return max(min(circumference, 4.0 * self.extent.width) / BLEND, least)
 
     @property
-    def _kink(self) -> bool:
-        """Whether the far fields are constants that differ."""
+    def kink(self) -> bool:
+        """Whether the far fields are constants that differ.
+
+        What such a wave sends to the left changes the strain behind it for good: each time that
+        comes round a ring it turns its sign, and rings of many sizes show the same of it.
+        """
         return self.wave.constant_background is None and not self.periodic
 
     def _closed(self, circumference: float, ahead: float) -> float:

@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
 """Step, density and circumference of a control run, in units of those of the run before it. Where
-the control's ring would be causal, so is the first."""
+the control's ring would be causal, so is the first; a kink's always is."""
 
 SHIFT = 0.07
 """By how much its middle moves, in circumferences."""
@@ -284,7 +284,9 @@ class SpectralEngine:
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal
-        if limit is not None and SIZE_RATIO * size >= limit.circumference:
+        if limit is None:
+            return replace(choices, size=size)
+        if self._data.kink or SIZE_RATIO * size >= limit.circumference:
             return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
         return replace(choices, size=size)
 
