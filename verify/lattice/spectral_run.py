@@ -36,7 +36,7 @@ __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
 
-STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
+STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.15, 1.5
 """Step, density and circumference of a control run, in units of those of the run before it. Where
 the control's ring would be causal, so is the first; a kink's always is."""
 
