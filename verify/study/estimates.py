@@ -38,6 +38,9 @@ FIRST, SHORTEST = 0.65, 0.02
 FINE = 0.12
 """Shortest step of a reference's first run: rounding is what is left below it on the longest."""
 
+ROUNDED = 1e-9
+"""Part of max|Y| above which it is not rounding that separates two references."""
+
 PARTED = 2.0
 """What rounding does to one of two runs, in units of their difference."""
 
@@ -255,7 +258,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
         fine = reference.run(share * reference.longest_step).strain
         own = ROUNDING * largest + float(np.max(np.abs(fine - coarse))) / scene.eps
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
-        worse, best = own >= best[0], min(best, (own, true))
+        worse, best = best[0] <= min(own, ROUNDED * largest), min(best, (own, true))
         clear = own <= GOOD * (true - estimate)
         shorter = min(RATIO, 0.9 * (wanted / own) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
