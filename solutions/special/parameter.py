@@ -30,8 +30,8 @@ class EllipticParameter:
 
     Attributes:
         m, m1: the parameter and its complement.
-        K, E: complete elliptic integrals of the first and second kind (K = inf at m = 1); K as
-            three floats, for it is subtracted many times from large arguments.
+        K: complete integral of the first kind (inf at m = 1), three floats for large arguments.
+        E: complete integral of the second kind.
         slope: E / K, the mean of dn^2 and the linear growth of epsilon.
         rate: pi / (2K), or pi / (2K') when not circular.
         nome: q, or q' when not circular.
