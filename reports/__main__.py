@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -18,11 +19,32 @@ from reports.work import find
 from verify.study.claims_evidence import report_scenes
 
 BUILD = Path(__file__).parent / "build"
+"""Where the report is written, below this room: the default in a checkout."""
+
+
+@dataclass
+class Options:
+    """Where the report is written, whether in full, and by how many processes."""
+
+    output: Path
+    full: bool
+    workers: int
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Build the report; return 0, 1 if a check, a run or LaTeX failed, 2 for bad input."""
-    options = parse(argv)
+    given = parse(argv)
+    return write_report(Options(given.output, given.full, given.workers), "python -m reports")
+
+
+def default_output() -> Path:
+    """`BUILD` in a checkout; an installed package writes below the working folder."""
+    in_checkout = (BUILD.parents[1] / "pyproject.toml").is_file()
+    return BUILD if in_checkout else Path("longwave-report")
+
+
+def write_report(options: Options, program: str) -> int:
+    """As `main`, for options that are read; ``program`` is what Ctrl-C is told by."""
     console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
@@ -30,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         ensure_engine(console.print)
         pdf = compile_pdf(tex)
     except KeyboardInterrupt:
-        return interrupted("python -m reports", f"what was written is in {shown(options.output)}")
+        return interrupted(program, f"what was written is in {shown(options.output)}")
     except (ValueError, OSError) as error:
         return fail(error)
     except (EngineMissingError, CompileError) as error:
@@ -47,7 +69,11 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         description="Derive, check, run the scenes, and write it all as a PDF.",
     )
     parser.add_argument(
-        "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build"
+        "--output",
+        type=Path,
+        default=default_output(),
+        metavar="FOLDER",
+        help="default: reports/build in a checkout, else ./longwave-report",
     )
     parser.add_argument(
         "--full", action="store_true", help="take the long scenes and the full studies as well"
@@ -58,7 +84,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def build(options: argparse.Namespace, console: Console) -> tuple[Path, bool]:
+def build(options: Options, console: Console) -> tuple[Path, bool]:
     """Write figures, tables and source below the folder.
 
     Returns the source's path, and whether every form stands and every run came to its end.
