@@ -288,7 +288,7 @@ verify.add_command(run)
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
 def report(output: str | None, full: bool, workers: int | None) -> int:
-    """Derive, check, run the scenes, and write it all as a PDF.
+    """Derive, check and run everything, and write it as a PDF.
 
     It goes to reports/build in a checkout, and else to longwave-report in the working folder.
     """

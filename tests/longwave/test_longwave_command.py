@@ -53,7 +53,6 @@ def test_each_command_has_a_help_with_an_example_and_a_line_that_is_not_cut(
     printed = capsys.readouterr().out
     example = printed.partition("Example:\n")[2].splitlines()[0].split()
     assert example[0] == "longwave"
-    assert example[-1] != words
     assert set(words.split()) <= set(example) or words == "verify run"
     assert "..." not in ALL[words].get_short_help_str(60)
 
@@ -61,9 +60,7 @@ def test_each_command_has_a_help_with_an_example_and_a_line_that_is_not_cut(
 @pytest.mark.parametrize(
     "words", [command.epilog.splitlines()[2] for command in ALL.values() if command.epilog]
 )
-def test_the_examples_are_read_as_they_stand(
-    words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_examples_are_read_as_they_stand(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
     called: list[str] = []
     for command in ALL.values():
         if not isinstance(command, click.Group):
@@ -221,7 +218,7 @@ def test_help_and_completion_import_none_of_the_rooms(words: list[str]) -> None:
     script = (
         "import sys; from longwave.__main__ import main; main(sys.argv[1:]);"
         "heavy = {'sympy', 'numpy', 'rich', 'derive', 'solutions', 'verify', 'reports'};"
-        "sys.exit(', '.join(heavy & set(sys.modules)))"
+        "sys.exit(', '.join(heavy & set(sys.modules)) or 0)"
     )
     done = subprocess.run(
         [sys.executable, "-c", script, *words], capture_output=True, text=True, check=False
@@ -256,19 +253,15 @@ def test_words_and_names_are_completed(line: str, expected: list[str]) -> None:
 
 
 def test_a_reader_that_has_gone_is_no_traceback() -> None:
-    running = subprocess.Popen(
-        [sys.executable, "-m", "longwave", "list", "lattices", "--json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=HOUSE,
-    )
-    assert running.stdout is not None
-    assert running.stderr is not None
-    running.stdout.close()
-    error = running.stderr.read()
-    assert running.wait(60) == 141
-    assert error == ""
+    words = [sys.executable, "-m", "longwave", "list", "lattices", "--json"]
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=HOUSE
+    ) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == ""
+    assert running.returncode == 141
 
 
 @pytest.mark.parametrize("seconds", [0.0, 4.0])

@@ -85,5 +85,5 @@ def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(reports.engine, "engine_present", lambda: False)
     monkeypatch.setattr(reports.engine, "apt_prefix", lambda: None)
     assert "install latexmk" in found("LaTeX").cost
-    monkeypatch.setattr(reports.engine, "apt_prefix", lambda: [])
+    monkeypatch.setattr(reports.engine, "apt_prefix", list)
     assert "with apt" in found("LaTeX").cost
