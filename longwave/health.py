@@ -32,7 +32,7 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Every finding; nothing is installed and nothing is changed by looking."""
+    """Every finding; looking installs nothing."""
     return [
         Finding("longwave", metadata.version("longwave")),
         _python(),
