@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 if TYPE_CHECKING:
     from solutions import ClosedForm
@@ -68,7 +67,7 @@ def waves() -> list[Record]:
 def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
     """The bare wave's name where the background is one of the catalogue, else its formula."""
     for other in catalogue:
-        if form.background != 0 and other.expression == form.background:
+        if other.expression == form.background:
             return other.name
     return str(form.background)
 
@@ -206,9 +205,8 @@ _NOTES: Mapping[str, str] = {
 
 def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
     """Print a table of each kind; text is printed as it is."""
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=PIPE_WIDTH)
+    width = None if Console().is_terminal else PIPE_WIDTH
+    console = Console(highlight=False, markup=False, width=width)
     for kind, records in found.items():
         rows = [_ROWS[kind](record) for record in records]
         console.print(_table(kind, rows))
@@ -222,5 +220,5 @@ def _table(title: str, rows: Iterable[Record]) -> Table:
     for heading in lines[0]:
         table.add_column(heading, no_wrap=heading == "name")
     for line in lines:
-        table.add_row(*(Text(str(cell)) for cell in line.values()))
+        table.add_row(*(str(cell) for cell in line.values()))
     return table

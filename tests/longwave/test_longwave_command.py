@@ -14,6 +14,7 @@ import pytest
 
 import derive.__main__
 import longwave.commands as tree
+import longwave.inventory
 import reports.__main__
 import verify.cli.mutations
 import verify.cli.verdicts
@@ -262,6 +263,17 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
         running.stdout.close()
         assert running.stderr.read() == ""
     assert running.returncode == 141
+
+
+def test_ctrl_c_while_a_room_is_imported_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: Output
+) -> None:
+    def stop(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(longwave.inventory, "inventory", stop)
+    assert main(["list", "waves"]) == 130
+    assert capsys.readouterr().err == "longwave list: interrupted\n"
 
 
 @pytest.mark.parametrize("seconds", [0.0, 4.0])
