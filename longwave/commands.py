@@ -177,7 +177,10 @@ def prove(
         from verify.cli.verdicts import Options, print_verdicts
 
         path = None if output is None else Path(output)
-        return print_verdicts(Options(only=names, json=json_wanted, certificate=path), _program())
+        return print_verdicts(
+            Options(only=tuple(dict.fromkeys(names)), json=json_wanted, certificate=path),
+            _program(),
+        )
     if output is not None:
         raise click.UsageError("--output must not be given with --certificate, got both")
     from verify.cli.certificates import print_certificates
@@ -210,7 +213,15 @@ def verify(
 
     The words below check certificates and misprints, and measure the evaluation.
     """
-    if click.get_current_context().invoked_subcommand is not None:
+    context = click.get_current_context()
+    if context.invoked_subcommand is not None:
+        given = [name for name in context.params if context.params[name] not in (None, False, ())]
+        if given:
+            option = "json" if given[0] == "json_wanted" else given[0]
+            raise click.UsageError(
+                f"--{option} must stand behind the word that it is meant for, got it before "
+                f"{context.invoked_subcommand}"
+            )
         return 0
     from derive.command_line import fail
     from verify.cli.verdicts import Options, digits_in, print_verdicts
@@ -300,10 +311,13 @@ def report(output: str | None, full: bool, workers: int | None) -> int:
 
 
 @longwave.command("list", epilog=_example("longwave list waves --json"))
-@click.argument("kind", required=False, type=click.Choice(KINDS))
+@click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
 @_json
 def list_(kind: str | None, json_wanted: bool) -> int:
-    """Show lattices, waves, schemes, scenes or observables."""
+    """Show lattices, waves, schemes, scenes or observables.
+
+    KIND is one of these words; without it all are shown.
+    """
     from longwave.inventory import inventory, print_tables
 
     found = inventory((kind,) if kind else KINDS)

@@ -103,6 +103,8 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["verify", "check-certificate"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy --jobs >= 1, got 0"),
+        (["verify", "--json", "mutations"], "--json must stand behind the word that it is meant"),
+        (["verify", "--only"], "requires an argument (see longwave verify --help)"),
         (["run"], "missing argument 'SCENE' (see longwave run --help)"),
         (["run", "nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),
         (["run", "[/nope]"], "got '[/nope]'"),
@@ -149,7 +151,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
-        "prove kink wave_cn --json --output c.json",
+        "prove kink wave_cn kink --json --output c.json",
         "verify --only kink --digits 20,40 --seed 3",
         "verify mutations --only kink",
         "verify accuracy --only kink --jobs 2 --json",
@@ -263,6 +265,15 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
         running.stdout.close()
         assert running.stderr.read() == ""
     assert running.returncode == 141
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_no_traceback() -> None:
+    words = [sys.executable, "-m", "longwave", "list", "lattices"]
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "error: output must be written, got No space left on device\n"
 
 
 def test_ctrl_c_while_a_room_is_imported_is_one_line(
