@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return NO_READER
     except OSError as error:
         _drop_output()
-        print(f"error: output must be written, got {error.strerror}", file=sys.stderr)
+        print(f"error: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
         return WRONG
     return int(status or 0)
 

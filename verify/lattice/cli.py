@@ -1,6 +1,7 @@
 """``python -m verify run SCENE``: run a scene file or a shipped scene."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,6 +26,8 @@ from verify.lattice.trust import trust_attributes
 from verify.lattice.unfinished import UnfinishedRun
 
 PROGRAM = "python -m verify run"
+
+Tell = Callable[[float], None]
 
 
 @dataclass
@@ -51,7 +54,7 @@ def run_and_print(options: Options, program: str) -> int:
     """As `run_command`, for options that are read; ``program`` is what Ctrl-C is told by."""
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     try:
-        _check_output(options.output)
+        check_output(options.output)
         scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
         trust = trust_attributes(scene)
         dataset = _run_with_bar(scene, errors).assign_attrs(trust)
@@ -99,11 +102,14 @@ def _parser() -> OneLineParser:
     return parser
 
 
-def _check_output(text: str | None) -> None:
+def check_output(text: str | None, example: str = "run.nc") -> None:
+    """Raise ValueError before anything is computed if ``text`` can be no file's path."""
     if text is None:
         return
     if text.endswith("/") or Path(text).is_dir():
-        raise ValueError(f"--output must name a file, got the folder {text} (such as run.nc in it)")
+        raise ValueError(
+            f"--output must name a file, got the folder {text} (such as {example} in it)"
+        )
     if not Path(text).parent.is_dir():
         raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
 
@@ -127,15 +133,25 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
+    wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
+        return run(scene, advance, tell)
+
+
+@contextmanager
+def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
+    """A bar, where the console is a terminal, as `run` takes it.
+
+    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
+    """
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     hidden = not console.is_terminal
     with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task(scene.name, total=1.0)
+        task = bar.add_task(name, total=1.0)
 
         def tell(seconds: float) -> None:
             bar.stop()
-            wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
-            announce(f"{scene.name}{wanted}", seconds)
+            announce(work, seconds)
             bar.start()
 
-        return run(scene, lambda share: bar.update(task, completed=share), tell)
+        yield lambda share: bar.update(task, completed=share), tell
