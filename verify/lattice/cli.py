@@ -38,7 +38,7 @@ def run_command(arguments: Sequence[str]) -> int:
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     try:
         _check_output(options.output)
-        scene = _changed(_find_scene(options.scene), options.tolerance, options.engine)
+        scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
         trust = trust_attributes(scene)
         dataset = _run_with_bar(scene, errors).assign_attrs(trust)
         _give(dataset, scene, options.output)
@@ -94,7 +94,11 @@ def _check_output(text: str | None) -> None:
         raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
 
 
-def _find_scene(text: str) -> Scene:
+def find_scene(text: str) -> Scene:
+    """The scene in a TOML file, or the shipped one or member of a family of that name.
+
+    Raises ValueError for a file that cannot be read and a name that is none.
+    """
     if text.endswith(".toml") or Path(text).is_file():
         return Scene.from_toml(text)
     family = rational_family_scenes()
