@@ -294,6 +294,24 @@ longwave.add_command(run)
 verify.add_command(run)
 
 
+@longwave.command(epilog=_example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
+@click.argument("source", shell_complete=_scenes)
+@click.option(
+    "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
+)
+@click.option("--kind", type=click.Choice(PICTURES), default="all", help="Which picture.")
+def plot(source: str, output: str | None, kind: str) -> int:
+    """Draw a run, or run a scene and draw it.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
+    of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
+    error curves and the track of the crest: all that the run holds, or one kind.
+    """
+    from longwave.drawing import draw
+
+    return draw(source, output, kind, _program())
+
+
 @longwave.command(epilog=_example("longwave report --output report"))
 @click.option("--output", metavar="FOLDER", type=click.Path(), help="Where it is written.")
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")

@@ -25,7 +25,7 @@ from verify.lattice import ENGINES, further_scenes, shipped_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
-WORDS = ("derive", "prove", "verify", "run", "report", "list", "doctor")
+WORDS = ("derive", "prove", "verify", "run", "plot", "report", "list", "doctor")
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:
