@@ -12,6 +12,10 @@ from importlib import import_module
 from importlib.metadata import version
 from typing import Any
 
+from longwave.rooms import claim_rooms
+
+claim_rooms()
+
 __version__ = version("longwave")
 
 _ROOMS: dict[str, tuple[str, ...]] = {

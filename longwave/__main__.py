@@ -12,7 +12,7 @@ _COMMANDS: dict[str, tuple[str, str, str]] = {
     "derive": ("derive.__main__", "main", "derive the reduced equation and its coefficients"),
     "verify": ("verify.__main__", "main", "prove every closed form"),
     "run": ("verify.lattice.cli", "run_command", "run the lattice on a scene (TOML file or name)"),
-    "report": ("reports.__main__", "main", "write the report, reports/build/longwave.pdf"),
+    "report": ("reports.__main__", "main", "write the report, longwave-report/longwave.pdf"),
 }
 
 

@@ -17,13 +17,14 @@ from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
 from verify.study.claims_evidence import report_scenes
 
-BUILD = Path(__file__).parent / "build"
+FOLDER = Path("longwave-report")
+"""Where the report is written: in the working folder, not where the package is."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Build the report; return 0, 1 if a check, a run or LaTeX failed, 2 for bad input."""
     options = parse(argv)
-    console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
+    console = Console(highlight=False, markup=False, emoji=False)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
         tex, sound = build(options, console)
@@ -34,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         return fail(error)
     except (EngineMissingError, CompileError) as error:
-        errors.print(f"error: {error}", markup=False, soft_wrap=True)
+        fail(error)
         return 1
     console.print(shown(pdf), soft_wrap=True)
     return 0 if sound else 1
@@ -47,7 +48,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         description="Derive, check, run the scenes, and write it all as a PDF.",
     )
     parser.add_argument(
-        "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build"
+        "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"default: {FOLDER}"
     )
     parser.add_argument(
         "--full", action="store_true", help="take the long scenes and the full studies as well"

@@ -35,7 +35,7 @@ def run_command(arguments: Sequence[str]) -> int:
     written, too. More than 10 s are announced.
     """
     options = _parser().parse_args(list(arguments))
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = plain_console(stderr=True, soft_wrap=True)
     try:
         _check_output(options.output)
         scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
@@ -63,7 +63,12 @@ def _give(dataset: xr.Dataset, scene: Scene, output: str | None) -> None:
     """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
     if output is not None:
         save_run(dataset, output)
-    print_summary(dataset, scene, Console(highlight=False))
+    print_summary(dataset, scene, plain_console())
+
+
+def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """A console that prints text as it is: a scene's title and name are no markup."""
+    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def _parser() -> OneLineParser:
@@ -113,7 +118,7 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     hidden = not console.is_terminal
     with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task(scene.name, total=1.0)
