@@ -11,6 +11,10 @@ here under one name; each is imported when it is first asked for, so `import lon
 from importlib import import_module
 from typing import Any
 
+from longwave.rooms import claim_rooms
+
+claim_rooms()
+
 __version__: str
 
 _ROOMS: dict[str, tuple[str, ...]] = {

@@ -319,11 +319,11 @@ def plot(source: str, output: str | None, kind: str) -> int:
 def report(output: str | None, full: bool, workers: int | None) -> int:
     """Derive, check and run everything, and write it as a PDF.
 
-    It goes to reports/build in a checkout, and else to longwave-report in the working folder.
+    It goes to the folder longwave-report in the working folder.
     """
-    from reports.__main__ import Options, default_output, write_report
+    from reports.__main__ import FOLDER, Options, write_report
 
-    folder = default_output() if output is None else Path(output)
+    folder = FOLDER if output is None else Path(output)
     processes = os.cpu_count() or 1 if workers is None else workers
     return write_report(Options(folder, full, processes), _program())
 

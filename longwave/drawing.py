@@ -3,11 +3,9 @@
 from contextlib import suppress
 from pathlib import Path
 
-from rich.console import Console
-
 from derive.command_line import fail, interrupted
 from longwave.plotting import plot
-from verify.lattice.cli import check_output, progress_bar
+from verify.lattice.cli import check_output, plain_console, progress_bar
 from verify.lattice.unfinished import UnfinishedRun
 
 
@@ -17,7 +15,7 @@ def draw(source: str, output: str | None, kind: str, program: str) -> int:
     0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
     """
     path = default_output(source) if output is None else output
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.png")
         with progress_bar(Path(source).name, source, errors) as (advance, tell):

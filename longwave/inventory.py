@@ -206,7 +206,7 @@ _NOTES: Mapping[str, str] = {
 def print_tables(found: Mapping[str, Iterable[Record]]) -> None:
     """Print a table of each kind; text is printed as it is."""
     width = None if Console().is_terminal else PIPE_WIDTH
-    console = Console(highlight=False, markup=False, width=width)
+    console = Console(highlight=False, markup=False, emoji=False, width=width)
     for kind, records in found.items():
         rows = [_ROWS[kind](record) for record in records]
         console.print(_table(kind, rows))

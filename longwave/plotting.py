@@ -224,7 +224,7 @@ def shown_half_width(data: xr.Dataset) -> int:
     sites = np.abs(data["site"].values)
     if "background" not in data:
         return int(sites.max())
-    deviation = np.abs(data["analytic"] - data["background"]).max("time").values
+    deviation = np.abs((data["analytic"] - data["background"]).values).max(axis=0)
     seen = sites[deviation > SHOWN * deviation.max()]
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 

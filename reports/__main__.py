@@ -18,8 +18,8 @@ from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
 from verify.study.claims_evidence import report_scenes
 
-BUILD = Path(__file__).parent / "build"
-"""Where the report is written, below this room: the default in a checkout."""
+FOLDER = Path("longwave-report")
+"""Where the report is written: in the working folder, not where the package is."""
 
 
 @dataclass
@@ -37,15 +37,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     return write_report(Options(given.output, given.full, given.workers), "python -m reports")
 
 
-def default_output() -> Path:
-    """`BUILD` in a checkout; an installed package writes below the working folder."""
-    in_checkout = (BUILD.parents[1] / "pyproject.toml").is_file()
-    return BUILD if in_checkout else Path("longwave-report")
-
-
 def write_report(options: Options, program: str) -> int:
     """As `main`, for options that are read; ``program`` is what Ctrl-C is told by."""
-    console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
+    console = Console(highlight=False, markup=False, emoji=False)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
         tex, sound = build(options, console)
@@ -56,7 +50,7 @@ def write_report(options: Options, program: str) -> int:
     except (ValueError, OSError) as error:
         return fail(error)
     except (EngineMissingError, CompileError) as error:
-        errors.print(f"error: {error}", markup=False, soft_wrap=True)
+        fail(error)
         return 1
     console.print(shown(pdf), soft_wrap=True)
     return 0 if sound else 1
@@ -69,11 +63,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         description="Derive, check, run the scenes, and write it all as a PDF.",
     )
     parser.add_argument(
-        "--output",
-        type=Path,
-        default=default_output(),
-        metavar="FOLDER",
-        help="default: reports/build in a checkout, else ./longwave-report",
+        "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"default: {FOLDER}"
     )
     parser.add_argument(
         "--full", action="store_true", help="take the long scenes and the full studies as well"

@@ -86,11 +86,3 @@ def test_bad_workers_are_one_line(capsys: pytest.CaptureFixture[str], tmp_path: 
     assert command_line.main(["--workers", "0", "--output", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error == "error: workers must be at least 1, got 0 (2 is usual)\n"
-
-
-def test_an_installed_package_is_not_written_into(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert command_line.default_output() == command_line.BUILD
-    monkeypatch.setattr(command_line, "BUILD", tmp_path / "reports" / "build")
-    assert command_line.default_output() == Path("longwave-report")

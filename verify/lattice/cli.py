@@ -52,7 +52,7 @@ def run_command(arguments: Sequence[str]) -> int:
 
 def run_and_print(options: Options, program: str) -> int:
     """As `run_command`, for options that are read; ``program`` is what Ctrl-C is told by."""
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(options.output)
         scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
@@ -80,7 +80,12 @@ def _give(dataset: xr.Dataset, scene: Scene, output: str | None) -> None:
     """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
     if output is not None:
         save_run(dataset, output)
-    print_summary(dataset, scene, Console(highlight=False, markup=False))
+    print_summary(dataset, scene, plain_console())
+
+
+def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """A console that prints text as it is: a scene's title and name are no markup."""
+    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def _parser() -> OneLineParser:
