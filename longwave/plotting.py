@@ -130,7 +130,8 @@ def _read_run(path: Path) -> xr.Dataset:
 def _for_pictures(scene: Scene, kind: str) -> Scene:
     """The scene with the observables that are drawn.
 
-    The error curve is drawn if the scene asks for it: a bare wave has no relative error.
+    Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
+    it ends in an error where the wave cannot be told from its background.
     """
     if kind == ALL:
         kinds = [
@@ -224,7 +225,7 @@ def shown_half_width(data: xr.Dataset) -> int:
     sites = np.abs(data["site"].values)
     if "background" not in data:
         return int(sites.max())
-    deviation = np.abs(data["analytic"] - data["background"]).values.max(axis=0)
+    deviation = np.abs((data["analytic"] - data["background"]).values).max(axis=0)
     seen = sites[deviation > SHOWN * deviation.max()]
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 
