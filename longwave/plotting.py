@@ -130,7 +130,8 @@ def _read_run(path: Path) -> xr.Dataset:
 def _for_pictures(scene: Scene, kind: str) -> Scene:
     """The scene with the observables that are drawn.
 
-    The error curve is drawn if the scene asks for it: a bare wave has no relative error.
+    Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
+    it ends in an error where the wave cannot be told from its background.
     """
     if kind == ALL:
         kinds = [

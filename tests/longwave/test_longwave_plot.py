@@ -111,11 +111,13 @@ def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch)
     assert asked[0].look_points is not None
 
 
-def test_a_bare_wave_has_no_error_curve() -> None:
+def test_a_periodic_wave_is_shown_on_all_compared_sites() -> None:
     bare = replace(SCENE, wave="wave_cn", parameters=(("k", 0.5),), observables=("strain",))
-    assert r"$L^\infty_\epsilon$" not in labels(plot(bare))
-    with pytest.raises(ValueError, match="a bare wave has no relative error"):
-        plot(bare, kind="errors")
+    assert plot(bare, kind="snapshots").get_axes()[0].get_xlim() == (-150, 150)
+
+
+def test_the_map_shows_the_sites_of_the_snapshots(made: xr.Dataset) -> None:
+    assert plot(made).get_axes()[2].get_ylim()[1] == shown_half_width(made)
 
 
 def test_snapshots_show_the_wave_and_not_all_of_its_background(made: xr.Dataset) -> None:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from longwave.rooms import ROOMS
+
 HOUSE = Path(__file__).parents[2]
 USE = "import longwave; print(longwave.closed_form('kink').name, longwave.Verdict.__name__)"
 
@@ -24,27 +26,27 @@ def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.fixture(params=["solutions", "verify", "derive", "reports"])
-def shadow(request: pytest.FixtureRequest, tmp_path: Path) -> str:
-    """A file of a room's name in the working folder, which nobody may run."""
-    room = str(request.param)
-    (tmp_path / f"{room}.py").write_text("raise SystemExit('run by mistake')\n", encoding="utf-8")
-    return room
+@pytest.fixture
+def shadowed(tmp_path: Path) -> Path:
+    """A working folder with a file of every room's name; none of them may be run."""
+    for room in ROOMS:
+        (tmp_path / f"{room}.py").write_text("raise SystemExit('by mistake')", encoding="utf-8")
+    return tmp_path
 
 
-def test_a_script_beside_it_works_and_is_warned(shadow: str, tmp_path: Path) -> None:
-    (tmp_path / "script.py").write_text(USE, encoding="utf-8")
-    done = python(tmp_path, "script.py")
+def test_a_script_beside_them_works_and_is_warned(shadowed: Path) -> None:
+    (shadowed / "script.py").write_text(USE, encoding="utf-8")
+    done = python(shadowed, "script.py")
     assert done.stdout == "kink Verdict\n", done.stderr
-    assert f"{shadow}.py has the name of a package of longwave" in done.stderr
-    assert "rename" in done.stderr
+    for room in ROOMS:
+        assert f"{room}.py has the name of a package of longwave" in done.stderr
 
 
-@pytest.mark.parametrize("words", [["list"], ["derive", "--help"], ["run", "--help"]])
-def test_the_command_beside_it_works(shadow: str, tmp_path: Path, words: list[str]) -> None:
-    done = python(tmp_path, "-m", "longwave", *words)
-    alone = python(HOUSE, "-m", "longwave", *words)
-    assert (done.returncode, done.stdout) == (alone.returncode, alone.stdout)
+@pytest.mark.parametrize("word", ["derive", "verify", "run", "report"])
+def test_the_command_beside_them_works(shadowed: Path, word: str) -> None:
+    done = python(shadowed, "-m", "longwave", word, "--help")
+    assert done.returncode == 0
+    assert done.stdout.startswith("usage: ")
 
 
 def test_a_folder_of_that_name_is_no_obstacle(tmp_path: Path) -> None:
