@@ -26,13 +26,13 @@ $(DOCS_STAMP): pyproject.toml tools/bootstrap.sh
 	@sh tools/bootstrap.sh $@ docs
 
 report: $(STAMP)
-	@$(PY) -m reports
+	@$(PY) -m reports --output reports/build
 
 report-full: $(STAMP)
-	@$(PY) -m reports --full
+	@$(PY) -m reports --full --output reports/build
 
 bench: $(STAMP)
-	@$(PY) -m reports.bench
+	@$(PY) -m reports.bench --output reports/build/bench
 
 docs: $(DOCS_STAMP)
 	@$(PY) -m sphinx --quiet --fail-on-warning --keep-going --jobs $(WORKERS) docs docs/build

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
 
 from derive.command_line import OneLineParser, fail, interrupted
 from derive.dispersion import agrees_with_reduction, dispersion_relation
@@ -15,6 +16,7 @@ from derive.rationals import Number, parse_rational
 from derive.reduction import Reduction
 
 MOST_ORDERS = 13
+Form = Literal["text", "latex", "json"]
 CONSTANTS = tuple(str(constant) for constant in FPUT_STRAIN.constants)
 
 
@@ -96,20 +98,32 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status (2 for wrong input)."""
     given = _parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
+    form: Form = "json" if given.json else "latex" if given.latex else "text"
     try:
-        texts = {name: getattr(given, name) for name in CONSTANTS}
+        return print_reduction(
+            {name: getattr(given, name) for name in CONSTANTS}, given.orders, form
+        )
+    except KeyboardInterrupt:
+        return interrupted("python -m derive")
+
+
+def print_reduction(constants: Mapping[str, str | None], orders: str, form: Form) -> int:
+    """Print the reduction in that form; returns the exit status (2 for wrong input).
+
+    ``constants`` are values as text by name, None where a constant stays a symbol; ``orders`` is
+    the highest power of eps as text.
+    """
+    try:
         values: dict[str, Number] = {
-            name: parse_rational(name, text) for name, text in texts.items() if text is not None
+            name: parse_rational(name, text) for name, text in constants.items() if text is not None
         }
-        reduction = reduce(FPUT_STRAIN, orders=_orders(given.orders))
+        reduction = reduce(FPUT_STRAIN, orders=_orders(orders))
         numbers = list(_number_lines(reduction, values))
     except ValueError as error:
         return fail(error)
-    except KeyboardInterrupt:
-        return interrupted("python -m derive")
-    if given.json:
+    if form == "json":
         print(reduction.json(**values))
-    elif given.latex:
+    elif form == "latex":
         print("\n".join([reduction.latex(**values), _linear_latex(reduction)]))
     else:
         print("\n".join([reduction.text(), *_linear_lines(reduction), *numbers]))

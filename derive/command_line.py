@@ -22,8 +22,18 @@ class OneLineParser(argparse.ArgumentParser):
 
 def fail(message: object) -> int:
     """Print ``error: message`` in one line on stderr; return the exit status 2."""
-    print(f"error: {' '.join(str(message).split())}", file=sys.stderr)
+    print(f"error: {one_line(message)}", file=sys.stderr)
     return 2
+
+
+def one_line(message: object) -> str:
+    r"""The message in one line, what would steer the terminal written out.
+
+    >>> print(one_line("two\nlines, \x1b[31mred"))
+    two lines, \x1b[31mred
+    """
+    line = " ".join(str(message).split())
+    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
 
 
 def announce(work: str, seconds: float) -> None:

@@ -9,10 +9,13 @@ here under one name; each is imported when it is first asked for, so `import lon
 """
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import Any
 
-__version__ = version("longwave")
+from longwave.rooms import claim_rooms
+
+claim_rooms()
+
+__version__: str
 
 _ROOMS: dict[str, tuple[str, ...]] = {
     "derive": (
@@ -25,7 +28,9 @@ _ROOMS: dict[str, tuple[str, ...]] = {
         "reduce",
     ),
     "solutions": ("CATALOGUE", "ClosedForm", "Equation", "Parameter", "Wave", "closed_form"),
+    "verify.proof": ("check_certificate", "prove", "prove_equal"),
     "verify.verdict": ("Verdict",),
+    "longwave.plotting": ("plot",),
     "verify.lattice": ("Scene", "load_scene", "relative_sup_error", "run", "shipped_scenes"),
 }
 _ROOM_OF = {noun: room for room, nouns in _ROOMS.items() for noun in nouns}
@@ -34,7 +39,11 @@ __all__ = ["__version__", *sorted(_ROOM_OF)]
 
 
 def __getattr__(name: str) -> Any:
-    """Import the noun from its room."""
+    """Import the noun from its room, or look the version up."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("longwave")
     if name not in _ROOM_OF:
         raise AttributeError(f"longwave has no noun {name!r}; it has {', '.join(sorted(_ROOM_OF))}")
     return getattr(import_module(_ROOM_OF[name]), name)

@@ -1,58 +1,64 @@
-"""The command `longwave`: one word, then what that room's own command takes."""
+"""The command `longwave`: what the words of `longwave.commands` end with.
 
+Exit status: 0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not
+come to its end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the
+output has gone.
+"""
+
+import os
 import sys
-from collections.abc import Callable
-from importlib import import_module
+from collections.abc import Sequence
 
-from longwave import __version__
+import click
+from click.shell_completion import shell_complete
 
-Command = Callable[[list[str]], int]
+from longwave.commands import COMPLETION, longwave
 
-_COMMANDS: dict[str, tuple[str, str, str]] = {
-    "derive": ("derive.__main__", "main", "derive the reduced equation and its coefficients"),
-    "verify": ("verify.__main__", "main", "prove every closed form"),
-    "run": ("verify.lattice.cli", "run_command", "run the lattice on a scene (TOML file or name)"),
-    "report": ("reports.__main__", "main", "write the report, reports/build/longwave.pdf"),
-}
+WRONG, INTERRUPTED, NO_READER = 2, 130, 141
 
 
-def usage() -> str:
-    """Return the help text.
-
-    >>> usage().splitlines()[0]
-    'usage: longwave COMMAND [ARGUMENTS]'
-    """
-    lines = [f"  {word:8}{says}" for word, (_, _, says) in _COMMANDS.items()]
-    head = ["usage: longwave COMMAND [ARGUMENTS]", "", "commands:"]
-    return "\n".join([*head, *lines, "", "`longwave COMMAND --help` says more; --version."])
-
-
-def main(argv: list[str] | None = None) -> int:
-    """Run the command line; return its exit status (2 for a command that does not exist)."""
-    word, *rest = (sys.argv[1:] if argv is None else argv) or ["--help"]
-    if word in ("-h", "--help"):
-        print(usage())
-        return 0
-    if word == "--version":
-        print(f"longwave {__version__}")
-        return 0
-    if word not in _COMMANDS:
-        known = ", ".join(_COMMANDS)
-        given = " ".join(word.split())
-        print(f"error: COMMAND must be a known one, got {given} (one of {known})", file=sys.stderr)
-        return 2
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    words = list(sys.argv[1:] if argv is None else argv) or ["--help"]
+    if COMPLETION in os.environ:
+        return shell_complete(longwave, {}, "longwave", COMPLETION, os.environ[COMPLETION])
     try:
-        return command(word)(rest)
-    except KeyboardInterrupt:
-        print(f"longwave {word}: interrupted", file=sys.stderr)
-        return 130
+        with longwave.make_context("longwave", [*words]) as context:
+            status = longwave.invoke(context)
+        sys.stdout.flush()
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except click.ClickException as error:
+        return _wrong(error, words[0])
+    except (click.Abort, KeyboardInterrupt):
+        print(f"longwave {words[0]}: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        _drop_output()
+        return NO_READER
+    except OSError as error:
+        _drop_output()
+        print(f"error: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
+        return WRONG
+    return int(status or 0)
 
 
-def command(word: str) -> Command:
-    """Import the function behind the command word."""
-    module, function, _ = _COMMANDS[word]
-    found: Command = getattr(import_module(module), function)
-    return found
+def _drop_output() -> None:
+    """Let what is still to be written to the standard output go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _wrong(error: click.ClickException, word: str) -> int:
+    """Tell a wrong word or option in one line, with the command whose help explains it."""
+    line = " ".join(error.format_message().split()).removesuffix(".")
+    line = "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    command = f"longwave {word}" if word in longwave.commands else "longwave"
+    if not line.startswith("COMMAND"):
+        line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
+        line += f" (see {context.command_path if context else command} --help)"
+    print(f"error: {line}", file=sys.stderr)
+    return WRONG
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -17,24 +18,39 @@ from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
 from verify.study.claims_evidence import report_scenes
 
-BUILD = Path(__file__).parent / "build"
+FOLDER = Path("longwave-report")
+"""Where the report is written: in the working folder, not where the package is."""
+
+
+@dataclass
+class Options:
+    """Where the report is written, whether in full, and by how many processes."""
+
+    output: Path
+    full: bool
+    workers: int
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Build the report; return 0, 1 if a check, a run or LaTeX failed, 2 for bad input."""
-    options = parse(argv)
-    console, errors = Console(highlight=False), Console(stderr=True, highlight=False)
+    given = parse(argv)
+    return write_report(Options(given.output, given.full, given.workers), "python -m reports")
+
+
+def write_report(options: Options, program: str) -> int:
+    """As `main`, for options that are read; ``program`` is what Ctrl-C is told by."""
+    console = Console(highlight=False, markup=False, emoji=False)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
         tex, sound = build(options, console)
         ensure_engine(console.print)
         pdf = compile_pdf(tex)
     except KeyboardInterrupt:
-        return interrupted("python -m reports", f"what was written is in {shown(options.output)}")
+        return interrupted(program, f"what was written is in {shown(options.output)}")
     except (ValueError, OSError) as error:
         return fail(error)
     except (EngineMissingError, CompileError) as error:
-        errors.print(f"error: {error}", markup=False, soft_wrap=True)
+        fail(error)
         return 1
     console.print(shown(pdf), soft_wrap=True)
     return 0 if sound else 1
@@ -47,7 +63,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
         description="Derive, check, run the scenes, and write it all as a PDF.",
     )
     parser.add_argument(
-        "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build"
+        "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"default: {FOLDER}"
     )
     parser.add_argument(
         "--full", action="store_true", help="take the long scenes and the full studies as well"
@@ -58,7 +74,7 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def build(options: argparse.Namespace, console: Console) -> tuple[Path, bool]:
+def build(options: Options, console: Console) -> tuple[Path, bool]:
     """Write figures, tables and source below the folder.
 
     Returns the source's path, and whether every form stands and every run came to its end.

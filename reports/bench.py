@@ -12,20 +12,20 @@ from reports.assemble import write_study_figures, write_study_tables
 from reports.jobs import Job, run_jobs
 from reports.studies import Key, Studies, studies, study_jobs
 
-BUILD = Path(__file__).parent / "build" / "bench"
+FOLDER = Path("longwave-bench")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run every study in a process of its own, nothing beside it; return the exit status."""
     parser = OneLineParser(prog="python -m reports.bench", description=__doc__)
     parser.add_argument(
-        "--output", type=Path, default=BUILD, metavar="FOLDER", help="default: reports/build/bench"
+        "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"default: {FOLDER}"
     )
     parser.add_argument(
         "--short", action="store_true", help="what `make report` shows, and no more"
     )
     options = parser.parse_args(argv)
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False, emoji=False)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -7,6 +7,7 @@ the solitons of the mKdV equation do.
 from matplotlib.figure import Figure
 
 from longwave import Scene, run
+from reports.figures.space_time import space_time_figure
 
 SCENE = Scene(
     name="two_solitons",
@@ -26,12 +27,4 @@ SCENE = Scene(
 
 def picture() -> Figure:
     """The strain over time, in the frame that moves with the sound."""
-    strain = run(SCENE)["space_time"]
-    time, place = strain.dims
-    figure = Figure((6.5, 3), layout="constrained")
-    ax = figure.subplots()
-    drawn = ax.pcolormesh(strain[time], strain[place], strain.T, cmap="viridis", rasterized=True)
-    ax.set_xlabel("$t$")
-    ax.set_ylabel("$n - c\\,t$  (sites)")
-    figure.colorbar(drawn, label="$y_n$")
-    return figure
+    return space_time_figure(run(SCENE)["space_time"])

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
 from reports.figures.style import CURVES, TEXT_WIDTH
+
+ERROR_HEIGHT = 2.0
+"""Height of a panel of error curves, in inches."""
 
 
 @dataclass(frozen=True)
@@ -22,14 +25,21 @@ class ErrorCurve:
 
 def error_figure(panels: Sequence[tuple[str, Sequence[ErrorCurve]]]) -> Figure:
     """Draw one panel of curves for each (title, curves)."""
-    size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, 2.0)
+    size = (TEXT_WIDTH if len(panels) > 1 else 0.5 * TEXT_WIDTH, ERROR_HEIGHT)
     figure = Figure(size, layout="constrained")
+    draw_error_panels(figure, panels)
+    return figure
+
+
+def draw_error_panels(
+    figure: FigureBase, panels: Sequence[tuple[str, Sequence[ErrorCurve]]]
+) -> None:
+    """Draw the panels of `error_figure` into a figure."""
     for ax, (title, curves) in zip(
         figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True
     ):
         ax.set_title(title, loc="left")
         _draw(ax, curves)
-    return figure
 
 
 def _draw(ax: Axes, curves: Sequence[ErrorCurve]) -> None:

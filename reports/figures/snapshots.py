@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
 from reports.figures.style import ANALYTICAL, NUMERICAL, TEXT_WIDTH
@@ -33,20 +33,33 @@ class Snapshot:
 
 def snapshot_figure(rows: Sequence[Sequence[Snapshot]]) -> Figure:
     """Draw one panel per snapshot, one row per run; panels are lettered (A), (B), ... ."""
+    figure = Figure((TEXT_WIDTH, snapshot_height(len(rows))), layout="constrained")
+    draw_snapshot_panels(figure, rows)
+    return figure
+
+
+def snapshot_height(rows: int) -> float:
+    """Height in inches of that many rows of panels and their legend."""
+    return PANEL_HEIGHT * rows + 0.35
+
+
+def draw_snapshot_panels(figure: FigureBase, rows: Sequence[Sequence[Snapshot]]) -> None:
+    """Draw the panels of `snapshot_figure` into a figure; shorter rows end in empty places."""
     across = max(len(row) for row in rows)
-    figure = Figure((TEXT_WIDTH, PANEL_HEIGHT * len(rows) + 0.35), layout="constrained")
     panels = figure.subplots(len(rows), across, squeeze=False)
-    for place, (row, axes) in enumerate(zip(rows, panels, strict=True)):
+    letters = map(chr, range(ord("A"), ord("Z") + 1))
+    for row, axes in zip(rows, panels, strict=True):
         low, high = _limits(row)
-        for column, (snapshot, ax) in enumerate(zip(row, axes, strict=True)):
-            _draw(ax, snapshot, chr(ord("A") + place * across + column))
+        for column, (snapshot, ax) in enumerate(zip(row, axes, strict=False)):
+            _draw(ax, snapshot, next(letters))
             ax.set_ylim(low, high)
             ax.tick_params(labelleft=column == 0)
         axes[0].set_ylabel("$y_n$")
+        for ax in axes[len(row) :]:
+            ax.set_visible(False)
     for ax in panels[-1]:
         ax.set_xlabel("$n - c\\,t$  (sites)")
     figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
-    return figure
 
 
 def _draw(ax: Axes, snapshot: Snapshot, letter: str) -> None:

@@ -43,8 +43,13 @@ _SETTINGS: Any = {
     "axes.linewidth": 0.6,
     "legend.frameon": False,
     "pdf.fonttype": 42,
+    "svg.hashsalt": "longwave",
     "savefig.dpi": 160,
 }
+
+
+_CHANGING = {".pdf": "CreationDate", ".svg": "Date"}
+"""What a picture's metadata would say differently each time, by suffix."""
 
 
 @contextmanager
@@ -59,6 +64,6 @@ def styled() -> Iterator[None]:
 def save(figure: Figure, path: Path) -> Path:
     """Write the figure to the path, the same bytes for the same content; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    undated = {"CreationDate": None} if path.suffix == ".pdf" else {"Software": None}
+    undated = {_CHANGING.get(path.suffix.lower(), "Software"): None}
     figure.savefig(path, metadata=undated)
     return path

@@ -70,7 +70,7 @@ def caption_part(scene: Scene) -> str:
     named = {"alpha": r"\alpha"}
     parameters = [(named.get(name, name), value) for name, value in scene.parameters]
     values = ", ".join(
-        f"${name}={value if isinstance(value, str) else f'{value:g}'}$"
+        f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
     title = closed_form(scene.wave).title

@@ -1,41 +1,312 @@
-"""The command `longwave`: dispatch, help, and one clear line for a wrong word."""
+"""The command `longwave`: one tree, quick, one line and status 2 for wrong input."""
 
+import json
+import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
 
+import click
 import pytest
 
-from longwave import __main__ as command_line
+import derive.__main__
+import longwave.commands as tree
+import longwave.inventory
+import reports.__main__
+import verify.cli.mutations
+import verify.cli.verdicts
+import verify.lattice.cli
+import verify.study.evaluation_cli
+from longwave.__main__ import main
+from verify.lattice import ENGINES, further_scenes, shipped_scenes
+
+Output = pytest.CaptureFixture[str]
+HOUSE = Path(__file__).parents[2]
+WORDS = ("derive", "prove", "verify", "run", "plot", "report", "list", "doctor")
+
+
+def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:
+    """Every command of the tree with the words that call it."""
+    for word, command in group.commands.items():
+        yield f"{name} {word}".strip(), command
+        if isinstance(command, click.Group):
+            yield from commands(command, f"{name} {word}".strip())
+
+
+ALL = dict(commands(tree.longwave))
 
 
 @pytest.mark.parametrize("argv", [[], ["--help"], ["-h"]])
-def test_help_names_every_command(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert command_line.main(argv or ["--help"]) == 0
+def test_help_names_every_command(argv: list[str], capsys: Output) -> None:
+    assert main(argv) == 0
     printed = capsys.readouterr().out
-    assert all(word in printed for word in ("derive", "verify", "run", "report"))
+    assert all(f"  {word} " in printed for word in WORDS)
 
 
-def test_a_wrong_word_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]) -> None:
-    assert command_line.main(["vreify"]) == 2
+@pytest.mark.parametrize("words", ALL)
+def test_each_command_has_a_help_with_an_example_and_a_line_that_is_not_cut(
+    words: str, capsys: Output
+) -> None:
+    assert main([*words.split(), "--help"]) == 0
+    printed = capsys.readouterr().out
+    example = printed.partition("Example:\n")[2].splitlines()[0].split()
+    assert example[0] == "longwave"
+    assert set(words.split()) <= set(example) or words == "verify run"
+    assert "..." not in ALL[words].get_short_help_str(60)
+
+
+@pytest.mark.parametrize(
+    "words", [command.epilog.splitlines()[2] for command in ALL.values() if command.epilog]
+)
+def test_the_examples_are_read_as_they_stand(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    called: list[str] = []
+    for command in ALL.values():
+        if not isinstance(command, click.Group):
+            name = str(command.name)
+            monkeypatch.setattr(command, "callback", lambda name=name, **_: called.append(name))
+    monkeypatch.setattr(ALL["verify"], "callback", lambda **_: called.append("verify"))
+    assert main(words.split()[1:]) == 0
+    assert called[-1] in words.split()
+
+
+def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
+    assert main(["vreify"]) == 2
     error = capsys.readouterr().err
-    known = "derive, verify, run, report"
+    known = ", ".join(WORDS)
     assert error == f"error: COMMAND must be a known one, got vreify (one of {known})\n"
 
 
-def test_the_rest_of_the_line_goes_to_the_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    got: list[list[str]] = []
-    monkeypatch.setattr(command_line, "command", lambda word: lambda argv: got.append(argv) or 3)
-    assert command_line.main(["run", "scene.toml", "--quiet"]) == 3
-    assert got == [["scene.toml", "--quiet"]]
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["--bogus"], "no such option '--bogus' (see longwave --help)"),
+        (["vreify\n\x1b[31m"], r"got vreify \x1b[31m (one of"),
+        (["verify", "walk"], "COMMAND must be a known one, got walk (one of check-certificate, "),
+        (["derive", "--orders", "many"], "--orders must be an integer <= 13, got 'many'"),
+        (["derive", "--k2", "__import__('os')"], "K2 must be a rational number"),
+        (["derive", "--k4", "--"], "K4 must be a rational number, got '--'"),
+        (["derive", "--json", "--latex"], "--json must not be given with --latex"),
+        (["prove"], "either NAME or --certificate FILE must be given, got neither"),
+        (["prove", "kink", "--certificate", "x"], "must be given, got both"),
+        (["prove", "--certificate", "x", "--output", "y"], "--output must not be given with"),
+        (["prove", "peakon"], "'peakon' (one of rational_1, "),
+        (["prove", "kink", "--output", "/nowhere/x"], "No such file or directory"),
+        (["prove", "--certificate", "/nowhere/x"], "/nowhere/x: No such file or directory"),
+        (["verify", "--only", "peakon"], "'peakon' (one of rational_1, "),
+        (["verify", "--digits", "30,x"], "digits must be integers with commas between"),
+        (["verify", "--points", "many"], "'many' is not a valid integer (see longwave verify"),
+        (["verify", "--method", "guess"], "invalid value for '--method': 'guess'"),
+        (["verify", "--seed", "1", "--stable"], "--stable must not be given with the method"),
+        (["verify", "check-certificate"], "missing argument 'FILE'"),
+        (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
+        (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy --jobs >= 1, got 0"),
+        (["verify", "--json", "mutations"], "--json must stand behind the word that it is meant"),
+        (["verify", "--only"], "requires an argument (see longwave verify --help)"),
+        (["run"], "missing argument 'SCENE' (see longwave run --help)"),
+        (["run", "nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),
+        (["run", "[/nope]"], "got '[/nope]'"),
+        (["run", "rogue_cn_k_0.5", "--tolerance", "-1"], "tolerance must satisfy tolerance > 0"),
+        (["report", "--workers", "many"], "'many' is not a valid integer (see longwave report"),
+        (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
+        (["--completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(
+    argv: list[str], message: str, capsys: Output
+) -> None:
+    assert main(argv) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("error: ")
+    assert output.err.count("\n") == 1
+    assert message in output.err
 
 
-@pytest.mark.parametrize("word", ["derive", "verify", "run", "report"])
-def test_every_command_exists(word: str) -> None:
-    assert callable(command_line.command(word))
+def test_what_is_declared_is_what_the_rooms_take() -> None:
+    assert tree.ENGINES == ENGINES
+    assert tree.CONSTANTS == derive.__main__.CONSTANTS
+    assert tree.scene_names() == sorted((*shipped_scenes(), *further_scenes()))
+
+
+def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
+    got: list[object] = []
+
+    def keep(*given: object) -> int:
+        got.append(given)
+        return 1
+
+    monkeypatch.setattr(derive.__main__, "print_reduction", keep)
+    monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
+    monkeypatch.setattr(verify.cli.mutations, "print_mutations", keep)
+    monkeypatch.setattr(verify.lattice.cli, "run_and_print", keep)
+    monkeypatch.setattr(verify.study.evaluation_cli, "accuracy_command", keep)
+    monkeypatch.setattr(reports.__main__, "write_report", keep)
+    verdicts, runs, written = (
+        verify.cli.verdicts.Options,
+        verify.lattice.cli.Options,
+        reports.__main__.Options,
+    )
+    for line in (
+        "derive --k4 -1/2 --orders 5 --latex",
+        "prove kink wave_cn kink --json --output c.json",
+        "verify --only kink --digits 20,40 --seed 3",
+        "verify mutations --only kink",
+        "verify accuracy --only kink --jobs 2 --json",
+        "run x.toml --tolerance 1e-3 --engine stencil --output x.nc",
+        "verify run x.toml",
+        "report --output there --full --workers 3",
+    ):
+        assert main(line.split()) == 1
+    assert got == [
+        ({"K2": None, "K3": None, "K4": "-1/2"}, "5", "latex"),
+        (verdicts(("kink", "wave_cn"), True, Path("c.json")), "longwave prove"),
+        (verdicts(("kink",), digits=(20, 40), seed=3), "longwave verify"),
+        (("kink",), False, "longwave verify mutations"),
+        (["--only=kink", "--jobs=2", "--json"],),
+        (runs("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
+        (runs("x.toml"), "longwave verify run"),
+        (written(Path("there"), True, 3), "longwave report"),
+    ]
+
+
+def test_a_proof_is_written_and_checked(tmp_path: Path, capsys: Output) -> None:
+    path = tmp_path / "kink.json"
+    assert main(["prove", "kink", "--json", "--output", str(path)]) == 0
+    (proved,) = json.loads(capsys.readouterr().out)
+    assert (proved["name"], proved["outcome"]) == ("kink", "PROVED")
+    assert main(["prove", "--certificate", str(path)]) == 0
+    assert capsys.readouterr().out.endswith("kink: accepted\n")
+    assert main(["prove", "--certificate", str(path), "--json"]) == 0
+    (accepted,) = json.loads(capsys.readouterr().out)
+    assert accepted["name"] == "kink"
+    assert "A*tanh(" in accepted["statement"]
+
+
+def test_a_rejected_certificate_gives_status_1_and_json_without_it(
+    tmp_path: Path, capsys: Output
+) -> None:
+    path = tmp_path / "c.json"
+    path.write_text("{}", encoding="utf-8")
+    assert main(["prove", "--certificate", str(path), "--json"]) == 1
+    output = capsys.readouterr()
+    assert json.loads(output.out) == []
+    assert "rejected: " in output.err
+
+
+def test_derive_prints_coefficients_as_json(capsys: Output) -> None:
+    assert main(["derive", "--k2", "4", "--k4", "-1/2", "--json"]) == 0
+    assert isinstance(json.loads(capsys.readouterr().out), dict)
+
+
+def command(*words: str, **settings: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "longwave", *words],
+        capture_output=True,
+        text=True,
+        cwd=HOUSE,
+        env=os.environ | settings,
+        check=False,
+    )
 
 
 def test_it_runs_as_a_module() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "longwave", "--version"], capture_output=True, text=True, check=True
+    assert command("--version").stdout.startswith("longwave ")
+
+
+@pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["--completion", "zsh"]])
+def test_help_and_completion_import_none_of_the_rooms(words: list[str]) -> None:
+    script = (
+        "import sys; from longwave.__main__ import main; main(sys.argv[1:]);"
+        "heavy = {'sympy', 'numpy', 'rich', 'derive', 'solutions', 'verify', 'reports'};"
+        "sys.exit(', '.join(heavy & set(sys.modules)) or 0)"
     )
-    assert done.stdout.startswith("longwave ")
+    done = subprocess.run(
+        [sys.executable, "-c", script, *words], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("shell", tree.SHELLS)
+def test_the_completion_script_asks_by_the_variable_that_is_answered(
+    shell: str, capsys: Output
+) -> None:
+    assert main(["--completion", shell]) == 0
+    assert f"{tree.COMPLETION}={shell}_complete" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("longwave ver", ["verify"]),
+        ("longwave run rogue_cn_k_0.5", ["rogue_cn_k_0.5", "rogue_cn_k_0.5_long"]),
+        ("longwave prove rog", ["rogue_cn"]),
+        ("longwave list sc", ["schemes", "scenes"]),
+        ("longwave verify --me", ["--method"]),
+        ("longwave run mine/", ["mine/"]),
+    ],
+)
+def test_words_and_names_are_completed(line: str, expected: list[str]) -> None:
+    place = str(len(line.split()) - 1)
+    asked = {tree.COMPLETION: "bash_complete", "COMP_WORDS": line, "COMP_CWORD": place}
+    done = command(**asked)
+    assert [answer.partition(",")[2] for answer in done.stdout.split()] == expected
+
+
+def test_a_reader_that_has_gone_is_no_traceback() -> None:
+    words = [sys.executable, "-m", "longwave", "list", "lattices", "--json"]
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=HOUSE
+    ) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        assert running.stderr.read() == ""
+    assert running.returncode == 141
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_no_traceback() -> None:
+    words = [sys.executable, "-m", "longwave", "list", "lattices"]
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "error: output: No space left on device\n"
+
+
+def test_ctrl_c_while_a_room_is_imported_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: Output
+) -> None:
+    def stop(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(longwave.inventory, "inventory", stop)
+    assert main(["list", "waves"]) == 130
+    assert capsys.readouterr().err == "longwave list: interrupted\n"
+
+
+@pytest.mark.parametrize("seconds", [0.0, 4.0])
+def test_ctrl_c_is_one_line_and_status_130(seconds: float) -> None:
+    running = subprocess.Popen(
+        [sys.executable, "-m", "longwave", "verify", "mutations", "--only", "rational_12"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=HOUSE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert running.stderr is not None
+    first = running.stderr.readline()
+    time.sleep(seconds)
+    running.send_signal(signal.SIGINT)
+    try:
+        _, rest = running.communicate(timeout=60)
+    finally:
+        running.kill()
+    assert running.returncode == 130
+    assert first.startswith("the misprints of rational_12: about")
+    assert rest.startswith("longwave verify")
+    assert rest.count("\n") == 1
+    assert ": interrupted" in rest

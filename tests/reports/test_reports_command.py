@@ -86,3 +86,9 @@ def test_bad_workers_are_one_line(capsys: pytest.CaptureFixture[str], tmp_path: 
     assert command_line.main(["--workers", "0", "--output", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error == "error: workers must be at least 1, got 0 (2 is usual)\n"
+
+
+def test_it_is_written_into_the_working_folder() -> None:
+    folder = command_line.parse([]).output
+    assert folder == Path("longwave-report")
+    assert not folder.is_absolute()

@@ -44,11 +44,12 @@ def test_error_axis_starts_at_zero_and_curves_differ_without_colour() -> None:
     assert len({look["color"] for look in CURVES}) == len(CURVES)
 
 
-def test_pdf_is_written_twice_the_same(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("suffix", "start"), [("pdf", b"%PDF"), ("svg", b"<?xml")])
+def test_it_is_written_twice_the_same(tmp_path: Path, suffix: str, start: bytes) -> None:
     with styled():
-        paths = [save(snapshot_figure([[snapshot(0.0)]]), tmp_path / f"{n}.pdf") for n in "ab"]
+        paths = [save(snapshot_figure([[snapshot(0.0)]]), tmp_path / f"{n}.{suffix}") for n in "ab"]
     first, second = (path.read_bytes() for path in paths)
-    assert first.startswith(b"%PDF")
+    assert first.startswith(start)
     assert first == second
 
 

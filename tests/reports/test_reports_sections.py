@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -194,3 +195,8 @@ def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str)
     assert "undefined" not in log.lower()
     wide = [float(points) for points in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
     assert [points for points in wide if points > 5] == []
+
+
+def test_a_parameter_that_is_text_is_no_latex() -> None:
+    scene = replace(report_scenes()["rogue_cn_k_0.5"], parameters=(("k", r"50% of $K_2 \x"),))
+    assert r"$k=50\% of \$K\_2 \textbackslash{}x$" in caption_part(scene)

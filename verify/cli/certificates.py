@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+from derive.command_line import one_line
 from verify.cli.limited import limited
 from verify.cli.parser import OneLineParser, fail
 from verify.proof import CertificateError, check_certificate
@@ -28,18 +29,31 @@ def certificate_command(argv: list[str]) -> int:
         "and print what they prove.",
     )
     parser.add_argument("file", type=Path, metavar="FILE")
-    path = parser.parse_args(argv).file
+    parser.add_argument("--json", action="store_true", help="print what is proved as JSON")
+    options = parser.parse_args(argv)
+    return print_certificates(options.file, options.json)
+
+
+def print_certificates(path: Path, json_wanted: bool = False) -> int:
+    """As `certificate_command`, for a path; as JSON a list of the accepted, name and statement."""
+    accepted: list[dict[str, str]] = []
+    status = 0
     try:
         for certificate in read_certificates(path):
-            print(limited(lambda: check_lines(certificate)))  # noqa: B023
+            record = json.loads(limited(lambda: json.dumps(checked(certificate))))  # noqa: B023
+            accepted.append(record)
+            if not json_wanted:
+                print(lines_of(record))
     except OSError as error:
         return fail(
             f"FILE must be readable, got {path}: {error.strerror} (one that --certificate wrote)"
         )
     except CertificateError as error:
-        print(f"{path}: rejected: {error}", file=sys.stderr)
-        return 1
-    return 0
+        print(f"{one_line(path)}: rejected: {error}", file=sys.stderr)
+        status = 1
+    if json_wanted:
+        print(json.dumps(accepted, indent=2))
+    return status
 
 
 def read_certificates(path: Path) -> list[Any]:
@@ -66,8 +80,8 @@ def read_certificates(path: Path) -> list[Any]:
     return certificates
 
 
-def check_lines(certificate: Any) -> str:
-    """What an accepted certificate proves; raises CertificateError if it is not accepted."""
+def checked(certificate: Any) -> dict[str, str]:
+    """Name and statement of an accepted certificate; raises CertificateError if it is not."""
     if not isinstance(certificate, Mapping):
         raise CertificateError(f"a certificate is an object, got {type(certificate).__name__}")
     name = ascii(certificate.get("name"))[:60].strip("'")
@@ -75,8 +89,13 @@ def check_lines(certificate: Any) -> str:
         statement = check_certificate(certificate)
     except CertificateError as error:
         raise CertificateError(f"{name}: {error}") from error
-    lines = "\n".join(f"    {line}" for line in statement.splitlines())
-    return f"{name}:\n{lines}\n{name}: accepted"
+    return {"name": name, "statement": statement}
+
+
+def lines_of(accepted: Mapping[str, str]) -> str:
+    """An accepted certificate in words: what it states, and that it is accepted."""
+    lines = "\n".join(f"    {line}" for line in accepted["statement"].splitlines())
+    return f"{accepted['name']}:\n{lines}\n{accepted['name']}: accepted"
 
 
 def _refused(text: str) -> NoReturn:

@@ -35,21 +35,27 @@ def mutations_command(argv: list[str]) -> int:
     add_only(parser)
     parser.add_argument("--json", action="store_true", help="print the counts as JSON")
     options = parser.parse_args(argv)
-    names = options.only or [form.name for form in CATALOGUE]
+    return print_mutations(options.only, options.json, parser.prog)
+
+
+def print_mutations(only: Sequence[str] | None, json_wanted: bool, program: str) -> int:
+    """Decide all mutants of the forms (all if none is named) and print the counts.
+
+    Returns 0, 1 if any is undecided, 2 for a name that is none, 130 after Ctrl-C.
+    """
+    names = only or [form.name for form in CATALOGUE]
     try:
-        announce(
-            f"the misprints of {', '.join(options.only or ['all forms'])}", MUTANTS.total(names)
-        )
+        announce(f"the misprints of {', '.join(only or ['all forms'])}", MUTANTS.total(names))
     except ValueError as error:
         return fail(error)
     work = (count_mutants(named_form(name)) for name in names)
     counts, complete = finished(tracked(work, len(names), "refuting"))
-    if options.json:
+    if json_wanted:
         print(json.dumps([count.json() for count in counts], indent=2))
     else:
         _print(counts)
     if not complete:
-        return interrupted(parser.prog, f"after {len(counts)} of {len(names)} forms")
+        return interrupted(program, f"after {len(counts)} of {len(names)} forms")
     return 1 if any(count.undecided for count in counts) else 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from derive.command_line import announce, interrupted
@@ -28,10 +29,34 @@ RESIDUAL_OPTIONS = ("digits", "points", "seed")
 PROOF_OPTIONS = ("certificate", "stable")
 
 
+@dataclass
+class Options:
+    """What is to be decided, and how; None where nothing is said.
+
+    ``only`` are names of forms (all if empty), ``digits`` and the rest the residual's sampling.
+    """
+
+    only: Sequence[str] | None = None
+    json: bool = False
+    certificate: Path | None = None
+    stable: bool = False
+    method: str | None = None
+    digits: tuple[int, ...] | None = None
+    points: int | None = None
+    seed: int | None = None
+
+
 def verdicts_command(argv: list[str]) -> int:
     """Decide the closed forms and print the verdicts; 1 if any form does not stand."""
     parser = _parser()
-    options = parser.parse_args(argv)
+    return print_verdicts(parser.parse_args(argv, Options()), parser.prog)
+
+
+def print_verdicts(options: Options, program: str) -> int:
+    """Decide the closed forms and print the verdicts; the exit status.
+
+    0, 1 if any form does not stand, 2 for bad options, 130 after Ctrl-C, which ``program`` tells.
+    """
     names = options.only or NAMES
     try:
         _settle_method(options)
@@ -46,7 +71,7 @@ def verdicts_command(argv: list[str]) -> int:
         return fail(error)
     _print(found, options)
     if not complete:
-        return interrupted(parser.prog, f"after {len(found)} of {_noun(len(names))}")
+        return interrupted(program, f"after {len(found)} of {_noun(len(names))}")
     return 0 if all(verdict.passed for verdict in found) else 1
 
 
@@ -54,7 +79,7 @@ def _noun(count: int) -> str:
     return "1 form" if count == 1 else f"{count} forms"
 
 
-def _law(options: argparse.Namespace) -> Law:
+def _law(options: Options) -> Law:
     """What a form costs with the method and the options chosen."""
     if options.stable:
         return STABLE
@@ -96,14 +121,26 @@ def _parser() -> OneLineParser:
 
 def _digits(text: str) -> tuple[int, ...]:
     try:
+        return digits_in(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def digits_in(text: str) -> tuple[int, ...]:
+    """The precisions in a text; raises ValueError if it is no list of integers.
+
+    >>> digits_in("30,50")
+    (30, 50)
+    """
+    try:
         return tuple(int(part) for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(
+        raise ValueError(
             f"digits must be integers with commas between, got {text!r} (30,50,100 is usual)"
         ) from None
 
 
-def _settle_method(options: argparse.Namespace) -> None:
+def _settle_method(options: Options) -> None:
     """Residual if an option of it is given; raises ValueError for options of both methods."""
     sampled = [name for name in RESIDUAL_OPTIONS if getattr(options, name) is not None]
     exact = [name for name in PROOF_OPTIONS if getattr(options, name)]
@@ -115,7 +152,7 @@ def _settle_method(options: argparse.Namespace) -> None:
         )
 
 
-def _verdicts(names: Sequence[str], options: argparse.Namespace) -> Iterator[Verdict]:
+def _verdicts(names: Sequence[str], options: Options) -> Iterator[Verdict]:
     if options.stable:
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
@@ -131,7 +168,7 @@ def _write_certificates(path: Path, verdicts: Sequence[Verdict]) -> None:
     path.write_text("[" + ",\n".join(texts) + "]\n", encoding="utf-8")
 
 
-def _print(verdicts: Sequence[Verdict], options: argparse.Namespace) -> None:
+def _print(verdicts: Sequence[Verdict], options: Options) -> None:
     if options.json:
         print(json.dumps([verdict.json() for verdict in verdicts], indent=2))
         return

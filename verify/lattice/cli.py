@@ -1,7 +1,8 @@
 """``python -m verify run SCENE``: run a scene file or a shipped scene."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import xarray as xr
@@ -26,6 +27,18 @@ from verify.lattice.unfinished import UnfinishedRun
 
 PROGRAM = "python -m verify run"
 
+Tell = Callable[[float], None]
+
+
+@dataclass
+class Options:
+    """Which scene, with what in the place of what it says, and where the run is written."""
+
+    scene: str = ""
+    tolerance: float | None = None
+    engine: str | None = None
+    output: str | None = None
+
 
 def run_command(arguments: Sequence[str]) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
@@ -34,11 +47,15 @@ def run_command(arguments: Sequence[str]) -> int:
     input, told in one line, and 130 after Ctrl-C: what was recorded until then is printed and
     written, too. More than 10 s are announced.
     """
-    options = _parser().parse_args(list(arguments))
-    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    return run_and_print(_parser().parse_args(list(arguments), Options()), PROGRAM)
+
+
+def run_and_print(options: Options, program: str) -> int:
+    """As `run_command`, for options that are read; ``program`` is what Ctrl-C is told by."""
+    errors = plain_console(stderr=True, soft_wrap=True)
     try:
-        _check_output(options.output)
-        scene = _changed(_find_scene(options.scene), options.tolerance, options.engine)
+        check_output(options.output)
+        scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
         trust = trust_attributes(scene)
         dataset = _run_with_bar(scene, errors).assign_attrs(trust)
         _give(dataset, scene, options.output)
@@ -49,9 +66,9 @@ def run_command(arguments: Sequence[str]) -> int:
         except OSError as error:
             return fail(error)
         where = f" in {options.output}" if options.output else ""
-        return interrupted(PROGRAM, f"{kept.sizes['time']} snapshots are kept{where}")
+        return interrupted(program, f"{kept.sizes['time']} snapshots are kept{where}")
     except KeyboardInterrupt:
-        return interrupted(PROGRAM, "nothing was recorded yet")
+        return interrupted(program, "nothing was recorded yet")
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:
@@ -63,7 +80,12 @@ def _give(dataset: xr.Dataset, scene: Scene, output: str | None) -> None:
     """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
     if output is not None:
         save_run(dataset, output)
-    print_summary(dataset, scene, Console(highlight=False))
+    print_summary(dataset, scene, plain_console())
+
+
+def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """A console that prints text as it is: a scene's title and name are no markup."""
+    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def _parser() -> OneLineParser:
@@ -85,16 +107,23 @@ def _parser() -> OneLineParser:
     return parser
 
 
-def _check_output(text: str | None) -> None:
+def check_output(text: str | None, example: str = "run.nc") -> None:
+    """Raise ValueError before anything is computed if ``text`` can be no file's path."""
     if text is None:
         return
     if text.endswith("/") or Path(text).is_dir():
-        raise ValueError(f"--output must name a file, got the folder {text} (such as run.nc in it)")
+        raise ValueError(
+            f"--output must name a file, got the folder {text} (such as {example} in it)"
+        )
     if not Path(text).parent.is_dir():
         raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
 
 
-def _find_scene(text: str) -> Scene:
+def find_scene(text: str) -> Scene:
+    """The scene in a TOML file, or the shipped one or member of a family of that name.
+
+    Raises ValueError for a file that cannot be read and a name that is none.
+    """
     if text.endswith(".toml") or Path(text).is_file():
         return Scene.from_toml(text)
     family = rational_family_scenes()
@@ -109,15 +138,25 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+    with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
+        return run(scene, advance, tell)
+
+
+@contextmanager
+def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
+    """A bar, where the console is a terminal, as `run` takes it.
+
+    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
+    """
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     hidden = not console.is_terminal
     with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task(scene.name, total=1.0)
+        task = bar.add_task(name, total=1.0)
 
         def tell(seconds: float) -> None:
             bar.stop()
-            wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
-            announce(f"{scene.name}{wanted}", seconds)
+            announce(work, seconds)
             bar.start()
 
-        return run(scene, lambda share: bar.update(task, completed=share), tell)
+        yield lambda share: bar.update(task, completed=share), tell

@@ -1,0 +1,270 @@
+"""Pictures of a run: snapshots against the wave, space-time map, errors, crest track.
+
+`PICTURES` says which pictures there are, and which observable and variables each is drawn from.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure, FigureBase
+
+from longwave.plain_text import plain_text
+from reports.figures.crest import CREST_HEIGHT, draw_crest
+from reports.figures.errors import ERROR_HEIGHT, ErrorCurve, draw_error_panels
+from reports.figures.paper import snapshots
+from reports.figures.snapshots import draw_snapshot_panels, snapshot_height
+from reports.figures.space_time import MAP_HEIGHT, draw_space_time
+from reports.figures.style import TEXT_WIDTH, save, styled
+from verify.lattice import Scene, load_run, run
+from verify.lattice.cli import find_scene
+from verify.lattice.recording import Progress
+from verify.lattice.refine import Announce
+from verify.lattice.restart import scene_of
+
+SUFFIXES = (".png", ".pdf", ".svg")
+
+ALL = "all"
+
+ACROSS, MOST_PANELS = 3, 12
+"""Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
+
+SHOWN, LEAST_SHOWN = 0.02, 20
+"""Share of the wave's largest deviation from its background that is still seen; fewest sites."""
+
+LOOKS = 201
+"""Times of map and crest track where the scene does not state any."""
+
+Source = xr.Dataset | Scene | str | Path
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One kind of picture: the observable and the variables (with their number of dimensions)
+    that it is drawn from, its height in inches, and the function that draws it."""
+
+    observable: str
+    variables: Mapping[str, int]
+    height: Callable[[xr.Dataset], float]
+    draw: Callable[[FigureBase, xr.Dataset, Scene], None]
+
+
+def plot(
+    source: Source,
+    output: str | Path | None = None,
+    kind: str = ALL,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> Figure:
+    """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
+
+    ``source`` is a run, the path of a file that holds one (`save_run`), or a scene, its TOML file
+    or its name: a scene is run first, for what the pictures need and nothing else, ``progress``
+    and ``announce`` being told as `run` tells them. ``kind`` is one of `PICTURES`, or "all": what
+    the run holds of them, one below the other.
+
+    Raises ValueError in one line: source, kind and suffix; a run without the variables. OSError
+    if ``output`` cannot be written.
+    """
+    path = None if output is None else _checked_output(output)
+    if kind not in (ALL, *PICTURES):
+        known = ", ".join((ALL, *PICTURES))
+        raise ValueError(f"kind must be a known one, got {kind!r} (one of {known})")
+    found = read_source(source)
+    data = (
+        run(_for_pictures(found, kind), progress, announce) if isinstance(found, Scene) else found
+    )
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure = _draw(data, kind)
+        if path is not None:
+            save(figure, path)
+    return figure
+
+
+def _checked_output(output: str | Path) -> Path:
+    path = Path(output)
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(
+            f"output must end in {', '.join(SUFFIXES)}, got {path.name!r} (such as run.png)"
+        )
+    return path
+
+
+def read_source(source: Source) -> xr.Dataset | Scene:
+    """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
+    if isinstance(source, xr.Dataset | Scene):
+        return source
+    if not isinstance(source, str | Path):
+        raise ValueError(
+            f"source must be a run, a scene, or the path or name of one, got {source!r:.60} "
+            "(such as 'run.nc')"
+        )
+    path = Path(source)
+    if path.suffix == ".nc" or (path.is_file() and _is_binary(path)):
+        return _read_run(path)
+    return find_scene(str(source))
+
+
+def _is_binary(path: Path) -> bool:
+    """Whether the file begins as those of netCDF 3 and 4 do."""
+    with path.open("rb") as file:
+        return file.read(4)[:3] in (b"CDF", b"\x89HD")
+
+
+def _read_run(path: Path) -> xr.Dataset:
+    remedy = "write it with `longwave run SCENE --output run.nc`"
+    try:
+        return load_run(path)
+    except OSError as error:
+        reason = error.strerror or "no netCDF 3 file"
+        raise ValueError(f"source must be a run, got {path}: {reason} ({remedy})") from None
+    except Exception as error:  # what the reader raises for a broken file is not documented
+        reason = " ".join(str(error).split())
+        raise ValueError(f"source must be a run, got {path}: {reason} ({remedy})") from None
+
+
+def _for_pictures(scene: Scene, kind: str) -> Scene:
+    """The scene with the observables that are drawn.
+
+    Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
+    it ends in an error where the wave cannot be told from its background.
+    """
+    if kind == ALL:
+        kinds = [
+            name for name in PICTURES if name != "errors" or "error_curve" in scene.observables
+        ]
+    else:
+        kinds = [kind]
+    wanted = tuple(PICTURES[name].observable for name in kinds)
+    return replace(scene, observables=wanted, look_points=scene.look_points or LOOKS)
+
+
+def _draw(data: xr.Dataset, kind: str) -> Figure:
+    """Draw the pictures of that kind, one below the other, the run's title above them."""
+    scene = _scene_of(data)
+    drawn = _pictures(data, kind)
+    heights = [picture.height(data) for picture in drawn]
+    title = _title(data)
+    head = 0.25 * (1 + title.count("\n"))
+    figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
+    parts = figure.subfigures(len(drawn), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for part, picture in zip(parts, drawn, strict=True):
+        picture.draw(part, data, scene)
+    figure.suptitle(title, parse_math=False, fontsize="medium")
+    return figure
+
+
+def _scene_of(data: xr.Dataset) -> Scene:
+    try:
+        return scene_of(data)
+    except (KeyError, TypeError, ValueError) as error:
+        reason = "no scene" if isinstance(error, KeyError) else " ".join(str(error).split())
+        raise ValueError(
+            f"source must be a run with the scene that it was made from, got {reason} "
+            "(write it with `longwave run SCENE --output run.nc`)"
+        ) from None
+
+
+def _title(data: xr.Dataset) -> str:
+    """The run's title, and a line on how it ended if it ended early."""
+    lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
+    return "\n".join(plain_text(str(line)) for line in lines if line)
+
+
+def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
+    """The pictures that can be drawn of the run; ValueError if there is none."""
+    wanted = PICTURES.values() if kind == ALL else [PICTURES[kind]]
+    found = [picture for picture in wanted if _has(data, picture)]
+    if not found:
+        missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
+        asked = ", ".join(dict.fromkeys(picture.observable for picture in wanted))
+        held = ", ".join(map(str, data)) or "nothing"
+        raise ValueError(
+            f"source must hold what is drawn ({missing}), got {held} "
+            f"(the scene must ask for {asked})"
+        )
+    return found
+
+
+def _has(data: xr.Dataset, picture: Picture) -> bool:
+    """Whether the run has the picture's variables, and numbers in them."""
+    return all(
+        name in data
+        and data[name].ndim == dimensions
+        and data[name].dtype.kind in "fiu"
+        and bool(np.isfinite(data[name]).any())
+        for name, dimensions in picture.variables.items()
+    )
+
+
+def _shown_snapshots(data: xr.Dataset) -> list[list[int]]:
+    """Which snapshots are shown, row by row."""
+    count = data.sizes["time"]
+    shown = min(count, MOST_PANELS)
+    places = [round(float(place)) for place in np.linspace(0, count - 1, shown)]
+    return [places[first : first + ACROSS] for first in range(0, shown, ACROSS)]
+
+
+def _draw_snapshots(figure: FigureBase, data: xr.Dataset, scene: Scene) -> None:
+    half_width = shown_half_width(data)
+    panels = [
+        list(snapshots(data.isel(time=row), scene, half_width)) for row in _shown_snapshots(data)
+    ]
+    draw_snapshot_panels(figure, panels)
+
+
+def shown_half_width(data: xr.Dataset) -> int:
+    """Half-width in sites of what is shown: the wave as far as it differs from its background.
+
+    Every site that is compared, where the wave is its background, and without one.
+    """
+    sites = np.abs(data["site"].values)
+    if "background" not in data:
+        return int(sites.max())
+    deviation = np.abs((data["analytic"] - data["background"]).values).max(axis=0)
+    seen = sites[deviation > SHOWN * deviation.max()]
+    return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
+
+
+def _draw_map(figure: FigureBase, data: xr.Dataset, _: Scene) -> None:
+    """Draw the map about the sites that the snapshots show, if there are snapshots."""
+    shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
+    draw_space_time(figure, data["space_time"], shown)
+
+
+def _draw_crest(figure: FigureBase, data: xr.Dataset, _: Scene) -> None:
+    draw_crest(figure, data)
+
+
+def _draw_errors(figure: FigureBase, data: xr.Dataset, scene: Scene) -> None:
+    """Draw the error against the bare background, and against the far field if that is there."""
+    names = {"error_curve": "over background", "error_curve_far_field": "over far field"}
+    curves = [
+        ErrorCurve(label, data[name]["curve_time"].values, data[name].values)
+        for name, label in names.items()
+        if name in data
+    ]
+    draw_error_panels(figure, [(rf"$\epsilon={scene.eps:g}$", curves)])
+
+
+PICTURES: Mapping[str, Picture] = {
+    "snapshots": Picture(
+        "strain",
+        {"strain": 2, "analytic": 2, "n": 2},
+        lambda data: snapshot_height(len(_shown_snapshots(data))),
+        _draw_snapshots,
+    ),
+    "space_time": Picture("space_time", {"space_time": 2}, lambda _: MAP_HEIGHT, _draw_map),
+    "errors": Picture("error_curve", {"error_curve": 1}, lambda _: ERROR_HEIGHT, _draw_errors),
+    "crest": Picture(
+        "crest_track",
+        {"crest_position": 1, "crest_strain": 1},
+        lambda _: CREST_HEIGHT,
+        _draw_crest,
+    ),
+}
+"""The kinds of pictures, in the order in which they are drawn."""

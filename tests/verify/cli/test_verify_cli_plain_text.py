@@ -1,0 +1,51 @@
+"""A scene's title and name are printed as they are: no markup, no emoji."""
+
+from pathlib import Path
+
+import pytest
+from rich.progress import TextColumn
+
+from verify.lattice import cli
+
+SCENE = """
+title = {title}
+wave = "soliton_sech"
+eps = 0.2
+t0 = 0
+snapshots = [0, 5]
+[lattice]
+K2 = 1
+K4 = 1
+[parameters]
+A = 1
+[scheme]
+step = 0.5
+[domain]
+kind = "ring"
+sites = 256
+compared = 50
+"""
+
+
+@pytest.mark.parametrize("title", ["[/nope]", "[bold]x[/bold]", ":smile:", r"50 % of $K_2 \[a]"])
+def test_a_title_is_printed_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], title: str
+) -> None:
+    path = tmp_path / "[red].toml"
+    path.write_text(SCENE.format(title=f"'{title}'"), encoding="utf-8")
+    assert cli.run_command([str(path)]) == 0
+    assert title in capsys.readouterr().out
+
+
+def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
+    columns: list[TextColumn] = []
+
+    class Noted(TextColumn):
+        def __init__(self, *words: str, **options: bool) -> None:
+            super().__init__(*words, **options)  # type: ignore[arg-type]
+            columns.append(self)
+
+    monkeypatch.setattr(cli, "TextColumn", Noted)
+    monkeypatch.setattr(cli, "run", lambda *_: None)
+    cli._run_with_bar(cli.find_scene("rogue_cn_k_0.5"), cli.plain_console(stderr=True))
+    assert [column.markup for column in columns] == [False]
