@@ -90,6 +90,10 @@ SHORTEST = 0.02
 """Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
 less."""
 
+LEAST_POINTS = 256
+"""Points on the smallest ring: the numbers that transform fast then lie so close that a control run
+never has as many."""
+
 MOST_POINTS = 2**20
 """Points on the largest ring: a run takes 510 bytes a point (measured)."""
 
@@ -280,7 +284,8 @@ class SpectralEngine:
 
     def _dense(self, choices: Choices) -> float:
         """Points per site that the choices mean, by what is known of the spectrum now."""
-        return choices.finer * max(choices.density, self._density)
+        least = LEAST_POINTS / choices.size
+        return choices.finer * max(choices.density, self._density, least)
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal

@@ -23,13 +23,15 @@ solitons were 1.9e-5 off with 4 steps and 1.6e-5 with 7."""
 
 
 def first_step(constants: Constants, state: RingState, duration: float) -> float:
-    """The time in which the nonlinear part turns a typical wave, or a short run's share.
+    """The time in which the nonlinear part or dispersion turns a typical wave, or a run's share.
 
-    In the long-wave limit the first is a fixed part of the slow time T, so the number of steps does
-    not depend on eps.
+    In the long-wave limit the first two are fixed parts of the slow time T, so the number of steps
+    does not depend on eps. Dispersion is the faster one for small waves on short ones.
     """
     longest = duration / FEWEST if duration > 0 else 1.0
-    return min(longest, turning_time(constants, state))
+    k = typical_number(state)
+    behind = constants.sound_speed() * (k - 2.0 * math.sin(0.5 * min(k, math.pi)))
+    return min(longest, turning_time(constants, state), 1.0 / behind)
 
 
 def turning_time(constants: Constants, state: RingState) -> float:

@@ -35,8 +35,9 @@ RATIO = 0.72
 FIRST, SHORTEST = 0.65, 0.02
 """Longest and shortest step of the references, in units of the stability limit."""
 
-FINE = 0.12
-"""Shortest step of a reference's first run: rounding is what is left below it on the longest."""
+FINE = 0.3
+"""Shortest step of a reference's first run: shorter ones may leave but rounding, whose sign does
+not vary, so that two runs differ by less than either errs."""
 
 ROUNDED = 1e-9
 """Part of max|Y| above which it is not rounding that separates two references."""

@@ -212,6 +212,40 @@ NARROW = _scene(
     parameters=(("tau_5", 79.36),),
     tolerance=0.0001639,
 )
+COARSE = _scene(
+    "wave_cn",
+    0.06527,
+    K4=0.01649,
+    t0=1607549.1175290893,
+    snapshots=(1607549.1175290893,),
+    compared=70,
+    parameters=(("k", 0.4787),),
+    tolerance=3.448e-06,
+    engine="spectral",
+)
+WEAK = _scene(
+    "breather_sn",
+    0.02826,
+    K2=0.001692,
+    K4=-0.4463,
+    t0=-29398.85313385818,
+    snapshots=(17095.06018918445, 37725.67106360996),
+    compared=112,
+    parameters=(("k", 0.002371), ("alpha", 0.9088), ("X_0", 0.0)),
+    tolerance=6.377e-07,
+    engine="spectral",
+)
+TURNED = _scene(
+    "kink",
+    0.1136,
+    K4=-8.635e-05,
+    t0=-7833.922176886681,
+    snapshots=(1985.4620138201171,),
+    compared=135,
+    parameters=(("A", 13.41),),
+    tolerance=4.073e-07,
+    engine="spectral",
+)
 
 ONCE_DISHONEST = {
     "short waves that come round": BREATHER,
@@ -223,6 +257,9 @@ ONCE_DISHONEST = {
     "a first run of four steps": FEW,
     "a control run of the same sampling": SAMPLED,
     "a window hardly wider than its wave": NARROW,
+    "so few points that a control run had as many": COARSE,
+    "a small wave on a short one, turned by dispersion alone": WEAK,
+    "strain that comes round a ring and turns its sign": TURNED,
 }
 
 
