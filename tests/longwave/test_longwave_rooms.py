@@ -46,7 +46,7 @@ def test_a_script_beside_them_works_and_is_warned(shadowed: Path) -> None:
 def test_the_command_beside_them_works(shadowed: Path, word: str) -> None:
     done = python(shadowed, "-m", "longwave", word, "--help")
     assert done.returncode == 0
-    assert done.stdout.startswith("usage: ")
+    assert done.stdout.startswith(f"Usage: longwave {word} ")
 
 
 def test_a_folder_of_that_name_is_no_obstacle(tmp_path: Path) -> None:
