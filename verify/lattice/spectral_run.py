@@ -184,6 +184,8 @@ class SpectralEngine:
             self._refuse_toil(step)
         length = 1.0 / (c * typical_number(state))
         start = START * length if STARTED * length < self._duration else 0.0
+        if not start:
+            step = min(step, START * length)
         absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
         self._started = self._task.t0 + STARTED * length
         return replace(choices, step=step, absorber=absorber, start=start)

@@ -6,7 +6,7 @@ import numpy as np
 
 from solutions import Wave
 from verify.lattice.constants import Constants
-from verify.lattice.ring_state import RingState, forward
+from verify.lattice.ring_state import RingState, backward, forward
 
 PER_RADIAN = 2.0
 """First sampling: points per unit of the wave's own variable xi."""
@@ -48,8 +48,18 @@ def turning_time(constants: Constants, state: RingState) -> float:
 
 
 def typical_number(state: RingState) -> float:
-    """The root mean square wave number of the strain's spectrum, its mean apart."""
-    power = np.abs(forward(state.y)[1:]) ** 2
-    k = 2.0 * math.pi / state.circumference * np.arange(1, power.size + 1)
+    """The root mean square wave number of the strain's spectrum, its mean apart, or of its flank.
+
+    The spectrum of a kink is that of its far fields, so the steepest slope counts as well, in units
+    of the largest strain.
+    """
+    modes = forward(state.y)
+    k = 2.0 * math.pi / state.circumference * np.arange(modes.size)
+    power = np.abs(modes[1:]) ** 2
     total = float(np.sum(power))
-    return math.sqrt(float(np.sum(power * k**2)) / total) if total > 0.0 else float(k[0])
+    if total == 0.0:
+        return float(k[1])
+    modes[0] = 0.0
+    strain, slope = (backward(part, state.y.size) for part in (modes, 1j * k * modes))
+    flank = float(np.max(np.abs(slope)) / np.max(np.abs(strain)))
+    return max(flank, math.sqrt(float(np.sum(power * k[1:] ** 2)) / total))

@@ -246,6 +246,18 @@ TURNED = _scene(
     tolerance=4.073e-07,
     engine="spectral",
 )
+FLANK = _scene(
+    "kink",
+    0.187,
+    K2=1.52,
+    K4=-0.2241,
+    t0=-78864.5246044037,
+    snapshots=(-78781.79884189715, -78781.7987591713),
+    compared=634,
+    parameters=(("A", 1.724),),
+    tolerance=2.114e-06,
+    engine="spectral",
+)
 
 ONCE_DISHONEST = {
     "short waves that come round": BREATHER,
@@ -260,6 +272,7 @@ ONCE_DISHONEST = {
     "so few points that a control run had as many": COARSE,
     "a small wave on a short one, turned by dispersion alone": WEAK,
     "strain that comes round a ring and turns its sign": TURNED,
+    "a start too coarse for a kink, whose spectrum is that of its far fields": FLANK,
 }
 
 
