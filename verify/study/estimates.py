@@ -57,6 +57,9 @@ ROUNDING = 4 * 2.0**-52
 FLOOR = 1e-12
 """Part of max|Y| below which a reference's error is good enough for any estimate."""
 
+NOTHING = 1e-300
+"""Least error of a reference that is foreseen: where nothing moves there is none."""
+
 UPDATE = 4e-10
 """Seconds per site and force evaluation of a reference."""
 
@@ -261,7 +264,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
         true = float(np.max(np.abs(strain - fine[: len(strain)]))) / scene.eps
         worse, best = best[0] <= min(own, ROUNDED * largest), min(best, (own, true))
         clear = own <= GOOD * (true - estimate)
-        shorter = min(RATIO, 0.9 * (wanted / own) ** (1.0 / ORDER))
+        shorter = min(RATIO, 0.9 * (wanted / max(own, NOTHING)) ** (1.0 / ORDER))
         step = share * shorter * reference.longest_step
         dear = UPDATE * reference.evaluations(step) > REFERENCE_SECONDS
         if own <= wanted or clear or dear or worse or share < SHORTEST:
