@@ -93,7 +93,9 @@ def label_fault(statement: Statement, points: int = POINTS) -> str | None:
 
 
 def _true_fault(statement: Statement, point: Point) -> str | None:
-    return f"the residual at {point} is no rounding" if fails_at(statement, point, DIGITS) else None
+    if fails_at(statement, point, DIGITS) and fails_at(statement, point, MORE_DIGITS[-2:]):
+        return f"the residual at {point} is no rounding"
+    return None
 
 
 def _void_fault(statement: Statement, point: Point) -> str | None:
