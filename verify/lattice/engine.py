@@ -18,7 +18,6 @@ from verify.lattice.discretisation import COST
 from verify.lattice.scene import ENGINES, Scene
 from verify.lattice.schemes import scheme_named
 from verify.lattice.spectral_data import ring_data
-from verify.lattice.spectral_run import ALIKE, TURNED
 from verify.lattice.spectral_scale import first_density
 from verify.lattice.stencil_plan import (
     PREFERRED,
@@ -27,6 +26,7 @@ from verify.lattice.stencil_plan import (
     least_sites,
     longest_step,
 )
+from verify.lattice.sublattices import ALIKE, telling_step
 from verify.lattice.unfinished import LONG
 
 SITE_BY_SITE = ("energy", "momentum", "state")
@@ -110,10 +110,10 @@ def spectral_seconds(scene: Scene, wave: Wave) -> float:
     turns = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0) * peak**3
     evaluations = RATES.evaluations * (1.0 + turns) * scene.tolerance ** (-1.0 / ORDER)
     steepness = float(wave.normal_form.a) * scene.eps * peak
-    apart = RATES.apart * math.exp(-((math.pi) ** 2) / steepness) * (1.0 + turns) * peak
+    apart = RATES.apart * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
     if apart > ALIKE * scene.tolerance:
-        passed = scene.constants.sound_speed() * (scene.end - scene.t0)
-        evaluations = max(evaluations, 2.0 * math.pi * passed / TURNED)
+        step = telling_step(scene.constants.sound_speed())
+        evaluations = max(evaluations, (scene.end - scene.t0) / step)
     first, *wider = _circumferences(scene, wave, peak, turns)
     density = RATES.density * peak * first_density(wave, scene.eps)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0

@@ -68,23 +68,18 @@ def lattice_data(value: WaveValues, c: float, eps: float) -> tuple[Array, Array]
     return eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, eps)
 
 
-def transported_data(
-    wave: Wave, scene: Scene, speed: float, sites: NDArray[np.int64], t: float | Array
-) -> tuple[Array, Array]:
-    """The initial strain moved rigidly until ``t``: y_n(t) = y(n - speed (t - t0), t0).
-
-    Far from the crest, on a constant background, this is what the lattice itself does with the
-    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there. Sites
-    and times are broadcast.
-    """
+def rigid_offsets(scene: Scene, speed: float, sites: NDArray[np.int64], t: float) -> Array:
+    """Sites at time t, from the place that began at c t0 and moves at ``speed``."""
     begin = scene.constants.sound_speed() * scene.t0
-    return rigid_data(wave, scene, speed, (sites - begin) - speed * (t - scene.t0))
+    return np.asarray((sites - begin) - speed * (t - scene.t0), dtype=np.float64)
 
 
 def rigid_data(wave: Wave, scene: Scene, speed: float, offsets: ArrayLike) -> tuple[Array, Array]:
     """Strain and velocity of the initial strain that moves rigidly at ``speed``.
 
-    ``offsets`` are those from the place that began at c t0.
+    Far from the crest, on a constant background, this is what the lattice itself does with the
+    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there, ``offsets``
+    are as `rigid_offsets` gives them.
     """
     X = scene.eps * np.asarray(offsets, dtype=np.float64)
     value = wave(X, scene.eps**3 * scene.t0)

@@ -29,7 +29,7 @@ from verify.lattice.spectral_scale import (
     typical_number,
 )
 from verify.lattice.spectral_task import SpectralCost, SpectralRun, SpectralTask
-from verify.lattice.sublattices import DENSITY, energy_spread
+from verify.lattice.sublattices import ALIKE, DENSITY, energy_spread, telling_step
 from verify.lattice.trial import NUDGE, Choices, StoppedTrial, Trial
 
 __all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
@@ -69,16 +69,6 @@ pay (a soliton's width in sites is 1/(a |y|))."""
 
 SLENDER = 0.2
 """Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
-
-TURNED = 1.0
-"""Longest step, in units of the time in which a wave of number 2 pi turns by one radian, that shows
-how these lattices differ."""
-
-ALIKE = 0.2
-"""Share of the tolerance that they may differ by, unshown. Over a time in which the nonlinear part
-turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
-their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63."""
 
 RESOLVED = 2.5
 """Points per site that a steep wave takes."""
@@ -178,23 +168,20 @@ class SpectralEngine:
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
         state, c = self._state(choices), self._task.constants.sound_speed()
-        step = first_step(self._task.constants, state, self._duration)
-        self._alike = self._apart(self._duration / turning_time(self._task.constants, state))
+        k = typical_number(state)
+        turning = turning_time(self._task.constants, state, k)
+        step = first_step(c, self._duration, k, turning)
+        self._alike = self._apart(self._duration / turning)
         if self._alike > ALIKE * self._task.tolerance:
-            step = min(step, self._telling)
+            step = min(step, telling_step(c))
             self._refuse_toil(step)
-        length = 1.0 / (c * typical_number(state))
+        length = 1.0 / (c * k)
         start = START * length if STARTED * length < self._duration else 0.0
         if not start:
             step = min(step, START * length)
         absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
         self._started = self._task.t0 + STARTED * length
         return replace(choices, step=step, absorber=absorber, start=start)
-
-    @property
-    def _telling(self) -> float:
-        """The longest step that shows how the ring's lattices differ."""
-        return TURNED / (2.0 * math.pi * self._task.constants.sound_speed())
 
     def _refuse_toil(self, step: float) -> None:
         """Refuse so short steps where a run site by site takes much less."""
@@ -210,9 +197,9 @@ class SpectralEngine:
     def _apart(self, turns: float) -> float:
         """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
         data, extent = self._data, self._data.extent
-        ring = data.ring(data.smallest)
         if self._steepness(extent.strain) <= SLENDER:
             return 0.0
+        ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
         spread = energy_spread(data.constants, state, data.seam(ring.circumference))
         return (1.0 + turns) * spread * float(np.max(np.abs(extent.strain))) / data.eps
@@ -358,7 +345,8 @@ class SpectralEngine:
         rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
         rounding += clock_error(values, task.constants.sound_speed(), (task.t0, task.times[-1]))
         work = evaluations * points * math.log2(points)
-        alike = self._alike if choices.step > self._telling else 0.0
+        told = choices.step <= telling_step(task.constants.sound_speed())
+        alike = 0.0 if told else self._alike
         trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
         if stopped:
             raise StoppedTrial(trial)

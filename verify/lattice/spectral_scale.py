@@ -22,29 +22,28 @@ FEWEST = 16
 solitons were 1.9e-5 off with 4 steps and 1.6e-5 with 7."""
 
 
-def first_step(constants: Constants, state: RingState, duration: float) -> float:
+def first_step(speed: float, duration: float, k: float, turning: float) -> float:
     """The time in which the nonlinear part or dispersion turns a typical wave, or a run's share.
 
-    In the long-wave limit the first two are fixed parts of the slow time T, so the number of steps
-    does not depend on eps. Dispersion is the faster one for small waves on short ones.
+    ``turning`` is the `turning_time` of waves of number ``k``, the `typical_number`. In the
+    long-wave limit both are fixed parts of the slow time T, so the number of steps does not depend
+    on eps. Dispersion is the faster one for small waves on short ones.
     """
     longest = duration / FEWEST if duration > 0 else 1.0
-    k = typical_number(state)
-    behind = constants.sound_speed() * (k - 2.0 * math.sin(0.5 * min(k, math.pi)))
-    return min(longest, turning_time(constants, state), 1.0 / behind)
+    behind = speed * (k - 2.0 * math.sin(0.5 * min(k, math.pi)))
+    return min(longest, turning, 1.0 / behind)
 
 
-def turning_time(constants: Constants, state: RingState) -> float:
-    """The time in which the nonlinear part turns the phase of a typical wave by one.
+def turning_time(constants: Constants, state: RingState, k: float) -> float:
+    """The time in which the nonlinear part turns the phase of a wave of number ``k`` by one.
 
-    About a strain y, a wave of number k runs ahead of the mean by (V''(y) - mean)/(2 c) k; k is the
-    root mean square over the spectrum.
+    About a strain y it runs ahead of the mean by (V''(y) - mean)/(2 c) k.
     """
     stiffness = constants.stiffness(state.y)
     spread = float(np.max(np.abs(stiffness - np.mean(stiffness))))
     if spread == 0.0:
         return math.inf
-    return 2.0 * constants.sound_speed() / (spread * typical_number(state))
+    return 2.0 * constants.sound_speed() / (spread * k)
 
 
 def typical_number(state: RingState) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from solutions import Wave
 from solutions.jit import njit
-from verify.lattice.initial import rigid_data
+from verify.lattice.initial import rigid_data, rigid_offsets
 from verify.lattice.scene import Scene
 from verify.lattice.state import Sites
 
@@ -58,11 +58,9 @@ class Tail:
 
     def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
         """Strain and velocity at time t on the sites, which must be in the stretch by then."""
-        scene = self.scene
-        begin = scene.constants.sound_speed() * scene.t0
-        offsets = np.asarray((sites - begin) - self.speed * (t - scene.t0), dtype=np.float64)
+        offsets = rigid_offsets(self.scene, self.speed, sites, t)
         if self._coefficients is None:
-            return rigid_data(self.wave, scene, self.speed, offsets)
+            return rigid_data(self.wave, self.scene, self.speed, offsets)
         y, s = _clenshaw(self._coefficients, self._unit(offsets))
         return y, s
 

@@ -10,7 +10,7 @@ from verify.lattice import Scene, load_scene, run, tail
 from verify.lattice import domain as domain_module
 from verify.lattice.domain import Window, frame
 from verify.lattice.feed import TOLERANCE
-from verify.lattice.initial import build_wave, rigid_data, transported_data
+from verify.lattice.initial import build_wave, rigid_data, rigid_offsets
 from verify.lattice.state import State
 
 
@@ -85,9 +85,9 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     assert state.left == frame(scene, state.t) - scene.sites // 2
     fed = 2 * 20 + domain_module.MARGIN
     np.testing.assert_array_equal(state.strain(state.sites)[:-fed], kept[20 : 20 - fed])
-    expected = transported_data(
-        window.wave, scene, window.background_speed, state.sites[-fed:], state.t
-    )
+    speed = window.background_speed
+    offsets = rigid_offsets(scene, speed, state.sites[-fed:], state.t)
+    expected = rigid_data(window.wave, scene, speed, offsets)
     bound = 1.1 * tail.ROUNDING * np.abs(expected[0]).max()
     np.testing.assert_allclose(state.strain(state.sites[-fed:]), expected[0], rtol=0, atol=bound)
     np.testing.assert_allclose(state.velocity(state.sites[-fed:]), expected[1], rtol=0, atol=bound)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from verify.lattice import Scene
-from verify.lattice.initial import build_wave, initial_data, transported_data
+from verify.lattice.initial import build_wave, initial_data, rigid_data, rigid_offsets
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])
@@ -30,20 +30,21 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
     np.testing.assert_allclose(strain, scene.eps * wave.at(sites, -2.0, scene.eps).Y, atol=1e-15)
 
 
-def test_transported_data_start_as_the_initial_strain(window_scene: Callable[..., Scene]) -> None:
+def test_rigid_data_start_as_the_initial_strain(window_scene: Callable[..., Scene]) -> None:
     scene = window_scene()
     wave = build_wave(scene)
     sites = np.arange(-300, -100)
-    strain, _ = transported_data(wave, scene, 2.01, sites, scene.t0)
+    strain, _ = rigid_data(wave, scene, 2.01, rigid_offsets(scene, 2.01, sites, scene.t0))
     np.testing.assert_allclose(strain, initial_data(wave, scene, sites)[0], rtol=0, atol=1e-12)
 
 
-def test_transported_data_move_rigidly(window_scene: Callable[..., Scene]) -> None:
+def test_rigid_data_move_rigidly(window_scene: Callable[..., Scene]) -> None:
     scene = window_scene()
     wave = build_wave(scene)
     sites = np.arange(-300, -100)
-    begun = transported_data(wave, scene, 2.0, sites, scene.t0)
-    later = transported_data(wave, scene, 2.0, sites + 50, scene.t0 + 25.0)
+    begun = rigid_data(wave, scene, 2.0, rigid_offsets(scene, 2.0, sites, scene.t0))
+    offsets = rigid_offsets(scene, 2.0, sites + 50, scene.t0 + 25.0)
+    later = rigid_data(wave, scene, 2.0, offsets)
     np.testing.assert_allclose(later[0], begun[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(later[1], begun[1], rtol=0, atol=1e-12)
     slope = np.gradient(later[0], sites)[1:-1]

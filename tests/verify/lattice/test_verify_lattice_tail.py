@@ -7,7 +7,7 @@ import pytest
 
 from verify.lattice import Scene, load_scene, tail
 from verify.lattice.domain import Window, window_moves
-from verify.lattice.initial import build_wave, rigid_data, transported_data
+from verify.lattice.initial import build_wave, rigid_data, rigid_offsets
 from verify.lattice.tail import Tail
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
@@ -36,7 +36,8 @@ def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
         state.t = t
         window.follow(state)
         fed = state.sites[-192:]
-        y, s = transported_data(window.wave, scene, window.background_speed, fed, t)
+        offsets = rigid_offsets(scene, window.background_speed, fed, t)
+        y, s = rigid_data(window.wave, scene, window.background_speed, offsets)
         assert np.abs(state.strain(fed) - y).max() <= 1e-14 * scene.eps
         assert np.abs(state.velocity(fed) - s).max() <= 1e-14 * scene.eps
 
