@@ -38,7 +38,7 @@ def evaluate_points(function: Callable[[Array, Array], Array], x: Array, t: Arra
     flat_x, flat_t = np.ravel(x), np.ravel(t)
     slices = [slice(start, start + CHUNK) for start in range(0, max(flat_x.size, 1), CHUNK)]
     if len(slices) == 1:
-        out = function(np.ascontiguousarray(flat_x), np.ascontiguousarray(flat_t))
+        out = function(flat_x.copy(), flat_t.copy())
     else:
         chunks = _executor().map(lambda s: function(flat_x[s].copy(), flat_t[s].copy()), slices)
         out = np.concatenate(list(chunks), axis=-1)

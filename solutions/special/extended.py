@@ -269,4 +269,4 @@ def evaluate_pairs(
     )
     out = np.empty((6 if theta else 5, 3, high.size))
     _loop(high, low, lowest, bounds, parameter.circular, pair_constants(parameter), out)
-    return JacobiPairs(*out.reshape(-1, 3, *shape))
+    return JacobiPairs(*out.reshape(len(out), 3, *shape))

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive import mkdv_normal_form
-from solutions import CATALOGUE, Wave, closed_form, rational
+from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 
 TOLERANCE = 1e-13
 FOCUSING, DEFOCUSING = mkdv_normal_form(K2=4, K4=1), mkdv_normal_form(K2=1, K4=-1)
@@ -302,3 +302,11 @@ def test_pairs_agree_in_double(normal_forms: Any, rng: np.random.Generator) -> N
     for single, pair in zip(wave.at(n, 2.0, 0.1), wave.pairs_at(n, 2.0, 0.1), strict=True):
         assert pair.shape == (2, 3, 700)
         assert np.allclose(single, pair[0], rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+def test_no_points_give_no_values(form: ClosedForm, draw: Any, normal_forms: Any) -> None:
+    wave = Wave(form, normal_forms[form.equation.s], **draw(form))
+    nothing = np.zeros((2, 0))
+    for found in (wave(nothing, 0.0), wave.at(nothing, 1e6, 0.1)):
+        assert [part.shape for part in found] == [(2, 0)] * 3
