@@ -30,8 +30,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     on eps. Dispersion is the faster one for small waves on short ones.
     """
     longest = duration / FEWEST if duration > 0 else 1.0
-    behind = speed * (k - 2.0 * math.sin(0.5 * min(k, math.pi)))
-    return min(longest, turning, 1.0 / behind)
+    return min(longest, turning, 24.0 / (speed * k**3))
 
 
 def turning_time(constants: Constants, state: RingState, k: float) -> float:
