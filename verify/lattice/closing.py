@@ -51,7 +51,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
     squares = np.sum(misses(shifts).reshape(SAMPLES, SAMPLES) ** 2, axis=1)
     first = shifts[int(np.argmin(squares))]
-    best = least_squares(misses, [first], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    near = (first - 1.0 / SAMPLES, first + 1.0 / SAMPLES)
+    best = least_squares(misses, [first], bounds=near, xtol=1e-15, ftol=1e-15, gtol=1e-15)
     return wavelength * (count + float(best.x[0]))
 
 

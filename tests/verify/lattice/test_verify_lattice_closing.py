@@ -27,6 +27,17 @@ def test_closing_finds_the_phase_jump() -> None:
     assert abs(length - (20 * math.pi + jump)) < 1e-9
 
 
+def test_a_background_that_hardly_varies_is_closed_near_the_length_asked_for() -> None:
+    """Without a bound the best length was -8e-6, where both ends are one place."""
+    wave = Wave(closed_form("soliton_dn"), derive.mkdv_normal_form(1, 0.7619), k=0.001429)
+    times = (-263566.18773534265, -261313.0594428259)
+    data = ring_data(Constants(1.0, 0.0, 0.7619), wave, 0.03595, times, 115, 6e-6)
+    assert data.causal is not None
+    ahead, length = data.causal.ahead, 120.0 * data.unit
+    assert abs(data._closed(length, ahead) - length) <= 0.52 * data.unit
+    assert data.causal.circumference > data.smallest
+
+
 @pytest.mark.parametrize("alpha", [0.3, 0.7])
 def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     """The sn waves on the two sides are 4 alpha apart in xi, exactly."""
