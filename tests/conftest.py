@@ -1,6 +1,12 @@
 """Settings shared by all tests: fixed seeds, no display, floating-point traps on."""
 
-from collections.abc import Iterator
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,3 +33,42 @@ def _floating_point_traps() -> Iterator[None]:
     """Overflow, division by zero and NaN raise in NumPy instead of passing silently."""
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         yield
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """A command after Ctrl-C: what it announced, what it said then, and the seconds to its end."""
+
+    status: int
+    announced: str
+    out: str
+    errors: str
+    seconds: float
+
+
+@pytest.fixture
+def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
+    """``press_ctrl_c(words, seconds)``: ``python -m words``, stopped after its first line."""
+
+    def stopped(words: list[str], seconds: float) -> Stopped:
+        running = subprocess.Popen(
+            [sys.executable, "-m", *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=Path(__file__).parents[1],
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+        assert running.stderr is not None
+        try:
+            announced = running.stderr.readline()
+            time.sleep(seconds)
+            running.send_signal(signal.SIGINT)
+            begun = time.perf_counter()
+            out, errors = running.communicate(timeout=60)
+        finally:
+            running.kill()
+        passed = time.perf_counter() - begun
+        return Stopped(running.returncode, announced, out, errors, passed)
+
+    return stopped

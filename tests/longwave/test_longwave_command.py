@@ -2,12 +2,11 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -288,25 +287,11 @@ def test_ctrl_c_while_a_room_is_imported_is_one_line(
 
 
 @pytest.mark.parametrize("seconds", [0.0, 4.0])
-def test_ctrl_c_is_one_line_and_status_130(seconds: float) -> None:
-    running = subprocess.Popen(
-        [sys.executable, "-m", "longwave", "verify", "mutations", "--only", "rational_12"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=HOUSE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    assert running.stderr is not None
-    first = running.stderr.readline()
-    time.sleep(seconds)
-    running.send_signal(signal.SIGINT)
-    try:
-        _, rest = running.communicate(timeout=60)
-    finally:
-        running.kill()
-    assert running.returncode == 130
-    assert first.startswith("the misprints of rational_12: about")
-    assert rest.startswith("longwave verify")
-    assert rest.count("\n") == 1
-    assert ": interrupted" in rest
+def test_ctrl_c_is_one_line_and_status_130(seconds: float, press_ctrl_c: Any) -> None:
+    words = ["longwave", "verify", "mutations", "--only", "rational_12"]
+    done = press_ctrl_c(words, seconds)
+    assert done.status == 130
+    assert done.announced.startswith("the misprints of rational_12: about")
+    assert done.errors.startswith("longwave verify")
+    assert done.errors.count("\n") == 1
+    assert ": interrupted" in done.errors

@@ -1,35 +1,8 @@
 """Long requests are announced before they begin; Ctrl-C ends them in one line with status 130."""
 
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
+from typing import Any
 
 import pytest
-
-HOUSE = Path(__file__).parents[3]
-
-
-def interrupted(words: list[str], seconds: float) -> tuple[int, str, list[str]]:
-    """Status, stdout and lines on stderr of a command; Ctrl-C comes some time after its word."""
-    running = subprocess.Popen(
-        [sys.executable, "-m", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=HOUSE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    assert running.stderr is not None
-    first = running.stderr.readline()
-    time.sleep(seconds)
-    running.send_signal(signal.SIGINT)
-    try:
-        out, errors = running.communicate(timeout=60)
-    finally:
-        running.kill()
-    return running.returncode, out, [first, *errors.splitlines()]
 
 
 @pytest.mark.parametrize(
@@ -42,11 +15,13 @@ def interrupted(words: list[str], seconds: float) -> tuple[int, str, list[str]]:
         (["verify", "mutations", "--only", "rational_12"], "the misprints of rational_12: about"),
     ],
 )
-def test_a_long_request_is_announced_and_ends_on_ctrl_c(words: list[str], announced: str) -> None:
-    status, out, errors = interrupted(words, 4.0)
-    assert status == 130
-    assert len(errors) == 2, errors
-    assert errors[0].startswith(announced)
-    assert ": interrupted (after " in errors[1]
+def test_a_long_request_is_announced_and_ends_on_ctrl_c(
+    words: list[str], announced: str, press_ctrl_c: Any
+) -> None:
+    done = press_ctrl_c(words, 4.0)
+    assert done.status == 130
+    assert done.announced.startswith(announced)
+    assert len(done.errors.splitlines()) == 1, done.errors
+    assert ": interrupted (after " in done.errors
     if "rational_3" in words:
-        assert "PROVED" in out
+        assert "PROVED" in done.out

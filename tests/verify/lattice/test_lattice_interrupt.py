@@ -1,16 +1,11 @@
 """Catches: a run whose records Ctrl-C loses, or one that claims an estimate nobody measured."""
 
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from verify.lattice.restart import load_run
-
-HOUSE = Path(__file__).parents[3]
 
 LONG = """
 wave = "soliton_sech"
@@ -33,33 +28,17 @@ compared = 100
 
 
 @pytest.mark.slow
-def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path) -> None:
+def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path, press_ctrl_c: Any) -> None:
     scene, output = tmp_path / "long.toml", tmp_path / "run.nc"
     scene.write_text(LONG)
-    running = subprocess.Popen(
-        [sys.executable, "-m", "verify", "run", str(scene), "--output", str(output)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        cwd=HOUSE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    assert running.stderr is not None
-    try:
-        announced = running.stderr.readline()
-        time.sleep(8.0)
-        running.send_signal(signal.SIGINT)
-        begun = time.perf_counter()
-        out, errors = running.communicate(timeout=30)
-    finally:
-        running.kill()
-    assert time.perf_counter() - begun < 4.0
-    assert running.returncode == 130
-    assert announced.startswith("long: about ")
-    assert errors.splitlines() == [
+    done = press_ctrl_c(["verify", "run", str(scene), "--output", str(output)], 8.0)
+    assert done.seconds < 4.0
+    assert done.status == 130
+    assert done.announced.startswith("long: about ")
+    assert done.errors.splitlines() == [
         f"python -m verify run: interrupted (2 snapshots are kept in {output})"
     ]
-    assert "unfinished: Ctrl-C after t = " in out
+    assert "unfinished: Ctrl-C after t = " in done.out
     run = load_run(output)
     assert list(run["time"].values) == [0.0, 1.0]
     assert run["strain"].shape == (2, 201)
