@@ -15,7 +15,7 @@ import numpy as np
 from problem import CONSTANTS, DURATION, EPS, SITES, Array
 from scipy.integrate import solve_ivp
 
-from verify.lattice.scheme import Scheme
+from lattice.schemes.scheme import Scheme
 
 Contender = Callable[[float, Array, Array], tuple[float, Array]]
 

@@ -17,8 +17,8 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from verify.study.estimate_scenes import random_scene
-from verify.study.estimates import QUANTILES, VERDICTS, Judged, judge, rows, warm_up
+from verify.studies.estimate_scenes import random_scene
+from verify.studies.estimates import QUANTILES, VERDICTS, Judged, judge, rows, warm_up
 
 POOL = 64
 """Scenes handed to the pool ahead, so that an interrupt is soon obeyed."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import sympy as sp
 
-from verify.study.evaluation_cases import Case, wave_names
+from verify.studies.evaluation_cases import Case, wave_names
 
 POINTS = 100_000
 REPEATS = 7

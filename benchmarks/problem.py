@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import derive
+from lattice.kernels import blocked as tiled
+from lattice.model import Constants
 from solutions import Wave, closed_form
-from verify.lattice import tiled
-from verify.lattice.constants import Constants
 
 Array = NDArray[np.float64]
 

@@ -78,7 +78,7 @@ def scene_names() -> list[str]:
     """The names of the shipped scenes, found as files: importing the lattice takes seconds."""
     spec = find_spec("verify")
     roots = (spec.submodule_search_locations if spec else None) or ()
-    return sorted(path.stem for root in roots for path in Path(root, "lattice").rglob("*.toml"))
+    return sorted(path.stem for root in roots for path in Path(root, "comparison").rglob("*.toml"))
 
 
 def _waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
@@ -262,7 +262,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
 @_json
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
     """Measure the evaluation of every wave."""
-    from verify.study.evaluation_cli import accuracy_command
+    from verify.studies.evaluation_cli import accuracy_command
 
     words = [f"--only={name}" for name in only]
     words += [f"--jobs={jobs}"] if jobs is not None else []
@@ -285,7 +285,7 @@ def run(**options: Any) -> int:
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`).
     """
-    from verify.lattice.cli import Options, run_and_print
+    from verify.cli.run import Options, run_and_print
 
     return run_and_print(Options(**options), _program())
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from derive.command_line import fail, interrupted
 from longwave.plotting import plot
-from verify.lattice.cli import check_output, plain_console, progress_bar
-from verify.lattice.unfinished import UnfinishedRun
+from verify.cli.run import check_output, plain_console, progress_bar
+from verify.comparison.unfinished import UnfinishedRun
 
 
 def draw(source: str, output: str | None, kind: str, program: str) -> int:

@@ -74,7 +74,7 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 def schemes() -> list[Record]:
     """The schemes: name, order, forces a step, largest stable step times frequency, source."""
-    from verify.lattice import SCHEMES, stability_limit
+    from verify.comparison import SCHEMES, stability_limit
 
     return [
         {
@@ -90,12 +90,7 @@ def schemes() -> list[Record]:
 
 def scenes() -> list[Record]:
     """The shipped scenes, the paper's first, then the others and the members of families."""
-    from verify.lattice import (
-        further_scenes,
-        load_scene,
-        rational_family_scenes,
-        shipped_scenes,
-    )
+    from verify.comparison import further_scenes, load_scene, rational_family_scenes, shipped_scenes
 
     found = [("paper", load_scene(name)) for name in shipped_scenes()]
     found += [("further", load_scene(name)) for name in further_scenes()]
@@ -121,7 +116,7 @@ def scenes() -> list[Record]:
 
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
-    from verify.lattice.observables.table import ENTRIES
+    from verify.comparison.observables.table import ENTRIES
 
     return [
         {

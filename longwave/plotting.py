@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure, FigureBase
 
+from lattice.refine import Announce
 from longwave.plain_text import plain_text
 from reports.figures.crest import CREST_HEIGHT, draw_crest
 from reports.figures.errors import ERROR_HEIGHT, ErrorCurve, draw_error_panels
@@ -19,11 +20,10 @@ from reports.figures.paper import snapshots
 from reports.figures.snapshots import draw_snapshot_panels, snapshot_height
 from reports.figures.space_time import MAP_HEIGHT, draw_space_time
 from reports.figures.style import TEXT_WIDTH, save, styled
-from verify.lattice import Scene, load_run, run
-from verify.lattice.cli import find_scene
-from verify.lattice.recording import Progress
-from verify.lattice.refine import Announce
-from verify.lattice.restart import scene_of
+from verify.cli.run import find_scene
+from verify.comparison import Scene, load_run, run
+from verify.comparison.recording import Progress
+from verify.comparison.restart import scene_of
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

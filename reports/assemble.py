@@ -24,8 +24,8 @@ from reports.sections import (
 from reports.studies import Studies
 from reports.tables import write
 from reports.work import Findings
-from verify.lattice import Scene
-from verify.study.claims import all_claims
+from verify.comparison import Scene
+from verify.studies.claims import all_claims
 
 SOURCE = "longwave.tex"
 

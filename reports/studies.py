@@ -9,16 +9,16 @@ import xarray as xr
 
 from reports.jobs import Job
 from solutions import CATALOGUE
-from verify.lattice import load_scene, run
-from verify.lattice.families import EPS, ORDERS
-from verify.study.cost_evaluation import EvaluationCost, evaluation_costs
-from verify.study.cost_precision import PROBLEMS, CostPoint, work_precision
-from verify.study.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error
-from verify.study.estimates import Judged, judge
-from verify.study.hard_case import HardCase
-from verify.study.hard_cases import HARD_CASES, hard_case
-from verify.study.long_runs import LONG_SCENES, SHARES, LongRun, by_ring, by_sites
-from verify.study.reduction import PeakError, peak_error
+from verify.comparison import load_scene, run
+from verify.comparison.scene_families import EPS, ORDERS
+from verify.studies.cost_evaluation import EvaluationCost, evaluation_costs
+from verify.studies.cost_precision import PROBLEMS, CostPoint, work_precision
+from verify.studies.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error
+from verify.studies.estimates import Judged, judge
+from verify.studies.hard_case import HardCase
+from verify.studies.hard_cases import HARD_CASES, hard_case
+from verify.studies.long_runs import LONG_SCENES, SHARES, LongRun, by_ring, by_sites
+from verify.studies.reduction import PeakError, peak_error
 
 Key = tuple[str, object]
 

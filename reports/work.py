@@ -9,13 +9,13 @@ from reports.jobs import Job, Progress, run_jobs
 from reports.studies import Key, Studies, studies, study_jobs
 from solutions import CATALOGUE, closed_form
 from verify.check import NAMES
-from verify.lattice import Scene, run
+from verify.comparison import Scene, run
 from verify.residual import check_residual
-from verify.study.claims_evidence import Evidence
-from verify.study.evaluation import Accuracy, measure, worst_of
-from verify.study.evaluation_cases import Case, all_cases, wave_names
-from verify.study.mutations import MutationCount, count_mutants
-from verify.study.proofs import ProofRecord, proof_record
+from verify.studies.claims_evidence import Evidence
+from verify.studies.evaluation import Accuracy, measure, worst_of
+from verify.studies.evaluation_cases import Case, all_cases, wave_names
+from verify.studies.mutations import MutationCount, count_mutants
+from verify.studies.proofs import ProofRecord, proof_record
 from verify.verdict import Verdict
 
 SITE_SECONDS = 4e-10

@@ -2,20 +2,19 @@
 
 ``CATALOGUE`` and ``closed_form(name)`` give the records; ``rational(j)`` those of any order;
 ``Wave`` puts numbers in. Formulas are in the normal form's variables (``solutions.symbols``);
-the lattice enters only through a ``derive.NormalForm``. ``Wave`` is imported at first use, so
-that reading the formulas needs no compiler.
+the lattice enters only through a ``derive.NormalForm``. Each noun is imported when it is first
+asked for: reading the formulas needs no compiler, and double-double arithmetic no formulas.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from solutions.catalogue import CATALOGUE, closed_form
-from solutions.closed_form import ClosedForm, FarFields, Reference
-from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
-from solutions.parameter import Bound, Parameter
-from solutions.rational import rational, rational_tau
-
 if TYPE_CHECKING:
+    from solutions.catalogue import CATALOGUE, closed_form
+    from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
+    from solutions.parameter import Bound, Parameter
+    from solutions.rational_family import rational, rational_tau
+    from solutions.record import ClosedForm, FarFields, Reference
     from solutions.wave import Side, Wave, WaveValues
 
 __all__ = [
@@ -36,10 +35,20 @@ __all__ = [
     "rational_tau",
 ]
 
-_EVALUATION = ("Side", "Wave", "WaveValues")
+_MODULES = {
+    "catalogue": ("CATALOGUE", "closed_form"),
+    "record": ("ClosedForm", "FarFields", "Reference"),
+    "equation": ("DEFOCUSING_MKDV", "FOCUSING_MKDV", "Equation"),
+    "parameter": ("Bound", "Parameter"),
+    "rational_family": ("rational", "rational_tau"),
+    "wave": ("Side", "Wave", "WaveValues"),
+}
+_MODULE_OF = {noun: module for module, nouns in _MODULES.items() for noun in nouns}
 
 
 def __getattr__(name: str) -> object:
-    if name in _EVALUATION:
-        return getattr(import_module("solutions.wave"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    noun = getattr(import_module(f"solutions.{_MODULE_OF[name]}"), name)
+    globals()[name] = noun
+    return noun

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable
 
-from solutions.closed_form import ClosedForm
 from solutions.forms.bare_waves import WAVE_CN, WAVE_DN, WAVE_SN
 from solutions.forms.breather import BREATHER
 from solutions.forms.breather_sn import BREATHER_SN
@@ -18,7 +17,8 @@ from solutions.forms.soliton_background import SOLITON_BACKGROUND
 from solutions.forms.soliton_dn import SOLITON_DN
 from solutions.forms.soliton_sech import SOLITON_SECH
 from solutions.forms.two_soliton import TWO_SOLITON
-from solutions.rational import rational
+from solutions.rational_family import rational
+from solutions.record import ClosedForm
 
 __all__ = ["CATALOGUE", "closed_form"]
 

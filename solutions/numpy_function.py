@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm
+from solutions.record import ClosedForm
 from solutions.special.numpy_functions import numpy_module
 from solutions.straight_line import StraightLine
 from solutions.symbols import tau, xi

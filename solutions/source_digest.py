@@ -22,7 +22,7 @@ import numpy as np
 
 __all__ = ["ROOMS", "Sources", "imported_sources", "source_digest"]
 
-ROOMS = ("derive", "solutions", "verify", "reports", "longwave")
+ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
 """The project's own packages; of all others the version counts."""
 
 

@@ -44,14 +44,14 @@ def mutations_command(argv: list[str]) -> int:
 
 def run_command(argv: list[str]) -> int:
     """Run a scene; numba and xarray are imported here and not for the table."""
-    from verify.lattice.cli import run_command as run_scene
+    from verify.cli.run import run_command as run_scene
 
     return run_scene(argv)
 
 
 def accuracy_command(argv: list[str]) -> int:
     """Print the worst evaluation errors per wave; numba is imported here and not for the table."""
-    from verify.study.evaluation_cli import accuracy_command as measure
+    from verify.studies.evaluation_cli import accuracy_command as measure
 
     return measure(argv)
 

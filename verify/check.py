@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Iterator
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.closed_form import ClosedForm
-from solutions.rational import rational
+from solutions.rational_family import rational
+from solutions.record import ClosedForm
 from verify.proof import ProofVerdict, prove_form, prove_rational
 
 HIGHER_ORDERS = range(4, 10)

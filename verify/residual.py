@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.closed_form import ClosedForm
+from solutions.record import ClosedForm
 from solutions.special.mp import mp_module
 from solutions.straight_line import StraightLine, UnknownDerivativeError
 from verify.decay import Decay, checked_digits

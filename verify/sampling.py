@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm
 from solutions.parameter import Bound, Parameter
+from solutions.record import ClosedForm
 
 Point = dict[sp.Symbol, sp.Rational]
 """A value for each variable and parameter of a closed form."""

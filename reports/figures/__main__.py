@@ -11,7 +11,7 @@ from derive.command_line import OneLineParser, fail, interrupted
 from reports.figures.paper import snapshots
 from reports.figures.snapshots import snapshot_figure
 from reports.figures.style import save, styled
-from verify.lattice import load_scene, run
+from verify.comparison import load_scene, run
 
 SCENE = "rational_3_eps_0.05"
 HALF_WIDTH = 120

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from reports.figures.errors import ErrorCurve, error_figure
 from reports.figures.snapshots import Snapshot, snapshot_figure
 from reports.figures.style import save, styled
-from verify.lattice import Scene
+from verify.comparison import Scene
 
 Runs = Mapping[str, xr.Dataset]
 

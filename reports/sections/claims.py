@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from reports.environment import escape
 from reports.tables import measured, table
-from verify.study.claims_record import Claim, Measurement
+from verify.studies.claims_record import Claim, Measurement
 
 COMMANDS = {
     "eps": r"\epsilon ",

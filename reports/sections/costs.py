@@ -11,9 +11,9 @@ from reports.figures.costs import CostPanel
 from reports.sections.claims import mathematics
 from reports.sections.evaluation import duration
 from reports.tables import scientific, table
-from verify.study.cost_precision import SPECTRAL, CostPoint
-from verify.study.cost_scaling import REDUCTION, TRUE_ERROR, Law, ScalingPoint, fit_law
-from verify.study.hard_case import HardCase
+from verify.studies.cost_precision import SPECTRAL, CostPoint
+from verify.studies.cost_scaling import REDUCTION, TRUE_ERROR, Law, ScalingPoint, fit_law
+from verify.studies.hard_case import HardCase
 
 WANTED = (1e-2, 1e-4, 1e-6)
 """Errors for which the cheapest run of each series is tabulated."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from reports.environment import escape
 from reports.sections.evaluation import duration
 from reports.tables import scientific, table
-from verify.study.estimates import QUANTILES, VERDICTS, Judged, Row, rows
+from verify.studies.estimates import QUANTILES, VERDICTS, Judged, Row, rows
 
 
 def estimate_table(judged: Sequence[Judged]) -> str:

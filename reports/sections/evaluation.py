@@ -9,8 +9,8 @@ from operator import attrgetter
 from reports.environment import escape
 from reports.figures.costs import CostPanel
 from reports.tables import block
-from verify.study.cost_evaluation import ARITHMETICS, EvaluationCost
-from verify.study.evaluation import Accuracy
+from verify.studies.cost_evaluation import ARITHMETICS, EvaluationCost
+from verify.studies.evaluation import Accuracy
 
 TABULATED = (
     "double-double",

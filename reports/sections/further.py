@@ -11,9 +11,9 @@ from reports.figures.paper import snapshots
 from reports.figures.snapshots import Snapshot
 from reports.sections.evaluation import duration
 from reports.tables import measured, scientific, table
-from verify.lattice import load_scene, relative_sup_error
-from verify.study.long_runs import LongRun
-from verify.study.reduction import PeakError, peak_laws
+from verify.comparison import load_scene, relative_sup_error
+from verify.studies.long_runs import LongRun
+from verify.studies.reduction import PeakError, peak_laws
 
 SPLIT_HALF_WIDTH = 150
 """Sites shown of the split wave to either side of c t."""

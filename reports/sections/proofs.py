@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 
 from reports.environment import escape
 from reports.tables import block, scientific
-from verify.study.mutations import MutationCount, Survivor
-from verify.study.proofs import ProofRecord
+from verify.studies.mutations import MutationCount, Survivor
+from verify.studies.proofs import ProofRecord
 from verify.verdict import Verdict
 
 DASH = "--"

@@ -8,8 +8,8 @@ from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import cited
 from reports.tables import measured, scientific, table
 from solutions import closed_form
-from verify.lattice import Scene
-from verify.study.claims_evidence import Evidence
+from verify.comparison import Scene
+from verify.studies.claims_evidence import Evidence
 
 
 def run_table(evidence: Evidence) -> str:

@@ -8,11 +8,11 @@ the logarithm of one theta quotient, which shifts the phase eta.
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import DEFOCUSING_MKDV
 from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE
 from solutions.forms.modulus import modulus
 from solutions.parameter import Bound, Parameter
+from solutions.record import ClosedForm, FarFields, Reference
 from solutions.special import (
     jacobi_cn,
     jacobi_dn,

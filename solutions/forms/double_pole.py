@@ -6,10 +6,10 @@ J. Phys. Soc. Jpn. 51 (1982) 2029.
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
 from solutions.forms.arctangent import arctangent_slope, bounded_slope
 from solutions.parameter import Bound, Parameter
+from solutions.record import ClosedForm, FarFields, Reference
 from solutions.symbols import X_0, A, tau, xi
 
 __all__ = ["DOUBLE_POLE"]

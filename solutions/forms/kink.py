@@ -2,9 +2,9 @@
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import DEFOCUSING_MKDV
 from solutions.parameter import Bound, Parameter
+from solutions.record import ClosedForm, FarFields, Reference
 from solutions.symbols import A, tau, xi
 
 __all__ = ["KINK"]

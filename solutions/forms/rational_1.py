@@ -2,9 +2,9 @@
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import CO_MOVING, horner_form, rational_evaluator
+from solutions.rational_family import CO_MOVING, horner_form, rational_evaluator
+from solutions.record import ClosedForm, FarFields, Reference
 
 __all__ = ["RATIONAL_1"]
 

@@ -7,9 +7,9 @@ dispersive coefficient.
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm, FarFields, Reference
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import horner_form, rational_evaluator
+from solutions.rational_family import horner_form, rational_evaluator
+from solutions.record import ClosedForm, FarFields, Reference
 from solutions.symbols import tau, xi
 
 __all__ = ["RATIONAL_2"]

@@ -14,7 +14,7 @@ from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
 from reference import write_reference
 from snippets import snippets
-from verify.lattice import SCHEMES, further_scenes, shipped_scenes
+from verify.comparison import SCHEMES, further_scenes, shipped_scenes
 
 
 @pytest.mark.parametrize("name", ["docstrings", "lists", "mathml", "paper_map", "snippets"])

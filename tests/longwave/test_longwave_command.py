@@ -16,11 +16,11 @@ import longwave.commands as tree
 import longwave.inventory
 import reports.__main__
 import verify.cli.mutations
+import verify.cli.run
 import verify.cli.verdicts
-import verify.lattice.cli
-import verify.study.evaluation_cli
+import verify.studies.evaluation_cli
 from longwave.__main__ import main
-from verify.lattice import ENGINES, further_scenes, shipped_scenes
+from verify.comparison import ENGINES, further_scenes, shipped_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
@@ -140,12 +140,12 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(derive.__main__, "print_reduction", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(verify.cli.mutations, "print_mutations", keep)
-    monkeypatch.setattr(verify.lattice.cli, "run_and_print", keep)
-    monkeypatch.setattr(verify.study.evaluation_cli, "accuracy_command", keep)
+    monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
+    monkeypatch.setattr(verify.studies.evaluation_cli, "accuracy_command", keep)
     monkeypatch.setattr(reports.__main__, "write_report", keep)
     verdicts, runs, written = (
         verify.cli.verdicts.Options,
-        verify.lattice.cli.Options,
+        verify.cli.run.Options,
         reports.__main__.Options,
     )
     for line in (

@@ -10,7 +10,7 @@ from derive import LATTICES
 from longwave.__main__ import main
 from longwave.commands import KINDS
 from solutions import CATALOGUE
-from verify.lattice import (
+from verify.comparison import (
     OBSERVABLES,
     SCHEMES,
     further_scenes,

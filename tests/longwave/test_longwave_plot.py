@@ -10,7 +10,7 @@ import xarray as xr
 import longwave
 from longwave.plain_text import plain_text
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
-from verify.lattice import Scene, run, save_run
+from verify.comparison import Scene, run, save_run
 
 SCENE = Scene(
     name="soliton",

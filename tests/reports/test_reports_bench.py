@@ -8,10 +8,10 @@ import pytest
 from reports import bench
 from reports.assemble import STUDY_TABLES
 from reports.studies import Studies
-from verify.study.cost_precision import CostPoint
-from verify.study.cost_scaling import ScalingPoint
-from verify.study.hard_case import HardCase
-from verify.study.reduction import PeakError
+from verify.studies.cost_precision import CostPoint
+from verify.studies.cost_scaling import ScalingPoint
+from verify.studies.hard_case import HardCase
+from verify.studies.reduction import PeakError
 
 FOUND = Studies(
     evaluation=[],

@@ -9,10 +9,10 @@ from reports import __main__ as command_line
 from reports.engine import EngineMissingError
 from reports.studies import Studies
 from reports.work import Findings
-from verify.study.claims_evidence import Evidence
-from verify.study.hard_case import HardCase
-from verify.study.mutations import MutationCount, Survivor
-from verify.study.proofs import ProofRecord
+from verify.studies.claims_evidence import Evidence
+from verify.studies.hard_case import HardCase
+from verify.studies.mutations import MutationCount, Survivor
+from verify.studies.proofs import ProofRecord
 from verify.verdict import Outcome
 
 

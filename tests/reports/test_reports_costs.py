@@ -13,10 +13,10 @@ from reports.sections.costs import (
     rk4_table,
     scaling_table,
 )
-from verify.lattice import SCHEMES
-from verify.study.cost_precision import SPECTRAL, CostPoint
-from verify.study.cost_scaling import TRUE_ERROR, ScalingPoint
-from verify.study.hard_case import HardCase
+from verify.comparison import SCHEMES
+from verify.studies.cost_precision import SPECTRAL, CostPoint
+from verify.studies.cost_scaling import TRUE_ERROR, ScalingPoint
+from verify.studies.hard_case import HardCase
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 

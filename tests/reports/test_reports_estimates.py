@@ -3,7 +3,7 @@
 import math
 
 from reports.sections.estimates import estimate_table, reason_table
-from verify.study.estimates import Judged
+from verify.studies.estimates import Judged
 
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:

@@ -12,9 +12,9 @@ from reports.sections.further import (
     split_rows,
     split_table,
 )
-from verify.lattice import load_scene
-from verify.study.long_runs import LONG_SCENES, LongRun
-from verify.study.reduction import PeakError
+from verify.comparison import load_scene
+from verify.studies.long_runs import LONG_SCENES, LongRun
+from verify.studies.reduction import PeakError
 
 SPLIT = "split_rational_3"
 

@@ -7,7 +7,7 @@ import pytest
 
 from reports.jobs import Job, run_jobs
 from reports.work import scene_job
-from verify.lattice import Scene, load_scene, run
+from verify.comparison import Scene, load_scene, run
 
 SHORT = replace(
     load_scene("rational_2_eps_0.05"),

@@ -18,12 +18,12 @@ from reports.sections.proofs import mutation_table, proof_table, survivor_table
 from reports.sections.runs import caption_part
 from reports.sections.solutions import equations, solution_table
 from solutions import CATALOGUE
-from verify.lattice import shipped_scenes
-from verify.study.claims_evidence import report_scenes
-from verify.study.claims_record import Claim, Measurement, Ruling
-from verify.study.evaluation import Accuracy
-from verify.study.mutations import MutationCount, Survivor
-from verify.study.proofs import ProofRecord
+from verify.comparison import shipped_scenes
+from verify.studies.claims_evidence import report_scenes
+from verify.studies.claims_record import Claim, Measurement, Ruling
+from verify.studies.evaluation import Accuracy
+from verify.studies.mutations import MutationCount, Survivor
+from verify.studies.proofs import ProofRecord
 from verify.verdict import Outcome, Verdict
 
 

@@ -177,20 +177,20 @@ def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
     for name in (
         "solutions/jit.py",
         "solutions/source_digest.py",
-        "verify/lattice/vector.py",
-        "verify/lattice/tiled.py",
+        "lattice/kernels/vector.py",
+        "lattice/kernels/blocked.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HOUSE / name, tmp_path / name)
     code = """
 import numpy as np
-from verify.lattice.tiled import advance_tiled
+from lattice.kernels.blocked import advance_tiled
 y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
 advance_tiled(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
 print(y[30], sum(advance_tiled.stats.cache_hits.values()))
 """
     before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
-    vector = tmp_path / "verify" / "lattice" / "vector.py"
+    vector = tmp_path / "lattice" / "kernels" / "vector.py"
     text = vector.read_text()
     changed = text.replace("_fma(builder, y, found, factor)", "builder.fadd(found, factor)")
     assert changed != text

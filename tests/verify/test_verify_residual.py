@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.closed_form import ClosedForm
 from solutions.equation import FOCUSING_MKDV
+from solutions.record import ClosedForm
 from solutions.special import jacobi_sn
 from solutions.symbols import k, tau, xi
 from verify.residual import Sampling, check_residual

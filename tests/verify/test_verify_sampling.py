@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.closed_form import ClosedForm
 from solutions.parameter import Bound, Parameter
+from solutions.record import ClosedForm
 from verify.sampling import HALF_WIDTH, in_order_of_dependence, sample_points
 
 

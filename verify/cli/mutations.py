@@ -20,7 +20,7 @@ from verify.cli.parser import (
     table_console,
     tracked,
 )
-from verify.study.mutations import MutationCount, count_mutants
+from verify.studies.mutations import MutationCount, count_mutants
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")
 

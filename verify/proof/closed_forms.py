@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.closed_form import ClosedForm
-from solutions.rational import rational_tau
+from solutions.rational_family import rational_tau
+from solutions.record import ClosedForm
 
 from .certificate import equality_certificate, equation_certificate
 from .checker import CertificateError, same_statement

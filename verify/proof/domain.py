@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from solutions.closed_form import ClosedForm
 from solutions.exact import shown
 from solutions.parameter import Bound
+from solutions.record import ClosedForm
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 from flint import fmpq_mpoly
 
 from solutions.equation import FOCUSING_MKDV
-from solutions.rational import rational_tau
+from solutions.rational_family import rational_tau
 from solutions.symbols import tau, xi
 from verify.verdict import Outcome
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from rich.progress import TextColumn
 
-from verify.lattice import cli
+from verify.cli import run as cli
 
 SCENE = """
 title = {title}

@@ -5,7 +5,7 @@ import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm, closed_form
 from verify.proof import form_domains, prove
-from verify.study.mutations import count_mutants
+from verify.studies.mutations import count_mutants
 from verify.verdict import Outcome
 
 

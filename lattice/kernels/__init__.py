@@ -1,0 +1,1 @@
+"""Compiled loops of the strain FPUT lattice: plain, blocked, as vector code, on two cores."""

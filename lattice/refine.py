@@ -1,0 +1,424 @@
+"""A run that a search has done: what was chosen about it, and what it gave.
+
+The one judge of a run's error: run again, finer, wider and elsewhere, and compare.
+
+Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
+once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
+Its result is the one that is given; what separates it from the run before it, times ``SAFETY`` or
+what the engine calls for, is its estimated error, with what the engine knows that both runs do
+alike. That bounds the error as soon as the control run is no worse than two thirds of the run
+before it, in each of the things that were varied.
+
+How the choices are come by does not matter for that. They are searched for by laws: the error of a
+step falls like step^order, that of a domain like a power of its size. Where a control run says
+that it is not enough, each of the choices is varied by itself, to see which one it is.
+
+No step helps where the lattice amplifies rounding above the tolerance. So where an error ceases to
+fall, and on backgrounds about which perturbations may grow, a run is done again with the last
+digits of its data changed.
+"""
+
+import math
+from collections.abc import Callable, Collection
+from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+NUDGE = 2.0**-51
+"""Relative change of the data's last digits."""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """All numerical choices of a run.
+
+    ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
+    a compared site in time; ``density`` in points per site, or more if the spectrum calls for more,
+    and of either ``finer`` times as many; ``shift`` of the domain's middle, in its sizes;
+    ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
+    step at first, until what the data send to the left has left the wave, 0 if there is none.
+    ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
+    """
+
+    step: float
+    size: float
+    causal: bool = False
+    density: float = 1.0
+    finer: float = 1.0
+    shift: float = 0.0
+    absorber: float = 0.0
+    start: float = 0.0
+    nudged: bool = False
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
+
+    They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
+    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
+    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
+    before it was stopped.
+    """
+
+    choices: Choices
+    values: Array | None
+    work: float
+    seconds: float
+    rounding: float
+    payload: Any
+    shown: bool = True
+    alike: float = 0.0
+
+
+class StoppedTrial(KeyboardInterrupt):
+    """Ctrl-C during a run: what there is of it."""
+
+    def __init__(self, trial: Trial) -> None:
+        super().__init__("interrupted")
+        self.trial = trial
+
+
+def difference(one: Trial, other: Trial) -> float:
+    """Largest difference of y/eps between two runs; infinite if either blew up."""
+    if one.values is None or other.values is None:
+        return math.inf
+    with np.errstate(invalid="ignore", over="ignore"):
+        found = float(np.max(np.abs(one.values - other.values)))
+    return found if math.isfinite(found) else math.inf
+
+
+Kind = Literal["step", "sampling", "domain"]
+Announce = Callable[[float], None]
+"""Called with the seconds that the runs to come are expected to take, however few."""
+Progress = Callable[[float], None]
+
+SAFETY = 2.0
+"""Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
+
+SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
+"""Shares of the tolerance, where each of the choices is varied by itself."""
+
+TIGHTER = 1.5
+"""By how much all errors are to fall where each keeps its share and their sum does not."""
+
+ATTEMPTS = 12
+"""Most control runs."""
+
+BLOWN = 3
+"""Control runs after which a lattice that still blows up does so by itself."""
+
+CURE = 32.0
+"""By how much all errors are to fall after a blow-up."""
+
+PATIENCE = 3
+"""Control runs without progress after which rounding is what is left."""
+
+PROGRESS = 0.7
+"""An error that is more than this share of the one before it has ceased to fall."""
+
+WARY = 100.0
+"""Factor on what the nudge changes with the longest step: a hundred times as much was seen with
+shorter ones, whose roundings are more."""
+
+SURE = 50.0
+"""A step's error that is to be divided by at most this is taken to obey its law."""
+
+LAWFUL = 3.0
+"""What is left of a step's error obeys its law if it is at most this much larger."""
+
+
+class TooDearError(ValueError):
+    """The next runs would take ``work``, more than the engine is given."""
+
+    def __init__(self, work: float) -> None:
+        super().__init__(f"runs that take {work:.2g}")
+        self.work = work
+
+
+class StoppedSearch(KeyboardInterrupt):
+    """Ctrl-C during the search: its best run, if any can be shown, and the seconds of all others.
+
+    ``error`` is what its error is estimated at, above the tolerance; None if it was not measured.
+    """
+
+    def __init__(self, trial: Trial | None, error: float | None, before: float) -> None:
+        super().__init__("interrupted")
+        self.trial, self.error, self.before = trial, error, before
+
+
+class Engine(Protocol):
+    """What is to be known of an engine: its runs, and how its errors depend on its choices."""
+
+    kinds: tuple[Kind, ...]
+    """What can be varied."""
+    threads: int
+    """Runs that may be done at once."""
+    order: int
+    """The time step's error falls like step^order."""
+    safety: float
+    """Factor on the difference of two runs, ``SAFETY`` or more."""
+    unstable: int
+    """Steps tried, each shorter, until one is stable."""
+    fragile: bool
+    """Whether perturbations may grow, so that what becomes of rounding is measured."""
+    most_work: float
+    """The most that the next runs may take, in the unit of `work`."""
+
+    def first(self) -> Choices:
+        """Where the search begins."""
+
+    def scout(self) -> "Engine":
+        """An engine that finds the step on fewer sites; itself, if there is none."""
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run; ``shown`` if its observables may be asked for afterwards.
+
+        Raises StoppedTrial on Ctrl-C.
+        """
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """Finer, wider or elsewhere in each of the kinds, and not in the others."""
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+
+    def work(self, choices: Choices) -> float:
+        """What a run costs, in any unit, as `Trial` counts it."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The last control run, its estimated error (sup of y/eps), and what it took to get there.
+
+    ``rounding`` is the part of ``error`` that stands for rounding; ``before`` are the seconds of
+    all runs but the last. The error is infinite if the lattice blows up by itself.
+    """
+
+    trial: Trial
+    error: float
+    rounding: float
+    before: float
+
+
+def refine(
+    engine: Engine,
+    tolerance: float,
+    progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> Refined:
+    """Run until the estimated error is at most ``tolerance``.
+
+    ``progress`` is called with the share of the work that is done, 0 .. 1, each run taken to cost
+    as much as all before it. Raises ValueError if the tolerance cannot be reached: the error
+    ceases to fall above it; StoppedSearch on Ctrl-C.
+    """
+    search = _Search(engine, tolerance, progress, announce)
+    try:
+        return _refined(search, engine, tolerance)
+    except KeyboardInterrupt as stop:
+        raise search.stopped(stop) from None
+
+
+def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
+    choices, scout = engine.first(), engine.scout()
+    scouting = search if scout is engine else search.scouting(scout)
+    choices = replace(choices, step=scouting.with_step(replace(scout.first(), step=choices.step)))
+    search.seconds = scouting.seconds
+    best, since, blown = math.inf, 0, 0
+    for _ in range(ATTEMPTS):
+        trial, control = search.pair(choices)
+        rounding = max(trial.rounding, control.rounding)
+        error = engine.safety * difference(trial, control) + rounding + control.alike
+        if error <= tolerance and search.wary:
+            grown = search.grown(choices)
+            rounding, error = rounding + grown, error + grown
+        blown = blown + 1 if math.isinf(error) else 0
+        if error <= tolerance or blown == BLOWN:
+            return Refined(control, error, rounding, search.seconds - control.seconds)
+        search.judged = control, error
+        fell = error < PROGRESS * best or math.isinf(error)
+        if not fell or search.wary:
+            search.check_rounding(choices)
+        since = 0 if fell else since + 1
+        best = min(best, error)
+        if PATIENCE in (since, scouting.stalled) and math.isfinite(best):
+            break
+        choices = search.improved(choices, trial, error)
+    raise ValueError(
+        f"tolerance must satisfy tolerance >= {1.05 * best:.2g} here, got {tolerance:g} "
+        "(finer steps and wider domains no longer help: rounding or an instability is what is "
+        "left; raise it or end earlier)"
+    )
+
+
+class _Search:
+    """The runs so far, and the laws by which the next choices are made."""
+
+    def __init__(
+        self, engine: Engine, tolerance: float, progress: Progress, announce: Announce
+    ) -> None:
+        self._engine, self._tolerance = engine, tolerance
+        self._progress, self._announce = progress, announce
+        self._done: dict[Choices, Trial] = {}
+        self._shown = 0.0
+        self._stopped = False
+        self.seconds = 0.0
+        self.wary: bool | None = None
+        self.stalled = 0
+        self.judged: tuple[Trial, float] | None = None
+
+    def scouting(self, scout: Engine) -> "_Search":
+        """A search by another engine, for the same tolerance."""
+        return _Search(scout, self._tolerance, self._progress, self._announce)
+
+    def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
+        """The last run whose error was measured, or the last that can be shown, or what was begun.
+
+        Runs whose error is not known come from the first control run, or from what led to it.
+        """
+        if self.judged is not None and math.isfinite(self.judged[1]):
+            trial, error = self.judged
+            return StoppedSearch(trial, error, self.seconds - trial.seconds)
+        known = [trial for trial in self._done.values() if trial.shown and trial.values is not None]
+        if known:
+            return StoppedSearch(known[-1], None, self.seconds - known[-1].seconds)
+        begun = stop.trial if isinstance(stop, StoppedTrial) and stop.trial.shown else None
+        return StoppedSearch(begun, None, self.seconds)
+
+    def with_step(self, choices: Choices) -> float:
+        """The step that keeps its share.
+
+        The law is taken at its word where it does not lead far or has held twice.
+        """
+        before, unstable, held = choices, 0, False
+        last = math.inf
+        for _ in range(ATTEMPTS):
+            excess = self._excess(choices, "step")
+            if self.wary is None and math.isfinite(excess):
+                self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
+            unstable += math.isinf(excess)
+            stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
+            self.stalled = self.stalled + 1 if stuck else 0
+            if stuck:
+                self.check_rounding(choices)
+            if excess <= 1.0 or unstable == self._engine.unstable or self.stalled == PATIENCE:
+                break
+            expected = last * (choices.step / before.step) ** self._engine.order
+            held = excess <= LAWFUL * expected and math.isfinite(last)
+            before, last = choices, excess
+            choices = self._engine.better(choices, "step", excess)
+            if excess <= SURE:
+                break
+            if held:
+                shorter = excess * (choices.step / before.step) ** self._engine.order
+                if shorter > 1.0:
+                    choices = self._engine.better(choices, "step", shorter)
+                break
+        return choices.step
+
+    def grown(self, choices: Choices) -> float:
+        """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
+        nudged = replace(choices, nudged=True)
+        self._run({choices: False, nudged: False})
+        return SAFETY * difference(self._done[choices], self._done[nudged])
+
+    def check_rounding(self, choices: Choices) -> None:
+        """Raise ValueError if rounding alone comes to more than the tolerance."""
+        grown = self.grown(choices)
+        if self._tolerance < grown < math.inf:
+            raise ValueError(
+                f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
+                f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
+                "rounding comes to that much, whatever the step; raise it or end earlier)"
+            )
+
+    def pair(self, choices: Choices) -> tuple[Trial, Trial]:
+        """The run with these choices and its control, which is shown."""
+        control = self._engine.varied(choices, self._engine.kinds)
+        self._run({choices: False, control: True})
+        return self._done[choices], self._done.pop(control)
+
+    def improved(self, choices: Choices, trial: Trial, error: float) -> Choices:
+        """Better choices: in what exceeds its share when it is varied by itself, or in all."""
+        engine = self._engine
+        if trial.values is None:
+            for kind in engine.kinds:
+                choices = engine.better(choices, kind, CURE)
+            return choices
+        found = choices
+        for kind in engine.kinds:
+            excess = self._excess(choices, kind)
+            if excess > 1.0:
+                found = engine.better(found, kind, excess)
+            if kind == "step" and excess * SHARES["step"] > 0.5 * error / self._tolerance:
+                break
+        if found == choices:
+            for kind in engine.kinds:
+                found = engine.better(found, kind, max(TIGHTER, error / self._tolerance))
+        return found
+
+    def _excess(self, choices: Choices, kind: Kind) -> float:
+        """By how much the error is above its share when that kind alone is varied."""
+        other = self._engine.varied(choices, (kind,))
+        self._run({choices: False, other: False})
+        change = difference(self._done[choices], self._done[other])
+        share = SHARES[kind] if len(self._engine.kinds) > 1 else 1.0
+        return SAFETY * change / (share * self._tolerance)
+
+    def _run(self, wanted: dict[Choices, bool]) -> None:
+        missing = [choices for choices in wanted if choices not in self._done]
+        self._tell(missing)
+
+        def run(choices: Choices) -> Trial:
+            return self._engine.run(choices, wanted[choices], self._share)
+
+        if self._engine.threads == 1:
+            for choices in missing:
+                self._keep(choices, run(choices))
+            return
+        with ThreadPoolExecutor(self._engine.threads) as pool:
+            begun = {choices: pool.submit(run, choices) for choices in missing}
+            try:
+                wait(begun.values())
+            except KeyboardInterrupt:
+                self._stopped = True
+                pool.shutdown(cancel_futures=True)
+        stops = []
+        for choices, future in begun.items():
+            try:
+                self._keep(choices, future.result())
+            except StoppedTrial as stop:
+                stops.append(stop)
+            except CancelledError:
+                continue
+        if self._stopped:
+            raise max(stops, key=lambda stop: stop.trial.shown, default=KeyboardInterrupt())
+
+    def _keep(self, choices: Choices, trial: Trial) -> None:
+        self._done[choices] = trial
+        self.seconds += trial.seconds
+
+    def _share(self, share: float) -> None:
+        if self._stopped:
+            raise KeyboardInterrupt
+        self._shown = max(self._shown, 1.0 - 0.5 ** (len(self._done) + share))
+        self._progress(self._shown)
+
+    def _tell(self, missing: Collection[Choices]) -> None:
+        """Announce runs that will take long, going by what those before them took.
+
+        Raises TooDearError for more than the engine is given.
+        """
+        asked = sum(map(self._engine.work, missing))
+        if asked > self._engine.most_work:
+            raise TooDearError(asked)
+        spent = sum(trial.seconds for trial in self._done.values())
+        work = sum(trial.work for trial in self._done.values())
+        if work > 0.0:
+            self._announce(spent / work * asked)

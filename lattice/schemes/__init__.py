@@ -1,0 +1,1 @@
+"""Time-stepping schemes as tables, their order and their stability."""

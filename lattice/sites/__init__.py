@@ -1,0 +1,1 @@
+"""The lattice site by site: its state, what crosses its ends, and stepping it through times."""

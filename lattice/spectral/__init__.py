@@ -1,0 +1,1 @@
+"""The lattice on a ring of real circumference, in Fourier space."""

@@ -1,0 +1,200 @@
+"""The lattice on a ring of real circumference, by exponential integration in Fourier space.
+
+If y(x, t) is L-periodic in the real variable x and obeys y_tt = D V'(y) with D f(x) = f(x + 1)
+- 2 f(x) + f(x - 1), then y_n(t) = y(n, t) obeys the lattice equation at every integer n: a ring of
+any real circumference L is an exact quasi-periodic solution of the infinite lattice. y is sampled
+at M points of spacing L/M; shifts are Fourier multipliers.
+
+In the frame that moves at c the characteristic variables
+
+    p_-+ = s -+ i w y,    p_-+' = i (c k -+ w) p_-+ + N,    w = 2 sqrt(K2 + b) |sin(k/2)|
+
+hold the right- and left-going waves. The linear part about the background, b = mean of V''(y) - K2,
+is integrated exactly; N = D (V'(y) - (K2 + b) y) is what is left of the force.
+
+Where w = 0 there is no force: for the mean, and on circumferences that are whole numbers for the
+waves of numbers 2 pi m, which every site sees as a constant. There s stays as it is and y grows
+linearly: p_- holds y - s t and p_+ holds s, each carried along with the frame. In the place of mode
+0 stands the time t; the means are kept beside.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.model import Constants
+from lattice.spectral.absorber import STRENGTH, LeftAbsorber, ShortAbsorber
+from lattice.spectral.exponential import ExponentialAdams
+from lattice.spectral.ring import RingState, backward, forward, spectrum_tail
+from solutions.jit import njit
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+WATCH = 16
+"""Steps between two looks at the tail."""
+
+STILL = 1e-7
+"""Frequencies below it count as none: within t they turn a phase by STILL t, squared."""
+
+
+class SamplingError(ArithmeticError):
+    """The spectrum's tail rose above its bound: the ring needs more points."""
+
+
+class NotHyperbolicError(FloatingPointError):
+    """Waves do not exist about some strain: K2 + 2 K3 y + 3 K4 y^2 <= 0, at time ``t``."""
+
+    def __init__(self, t: float, site: float) -> None:
+        super().__init__(f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {round(site)}")
+        self.t = t
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _strain_modes(p: Complex, inverse: Array, out: Complex) -> None:
+    """y = (p_+ - p_-)/(2 i w), mode by mode."""
+    for k in range(1, p.shape[1]):
+        difference = p[1, k] - p[0, k]
+        out[k] = complex(difference.imag * inverse[k], -difference.real * inverse[k])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _residual_force(y: Array, b: float, K3: float, K4: float) -> None:
+    """V'(y) - (K2 + b) y, in place."""
+    for i in range(y.size):
+        y[i] *= y[i] * (K3 + K4 * y[i]) - b
+
+
+@njit(cache=True, error_model="numpy")
+def _bend(force: Complex, symbol: Array) -> None:
+    for k in range(force.size):
+        force[k] *= symbol[k]
+
+
+class SpectralRing:
+    """A ring on its way, in steps of ``step``: ``at`` moves it and shows it.
+
+    At first and every ``WATCH`` steps the strain is looked at: NotHyperbolicError is raised when
+    waves do not exist about some strain, SamplingError when the spectrum's tail exceeds ``tail``,
+    and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
+    the modes of the force above half of the highest one (exact for a cubic force); without it the
+    tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
+    seam, and right-going ones of numbers above ``short`` (`spectral_absorber.py`), by ``strength``;
+    0 is for none of them. ``strain`` holds the smallest and the largest
+    strain that was met.
+    """
+
+    def __init__(
+        self,
+        constants: Constants,
+        state: RingState,
+        step: float,
+        tail: float = math.inf,
+        dealias: bool = False,
+        absorbed: float = 0.0,
+        strength: float = STRENGTH,
+        short: float = 0.0,
+    ) -> None:
+        self._constants, self._start, self._bound = constants, state, tail
+        count = state.y.size
+        k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
+        self._amplitude = float(np.max(np.abs(state.y)))
+        self.strain = (math.inf, -math.inf)
+        stiffness = float(np.mean(self._sound(state.y, state.t)))
+        self._b = stiffness - constants.K2
+        self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
+        self._symbol = -4.0 * np.sin(k / 2.0) ** 2
+        if dealias:
+            self._symbol[k.size // 2 :] = 0.0
+        still = self._w <= STILL
+        self._still = np.flatnonzero(still)[1:]
+        self._symbol[still] = 0.0
+        self._inverse = np.zeros_like(k)
+        np.divide(0.5, self._w, out=self._inverse, where=~still)
+        self._modes = np.empty(k.size, dtype=np.complex128)
+        self._values = np.empty(count)
+        y, s = forward(state.y), forward(state.s)
+        self._mean, self._drift = float(y[0].real), float(s[0].real)
+        p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
+        p[:, still] = y[still], s[still]
+        p[:, 0] = 0.0
+        speed = constants.sound_speed()
+        turn = np.where(still, 0.0, self._w)
+        linear = 1j * np.stack([speed * k - turn, speed * k + turn])
+        self._watch(p, state.t)
+        self.integrator = ExponentialAdams(linear, self._nonlinearity, p, step)
+        self._absorber = None
+        if absorbed > 0.0:
+            self._absorber = LeftAbsorber(state, p, self._w, speed, step, absorbed, strength)
+        self._short = None
+        if 0.0 < short < min(math.pi, k[-1]):
+            turning = np.where(still, 0.0, self._w)
+            self._short = ShortAbsorber(state, turning, speed, step, short, strength)
+
+    def at(self, t: float) -> RingState:
+        """The ring at time ``t``, which must not lie before the last one; its points move at c."""
+        duration = t - self._start.t
+        integrator = self.integrator
+        for _ in range(integrator.whole_steps(duration)):
+            integrator.step()
+            self._absorb()
+            if integrator.steps % WATCH == 0:
+                self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
+        p = integrator.ahead(duration)
+        self._watch(p, t)
+        return self._state(p, t)
+
+    def _state(self, p: Complex, t: float) -> RingState:
+        start = self._start
+        y = backward(self._strain(p), start.y.size)
+        velocity = 0.5 * (p[0] + p[1])
+        velocity[self._still] = p[1, self._still]
+        velocity[0] = self._drift
+        s = backward(velocity, start.y.size)
+        left = start.left + self._constants.sound_speed() * (t - start.t)
+        return RingState(t, left, start.circumference, y, s)
+
+    def _absorb(self) -> None:
+        absorber = self._absorber
+        if absorber and absorber.every and self.integrator.steps % absorber.every == 0:
+            self._mean += absorber.absorb(self.integrator.p)
+        if self._short and self.integrator.steps % self._short.every == 0:
+            self._short.absorb(self.integrator.p)
+
+    def _watch(self, p: Complex, t: float) -> None:
+        modes = self._strain(p)
+        tail = spectrum_tail(modes)
+        self._sound(backward(modes, self._values.size, self._values), t)
+        if not tail <= self._amplitude:
+            raise FloatingPointError(f"blow-up: the strain grew without bound before t = {t:g}")
+        if tail > self._bound:
+            raise SamplingError(f"the spectrum's tail is {tail:.2g} at t = {t:g}")
+
+    def _sound(self, y: Array, t: float) -> Array:
+        """The stiffness about the strains ``y``, if waves exist about all of them."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            stiffness = self._constants.stiffness(y)
+        least, most = self.strain
+        self.strain = min(least, float(np.min(y))), max(most, float(np.max(y)))
+        worst = int(np.argmin(stiffness))
+        if stiffness[worst] <= 0:
+            start = self._start
+            left = start.left + self._constants.sound_speed() * (t - start.t)
+            raise NotHyperbolicError(t, left + worst * start.circumference / y.size)
+        return stiffness
+
+    def _strain(self, p: Complex) -> Complex:
+        t, still = p[0, 0].real, self._still
+        _strain_modes(p, self._inverse, self._modes)
+        self._modes[still] = p[0, still] + t * p[1, still]
+        self._modes[0] = self._mean + self._drift * t
+        return self._modes
+
+    def _nonlinearity(self, p: Complex) -> Complex:
+        y = backward(self._strain(p), self._values.size, self._values)
+        _residual_force(y, self._b, self._constants.K3, self._constants.K4)
+        force = forward(y)
+        _bend(force, self._symbol)
+        force[0] = 1.0
+        return force

@@ -1,0 +1,288 @@
+"""The phi functions of exponential integrators.
+
+    phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
+
+The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
+series, and the others follow by the recurrence read backwards, which loses none.
+
+The exponential Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430).
+
+An exponential Adams method of order 4 with one evaluation a step.
+
+    p' = L p + N(p),    L diagonal
+
+Over a step the linear part is exact and N is replaced by the polynomial through its last values:
+the predictor uses ``VALUES`` of them, the corrector one more, at the predicted point (Hochbruck and
+Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where ETDRK4 evaluates it four times.
+
+The step is fixed: its error is then a smooth function of it, which a run with half the step shows
+(`halving.py`). Times that are not whole steps are reached by a shorter step on the side.
+
+A run with half the step, again and again, until the step no longer matters.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solutions.jit import njit
+
+Complex = NDArray[np.complex128]
+
+RADIUS = 2.0
+"""From here outwards the recurrence is used."""
+
+TERMS = 26
+"""Terms of the series: RADIUS^TERMS/TERMS! is below the rounding."""
+
+
+def phi_functions(z: Complex, highest: int) -> list[Complex]:
+    """phi_0 .. phi_highest at the points ``z`` (any shape).
+
+    >>> [round(float(value[0].real), 12) for value in phi_functions(np.zeros(1, complex), 2)]
+    [1.0, 1.0, 0.5]
+    """
+    z = np.asarray(z, dtype=np.complex128)
+    near = np.abs(z) < RADIUS
+    values = _upwards(np.where(near, RADIUS, z), highest)
+    for value, close in zip(values, _downwards(z[near], highest), strict=True):
+        value[near] = close
+    values[0] = np.exp(z)
+    return values
+
+
+def _upwards(z: Complex, highest: int) -> list[Complex]:
+    values = [np.exp(z)]
+    for m in range(highest):
+        values.append((values[m] - 1.0 / math.factorial(m)) / z)
+    return values
+
+
+def _downwards(z: Complex, highest: int) -> list[Complex]:
+    top = np.zeros_like(z)
+    for j in reversed(range(TERMS)):
+        top = top * z + 1.0 / math.factorial(highest + j)
+    values = [top]
+    for m in reversed(range(highest)):
+        values.append(z * values[-1] + 1.0 / math.factorial(m))
+    return values[::-1]
+
+
+def moment_weights(z: Complex, nodes: NDArray[np.float64]) -> Complex:
+    """Weights w_j(z) with int_0^1 exp((1 - u) z) f(u) du = sum_j w_j f(nodes_j).
+
+    Exact for polynomials f of degree < len(nodes). Shape (len(nodes), *z.shape).
+    """
+    count = len(nodes)
+    lagrange = np.linalg.inv(np.vander(nodes, count, increasing=True).T)
+    functions = phi_functions(z, count)
+    moments = np.stack([math.factorial(m) * functions[m + 1] for m in range(count)])
+    return np.tensordot(lagrange, moments, axes=1)
+
+
+Nonlinearity = Callable[[Complex], Complex]
+
+
+class ExponentialRungeKutta:
+    """Steps of one length ``h`` for p' = L p + N(p), L diagonal; four evaluations of N a step.
+
+    ``linear`` and p have the shape (branches, modes), N(p) the shape (modes,).
+    """
+
+    def __init__(self, linear: Complex, nonlinearity: Nonlinearity, h: float) -> None:
+        self._nonlinearity = nonlinearity
+        self._half, half_phi = phi_functions(linear * (h / 2), 1)
+        self._inner = half_phi * (h / 2)
+        self._whole, one, two, three = phi_functions(linear * h, 3)
+        self._first = h * (one - 3 * two + 4 * three)
+        self._middle = h * (2 * two - 4 * three)
+        self._last = h * (4 * three - two)
+
+    def step(self, p: Complex) -> Complex:
+        """The solution one step later."""
+        n0 = self._nonlinearity(p)
+        a = self._half * p + self._inner * n0
+        na = self._nonlinearity(a)
+        nb = self._nonlinearity(self._half * p + self._inner * na)
+        nc = self._nonlinearity(self._half * a + self._inner * (2 * nb - n0))
+        return self._whole * p + self._first * n0 + self._middle * (na + nb) + self._last * nc
+
+
+Table = tuple[Complex, Complex, Complex]
+
+VALUES = 3
+"""Past values of N in the predictor. With 5 and more the waves at the zone boundary grow."""
+
+ORDER = VALUES + 1
+"""Order of the method."""
+
+SLACK = 1e-9
+"""A time this near to a whole step, in steps, is that step."""
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _predict(factor: Complex, p: Complex, weights: Complex, past: Complex, out: Complex) -> None:
+    for branch in range(p.shape[0]):
+        for k in range(p.shape[1]):
+            value = factor[branch, k] * p[branch, k]
+            for j in range(past.shape[0]):
+                value += weights[j, branch, k] * past[j, k]
+            out[branch, k] = value
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _correct(weights: Complex, newest: Complex, past: Complex, p: Complex) -> None:
+    for branch in range(p.shape[0]):
+        for k in range(p.shape[1]):
+            change = weights[0, branch, k] * newest[k]
+            for j in range(past.shape[0]):
+                change += weights[j + 1, branch, k] * past[j, k]
+            p[branch, k] += change
+
+
+class ExponentialAdams:
+    """A solution of p' = L p + N(p) from ``p`` at time 0, in steps of ``h`` > 0.
+
+    ``linear`` and ``p`` have the shape (branches, modes), N(p) the shape (modes,): one nonlinearity
+    drives all branches. The past values that the first step needs come from ETDRK4, backwards.
+
+    ``p`` is the solution at time ``steps * h``; ``evaluations`` counts those of N.
+    """
+
+    def __init__(self, linear: Complex, nonlinearity: Nonlinearity, p: Complex, h: float) -> None:
+        if not h > 0:
+            raise ValueError(f"h must satisfy h > 0, got {h:g} (the step goes forward)")
+        self.p, self.h = p, h
+        self.steps = self.evaluations = 0
+        self._linear, self._nonlinearity = linear, nonlinearity
+        self._past = np.empty((VALUES, linear.shape[1]), dtype=np.complex128)
+        self._start()
+        self._whole = self._table(1.0)
+
+    def step(self) -> None:
+        """Advance by one step."""
+        self.p, newest = self._part(self._whole)
+        self._past[1:] = self._past[:-1].copy()
+        self._past[0] = newest
+        self.steps += 1
+
+    def whole_steps(self, t: float) -> int:
+        """How many more whole steps lead up to the time ``t`` or just before it."""
+        return int(np.floor(t / self.h + SLACK)) - self.steps
+
+    def ahead(self, t: float) -> Complex:
+        """The solution at a time less than one step ahead of ``p``; the run itself stays."""
+        share = t / self.h - self.steps
+        return self.p if abs(share) <= SLACK else self._part(self._table(share))[0]
+
+    def _part(self, table: Table) -> tuple[Complex, Complex]:
+        factor, predictor, corrector = table
+        p = np.empty_like(self.p)
+        _predict(factor, self.p, predictor, self._past, p)
+        newest = self._nonlinearity(p)
+        self.evaluations += 1
+        _correct(corrector, newest, self._past, p)
+        return p, newest
+
+    def _start(self) -> None:
+        method = ExponentialRungeKutta(self._linear, self._nonlinearity, -self.h)
+        p = self.p
+        for j in range(VALUES):
+            self._past[j] = self._nonlinearity(p)
+            if j + 1 < VALUES:
+                p = method.step(p)
+        self.evaluations += VALUES + 4 * (VALUES - 1)
+
+    def _table(self, share: float) -> Table:
+        """Coefficients of a step of ``share`` steps."""
+        h = share * self.h
+        z = self._linear * h
+        nodes = -np.arange(VALUES) / share
+        predictor = h * moment_weights(z, nodes)
+        corrector = h * moment_weights(z, np.concatenate([[1.0], nodes]))
+        corrector[1:] -= predictor
+        return np.exp(z), predictor, corrector
+
+
+Array = NDArray[np.float64]
+
+PATIENCE = 4
+"""Halvings without a new smallest difference after which rounding is what is left."""
+
+BLOWN = 10
+"""Halvings after which a solution that still blows up does so by itself."""
+
+
+LEAST_RATIO = 8.0
+"""Differences that fell by at least this much in each of the last two halvings follow the law."""
+
+SAFETY = 2.0
+"""Factor on an error that rests on that law."""
+
+
+@dataclass(frozen=True)
+class Halving:
+    """The finer of the last two runs: its step, its values, and their estimated error."""
+
+    step: float
+    values: Array
+    error: float
+    runs: int
+
+
+def halve(solve: Callable[[float], Array], step: float, bound: float) -> Halving:
+    """Halve ``step`` until the estimated error (sup) is at most ``bound``.
+
+    ``solve`` gives the values for a step. Values that are not finite count as infinitely far off.
+    Raises ValueError if the difference of two runs stops falling above the bound, and
+    FloatingPointError if the finest runs were not finite either.
+
+    >>> result = halve(lambda h: np.array([1.0 + h**4]), 1.0, 1e-3)
+    >>> result.step, result.runs
+    (0.125, 4)
+    """
+    coarse, runs = solve(step), 1
+    best, since, differences = np.inf, 0, [np.inf, np.inf]
+    while since < PATIENCE:
+        step /= 2.0
+        fine = solve(step)
+        runs += 1
+        difference = sup_difference(fine, coarse)
+        differences = [*differences[-2:], difference]
+        error = _error(*differences)
+        if error <= bound:
+            return Halving(step, fine, error, runs)
+        improved = difference < best or (best == np.inf and runs <= BLOWN)
+        since = 0 if improved else since + 1
+        best, coarse = min(best, difference), fine
+    if not np.all(np.isfinite(coarse)):
+        raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
+    raise ValueError(
+        f"tolerance must leave more than {best:.2g} for the time step, got {bound:.2g} "
+        "(halving it further no longer helps; rounding or an instability is what is left)"
+    )
+
+
+def _error(first: float, second: float, last: float) -> float:
+    """Error of the finest of four runs, from the differences of each to the next.
+
+    Where these do not follow the law it is the last one, which is about the coarser run's error.
+    """
+    if not (np.isfinite(first) and first * last > 0 and second > 0):
+        return last
+    ratio = min(first / second, second / last, 2.0**ORDER)
+    return SAFETY * last / (ratio - 1.0) if ratio >= LEAST_RATIO else last
+
+
+def sup_difference(fine: Array, coarse: Array) -> float:
+    """Largest difference; infinity if anything is not finite.
+
+    >>> sup_difference(np.array([1.0, np.nan]), np.zeros(2))
+    inf
+    """
+    with np.errstate(invalid="ignore"):
+        difference = float(np.max(np.abs(fine - coarse)))
+    return difference if np.isfinite(difference) else np.inf

@@ -1,0 +1,89 @@
+"""The tiled vector kernel is the plain one, for all constants and at every seam."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import derive
+from lattice.kernels import blocked as tiled
+from lattice.kernels import plain as stencil
+from lattice.model import Constants
+from lattice.schemes.catalogue import BLANES_MOAN_6, SCHEMES
+from lattice.schemes.nystroem_conditions import splitting_defect
+from lattice.schemes.scheme import Composition
+from lattice.schemes.splitting import Splitting
+from solutions import Wave, closed_form
+
+SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
+
+
+@pytest.mark.parametrize("K3", [0.0, 0.3])
+@pytest.mark.parametrize("K4", [0.0, -0.7, 1.0])
+@pytest.mark.parametrize(
+    ("size", "steps"), [(4096, 9), (4608, 4), (3648, 9), (3872, 1), (1032, 4), (120, 5)]
+)
+def test_tiled_equals_plain(K3: float, K4: float, size: int, steps: int) -> None:
+    random = np.random.default_rng(1)
+    y, s = 0.1 * random.standard_normal((2, size))
+    u, v = y.copy(), s.copy()
+    drifts, kicks = 0.3 * BLANES_MOAN_6.drifts, 0.3 * BLANES_MOAN_6.kicks
+    constants = Constants(4.0, K3, K4).kernel
+    assert tiled.fits(size, kicks.size)
+    stencil.advance_composition(y, s, drifts, kicks, steps, *constants)
+    tiled.advance_tiled(u, v, drifts, kicks, steps, *constants)
+    np.testing.assert_allclose(u, y, atol=1e-13)
+    np.testing.assert_allclose(v, s, atol=1e-13)
+
+
+@pytest.mark.parametrize("splitting", SPLITTINGS, ids=lambda splitting: splitting.name)
+def test_every_splitting_is_advanced_by_either_kernel(
+    splitting: Splitting | Composition, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A number of stages that is odd, one, or does not divide the stages of a passage."""
+    constants = Constants(1.0, 0.2, 0.9)
+    ends = []
+    for admitted in (True, False):
+        y, s = 0.1 * np.random.default_rng(4).standard_normal((2, 1200))
+        if not admitted:
+            monkeypatch.setattr(tiled, "fits", lambda *_: False)
+        splitting.advance(y, s, 0.2, 61, constants)
+        ends.append((y, s))
+    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=2e-13)
+
+
+def test_engine_agrees_with_dop853() -> None:
+    """Y2 about its crest at eps = 0.05, to 1e-8 eps: an integrator that shares no line with it."""
+    eps, size, duration = 0.05, 512, 40.0
+    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
+    value = wave.at(np.arange(size) - size // 2, 0.0, eps)
+    y, s = eps * value.Y, eps**4 * value.Y_T - 2.0 * eps**2 * value.Y_X
+
+    def rate(_: float, state: np.ndarray) -> np.ndarray:
+        strain, velocity = np.split(state, 2)
+        force = strain * (4.0 + strain**2)
+        bend = np.roll(force, 1) - 2.0 * force + np.roll(force, -1)
+        return np.concatenate([velocity, bend])
+
+    start = np.concatenate([y, s])
+    solved = solve_ivp(rate, (0.0, duration), start, "DOP853", rtol=1e-13, atol=1e-15)
+    BLANES_MOAN_6.advance(y, s, duration / 200, 200, Constants(4.0, 0.0, 1.0))
+    assert np.abs(y - solved.y[:size, -1]).max() < 1e-8 * eps
+
+
+def test_odd_ring_falls_back() -> None:
+    random = np.random.default_rng(2)
+    y, s = 0.1 * random.standard_normal((2, 61))
+    begin = y.copy(), s.copy()
+    constants = Constants(4.0, 0.0, 1.0)
+    BLANES_MOAN_6.advance(y, s, 0.1, 7, constants)
+    BLANES_MOAN_6.advance(y, s, -0.1, 7, constants)
+    np.testing.assert_allclose(y, begin[0], atol=1e-13)
+    np.testing.assert_allclose(s, begin[1], atol=1e-13)
+
+
+def test_wrong_digit_is_refused() -> None:
+    drifts = (BLANES_MOAN_6.drift_half[0] + "1", *BLANES_MOAN_6.drift_half[1:])
+    drifts = (*drifts[:-1], "0.2073050690668954")
+    with pytest.raises(ValueError, match="conditions of order 6"):
+        Splitting("wrong", 6, drifts, BLANES_MOAN_6.kick_half, "")
+    assert splitting_defect(["0.5", "0.5"], ["1"], 3) > 0.01

@@ -1,0 +1,65 @@
+"""Catches: a run that goes on with NaN, or names the wrong site."""
+
+import numpy as np
+import pytest
+
+from lattice.model import Constants
+from lattice.sites.blow_up import find_blow_up
+from lattice.sites.state import State
+
+SOFT = Constants(1.0, 0.0, -1.0)
+
+
+def state(value: float) -> State:
+    """Sites -3 .. 4; ``value`` stands at site 2."""
+    made = State(7.5, -3, np.full(8, 0.1), np.zeros(8))
+    made.store(np.array([2]), np.array([value]), np.array([0.0]))
+    return made
+
+
+@pytest.mark.parametrize(
+    ("value", "criterion"),
+    [
+        (np.nan, "not finite"),
+        (-np.inf, "not finite"),
+        (0.58, "K2 + 2 K3 y + 3 K4 y^2 <= 0"),
+        (1e200, "K2 + 2 K3 y + 3 K4 y^2 <= 0"),
+    ],
+)
+def test_criterion_time_and_site_are_named(value: float, criterion: str) -> None:
+    found = find_blow_up(SOFT, state(value), 0.1)
+    assert found is not None
+    assert criterion in found.criterion
+    assert (found.t, found.site) == (7.5, 2)
+    assert str(found).endswith("at t = 7.5, site 2")
+
+
+def test_runaway_strain_on_a_hard_lattice() -> None:
+    found = find_blow_up(Constants(1.0, 0.0, 1.0), state(10.1), 0.1)
+    assert found is not None
+    assert "100-fold" in found.criterion
+
+
+def test_a_sound_state_passes() -> None:
+    assert find_blow_up(SOFT, state(0.57), 0.1) is None
+
+
+def test_a_velocity_that_is_not_finite_is_seen() -> None:
+    broken = state(0.2)
+    broken.s[0] = np.nan
+    found = find_blow_up(SOFT, broken, 0.1)
+    assert found is not None
+    assert found.site == 0
+
+
+@pytest.mark.parametrize("K3", [-0.9, 0.0, 0.9])
+@pytest.mark.parametrize("K4", [-0.3, 0.0, 0.26, 0.3])
+def test_the_extremes_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
+    """Catches: a soft strain between the extremes, or at one of them, that is overlooked."""
+    constants = Constants(1.0, K3, K4)
+    for least, most in ((-0.5, 0.2), (-2.0, 0.5), (-0.5, 2.0), (-2.0, 2.0), (0.9, 2.0)):
+        strains = np.linspace(least, most, 4001)
+        made = State(0.0, 0, strains, np.zeros(strains.size))
+        soft = bool((constants.stiffness(strains) <= 0.0).any())
+        assert (find_blow_up(constants, made, 1.0) is not None) == soft
+        assert (constants.least_stiffness(least, most) <= 0.0) == soft

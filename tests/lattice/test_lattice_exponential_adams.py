@@ -1,0 +1,69 @@
+"""The exponential Adams method against an exact solution, and the halving of its step."""
+
+import math
+
+import numpy as np
+import pytest
+
+from lattice.spectral.exponential import ORDER, ExponentialAdams, ExponentialRungeKutta, halve
+
+W = np.array([[0.0, 1.0, 30.0]])
+START = np.array([[0.5, 0.7 + 0.2j, 0.3j]])
+END = 10.0
+EXACT = START * np.exp(1j * (W + np.abs(START) ** 2) * END)
+"""p' = i w p + i |p|^2 p has the solution p0 exp(i (w + |p0|^2) t)."""
+
+
+def _turn(p: np.ndarray) -> np.ndarray:
+    return np.asarray(1j * np.abs(p[0]) ** 2 * p[0])
+
+
+def _solve(h: float) -> np.ndarray:
+    solution = ExponentialAdams(1j * W, _turn, START, h)
+    for _ in range(solution.whole_steps(END)):
+        solution.step()
+    return solution.ahead(END)
+
+
+def _real(h: float) -> np.ndarray:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(_solve(h).view(np.float64))
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+def test_order(mode: int) -> None:
+    errors = [abs(_solve(h)[0, mode] - EXACT[0, mode]) for h in (0.025, 0.0125)]
+    assert abs(math.log2(errors[0] / errors[1]) - ORDER) < 0.2
+
+
+def test_order_of_etdrk4() -> None:
+    errors = []
+    for h in (0.1, 0.05):
+        method, p = ExponentialRungeKutta(1j * W, _turn, h), START
+        for _ in range(round(END / h)):
+            p = method.step(p)
+        errors.append(abs(p[0, 1] - EXACT[0, 1]))
+    assert abs(math.log2(errors[0] / errors[1]) - 4) < 0.2
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_halving_meets_the_tolerance(tolerance: float) -> None:
+    result = halve(_real, 2.0, tolerance)
+    error = float(np.abs(result.values - EXACT.view(np.float64)).max())
+    assert error < result.error <= tolerance
+
+
+def test_a_part_of_a_step_is_as_exact_as_whole_ones() -> None:
+    """0.007 does not divide 10."""
+    assert np.abs(_solve(0.007) - EXACT).max() < np.abs(_solve(0.008) - EXACT).max()
+
+
+def test_halving_gives_up_when_it_no_longer_helps() -> None:
+    random = np.random.default_rng(4)
+    with pytest.raises(ValueError, match="tolerance must leave more than"):
+        halve(lambda h: random.normal(size=3), 1.0, 1e-9)
+
+
+def test_halving_tells_a_blow_up() -> None:
+    with pytest.raises(FloatingPointError, match="blow-up"):
+        halve(lambda h: np.array([np.inf]), 1.0, 1e-3)

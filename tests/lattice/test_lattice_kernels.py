@@ -1,0 +1,147 @@
+"""Catches: a wrong neighbour, block edge, seam or term in the kernels; absent terms computed."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+import sympy as sp
+from numba import float64, njit, none
+
+import derive
+from derive import symbols
+from lattice.kernels import plain as stencil
+from lattice.model import Array, Constants
+from lattice.schemes.catalogue import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET
+from lattice.schemes.scheme import Scheme
+from lattice.sites.state import State, ring_energy
+
+SIZES = (3, 4, stencil.BLOCK - 1, stencil.BLOCK, stencil.BLOCK + 1, 2 * stencil.BLOCK + 2)
+PRESENT = list(itertools.product((0.0, 0.7), (0.0, -0.4)))
+
+
+def laplacian(values: Array) -> Array:
+    return np.roll(values, -1) - 2.0 * values + np.roll(values, 1)
+
+
+def force(y: Array, constants: Constants) -> Array:
+    return constants.K2 * y + constants.K3 * y**2 + constants.K4 * y**3
+
+
+def smooth_ring(size: int, rng: np.random.Generator) -> tuple[Array, Array]:
+    return 0.3 * rng.standard_normal(size), 0.2 * rng.standard_normal(size)
+
+
+@pytest.mark.parametrize(("K3", "K4"), PRESENT)
+@pytest.mark.parametrize("size", SIZES)
+def test_composition_equals_plain_numpy(
+    size: int, K3: float, K4: float, rng: np.random.Generator
+) -> None:
+    constants, h = Constants(1.3, K3, K4), 0.1
+    y, s = smooth_ring(size, rng)
+    plain_y, plain_s = y.copy(), s.copy()
+    for _ in range(3):
+        plain_y += 0.5 * h * plain_s
+        plain_s += h * laplacian(force(plain_y, constants))
+        plain_y += 0.5 * h * plain_s
+    STOERMER_VERLET.advance(y, s, h, 3, constants)
+    np.testing.assert_allclose(y, plain_y, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(s, plain_s, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("K3", "K4"), PRESENT)
+def test_rk4_equals_the_textbook_form(K3: float, K4: float, rng: np.random.Generator) -> None:
+    """The kernel runs the Nystroem form of the table; the textbook form has four (y, s) stages."""
+    constants, h = Constants(1.3, K3, K4), 0.2
+    y, s = smooth_ring(17, rng)
+
+    def rate(state: Array) -> Array:
+        return np.array([state[1], laplacian(force(state[0], constants))])
+
+    state = np.array([y, s])
+    for _ in range(2):
+        k1 = rate(state)
+        k2 = rate(state + 0.5 * h * k1)
+        k3 = rate(state + 0.5 * h * k2)
+        k4 = rate(state + h * k3)
+        state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    RK4.advance(y, s, h, 2, constants)
+    np.testing.assert_allclose(np.array([y, s]), state, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("K3", "K4"), PRESENT)
+def test_force_and_stiffness_are_those_of_the_derivation(K3: float, K4: float) -> None:
+    """The kernel's force is typed; it must be the polynomial that the expansion started from."""
+    y = sp.Symbol("y")
+    lattice = derive.LATTICES["fput_strain"]
+    numbers = {symbols.K2: sp.Rational(13, 10), symbols.K3: K3, symbols.K4: K4}
+    polynomial = lattice.bonds[0].force.subs(numbers).subs(symbols.x, y)
+    constants = Constants(1.3, K3, K4)
+    for value in (-0.9, 0.0, 0.35):
+        exact = float(polynomial.subs(y, value))
+        assert stencil.force(value, *constants.kernel) == pytest.approx(exact, abs=1e-15)
+        slope = float(sp.diff(polynomial, y).subs(y, value))
+        assert constants.stiffness(np.array(value)) == pytest.approx(slope, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("K3", "K4", "multiplications"),
+    [(none, none, 1), (float64, none, 2), (none, float64, 3), (float64, float64, 3)],
+    ids=["K2", "K2 K3", "K2 K4", "K2 K3 K4"],
+)
+def test_absent_terms_are_absent_from_the_machine_code(
+    K3: object, K4: object, multiplications: int
+) -> None:
+    signature = (float64, float64, K3, K4)
+    fresh = njit(signature, error_model="numpy")(stencil.force.py_func)
+    code = fresh.overloads[signature].library.get_llvm_str()
+    body = code[code.index("define") : code.index("\n}", code.index("define"))]
+    assert len(re.findall(r"= fmul", body)) == multiplications
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_no_steps_change_nothing(scheme: Scheme, rng: np.random.Generator) -> None:
+    y, s = smooth_ring(9, rng)
+    before = y.copy(), s.copy()
+    scheme.advance(y, s, 0.1, 0, Constants(1, 0, 1))
+    assert np.array_equal(y, before[0])
+    assert np.array_equal(s, before[1])
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -> None:
+    """The discrete Laplacian sums to zero on a ring: a leak at the seam would show."""
+    y, s = smooth_ring(50, rng)
+    total = s.sum()
+    scheme.advance(y, s, 0.1, 50, Constants(1, 0.3, 1))
+    assert s.sum() == pytest.approx(total, abs=1e-12)
+
+
+def test_symmetric_schemes_run_backwards(rng: np.random.Generator) -> None:
+    y, s = smooth_ring(40, rng)
+    before = y.copy(), s.copy()
+    KAHAN_LI_8.advance(y, s, 0.3, 40, Constants(1, 0, 1))
+    assert np.max(np.abs(y - before[0])) > 0.1
+    KAHAN_LI_8.advance(y, s, -0.3, 40, Constants(1, 0, 1))
+    np.testing.assert_allclose(y, before[0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(s, before[1], rtol=0, atol=1e-11)
+
+
+def test_energy_is_conserved_without_drift_and_only_by_symplectic_schemes(
+    rng: np.random.Generator,
+) -> None:
+    constants = Constants(1, 0.3, 1)
+    drift = {}
+    for scheme in SCHEMES:
+        y, s = smooth_ring(64, rng)
+        s -= s.mean()
+        before = ring_energy(State(0.0, 0, y, s), constants)
+        scheme.advance(y, s, 0.25, 8000, constants)
+        drift[scheme.name] = abs(ring_energy(State(0.0, 0, y, s), constants) / before - 1.0)
+    assert drift["kahan_li_8"] < 1e-7
+    assert drift["suzuki_umeno_8"] < 1e-6
+    assert drift["blanes_moan_6"] < 1e-6
+    assert drift["reduced_phase_6"] < 1e-6
+    assert drift["mclachlan_4"] < 1e-3
+    assert drift["stoermer_verlet"] < 2e-2
+    assert drift["rk4"] > 2e-2

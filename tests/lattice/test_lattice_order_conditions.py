@@ -1,0 +1,142 @@
+"""Catches: a wrong digit or sign in a table, an order claimed that the table does not have."""
+
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from lattice.schemes.catalogue import (
+    BLANES_MOAN_6,
+    KAHAN_LI_8,
+    MCLACHLAN_4,
+    REDUCED_PHASE_6,
+    RK4,
+    SCHEMES,
+    STOERMER_VERLET,
+    SUZUKI_UMENO_8,
+)
+from lattice.schemes.nystroem_conditions import phase_lag_defect, splitting_defect
+from lattice.schemes.order_conditions import composition_defect, runge_kutta_defect, trees, words
+from lattice.schemes.scheme import Composition
+from lattice.schemes.splitting import Splitting
+
+COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
+
+
+@pytest.mark.parametrize("scheme", COMPOSITIONS, ids=lambda scheme: scheme.name)
+def test_compositions_have_their_order_to_all_digits_and_no_more(scheme: Composition) -> None:
+    assert composition_defect(scheme.gammas, scheme.order) < 1e-25
+    assert composition_defect(scheme.gammas, scheme.order + 1) > 1e-4
+
+
+@pytest.mark.parametrize("scheme", [SUZUKI_UMENO_8, KAHAN_LI_8], ids=lambda scheme: scheme.name)
+@pytest.mark.parametrize("place", range(8))
+def test_one_digit_off_is_refused(scheme: Composition, place: int) -> None:
+    """A change of 1e-20 in one weight is far below what an order test by slopes can see."""
+    literal = scheme.half[place]
+    wrong = str(Decimal(literal) + Decimal("1e-20"))
+    half = (*scheme.half[:place], wrong, *scheme.half[place + 1 :])
+    with pytest.raises(ValueError, match=r"order 8 .* got a defect"):
+        replace(scheme, half=half)
+
+
+@pytest.mark.parametrize(
+    "scheme", [MCLACHLAN_4, BLANES_MOAN_6, REDUCED_PHASE_6], ids=lambda scheme: scheme.name
+)
+def test_splittings_have_their_orders_and_no_more(scheme: Splitting) -> None:
+    tables = literals(scheme.drift_half, scheme.kick_half)
+    assert splitting_defect(*tables, scheme.order) < 1e-13
+    assert splitting_defect(*tables, scheme.order + 1) > 1e-6
+    reached = max(scheme.order, scheme.phase_order)
+    assert phase_lag_defect(*tables, reached) < 1e-13
+    assert phase_lag_defect(*tables, reached + 2) > 1e-11
+
+
+def literals(drifts: tuple[str, ...], kicks: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    """All weights of a symmetric splitting; the longer half, or the kicks, hold the middle."""
+    drift_middle = len(drifts) > len(kicks)
+    return (
+        [*drifts, *drifts[::-1][drift_middle:]],
+        [*kicks, *kicks[::-1][not drift_middle :]],
+    )
+
+
+@pytest.mark.parametrize("place", range(7))
+def test_one_digit_off_in_a_splitting_is_refused(place: int) -> None:
+    half = REDUCED_PHASE_6.kick_half
+    wrong = str(Decimal(half[place]) + Decimal("1e-22"))
+    with pytest.raises(ValueError, match=r"order 6 .* got a defect"):
+        replace(REDUCED_PHASE_6, kick_half=(*half[:place], wrong, *half[place + 1 :]))
+
+
+def test_a_phase_lag_order_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match="phase-lag order 8"):
+        replace(BLANES_MOAN_6, phase_order=8)
+
+
+def test_phase_lag_is_that_of_the_matrices() -> None:
+    """The angle of one step against its length: the error falls like z^(phase order + 1)."""
+    z = np.array([0.4, 0.8])
+    step = STOERMER_VERLET.oscillator(z)
+    lag = z - np.arccos(0.5 * np.trace(step, axis1=1, axis2=2))
+    assert np.log2(lag[1] / lag[0]) == pytest.approx(3.0, abs=0.2)
+    step = REDUCED_PHASE_6.oscillator(3.0 * z)
+    lag = 3.0 * z - np.arccos(0.5 * np.trace(step, axis1=1, axis2=2))
+    assert np.log2(lag[1] / lag[0]) == pytest.approx(9.0, abs=1.0)
+
+
+def test_reduced_phase_has_no_unstable_band_at_pi() -> None:
+    """Blanes and Moan's trace passes -2 by 4e-7 there, and ends the stable steps at z = 3.1409."""
+    z = np.pi + np.linspace(-1e-4, 1e-4, 20_001)
+    depth = {
+        scheme.name: -2.0 - np.trace(scheme.oscillator(z), axis1=1, axis2=2).min()
+        for scheme in (BLANES_MOAN_6, REDUCED_PHASE_6)
+    }
+    assert depth["blanes_moan_6"] > 1e-8
+    assert depth["reduced_phase_6"] < 1e-14
+
+
+def test_a_yoshida_weight_off_by_a_thousandth_is_refused() -> None:
+    """Such a scheme still shows slope 3.95 on coarse steps."""
+    outer = "1.35120719195965763404768780897"
+    inner = "-1.70241438391931526809537561795"
+    Composition("yoshida_4", 4, (outer, inner), "")
+    with pytest.raises(ValueError, match="order 4"):
+        Composition("yoshida_4", 4, ("1.3525", "-1.705"), "")
+
+
+def test_runge_kutta_table_is_exact_and_perturbations_are_refused() -> None:
+    assert runge_kutta_defect(RK4.A, RK4.b, 4) == 0
+    with pytest.raises(ValueError, match="order 5"):
+        replace(RK4, order=5)
+    with pytest.raises(ValueError, match="order 4"):
+        replace(RK4, b=(Fraction(1, 4),) * 4)
+
+
+def test_jameson_is_not_of_order_four() -> None:
+    """Its stability polynomial is RK4's, so every linear test passes it; on FPUT it has order 2."""
+    A = tuple(
+        tuple(Fraction(1, 5 - i) if j == i - 1 else Fraction(0) for j in range(4)) for i in range(4)
+    )
+    b = (Fraction(0), Fraction(0), Fraction(0), Fraction(1))
+    assert runge_kutta_defect(A, b, 2) == 0
+    with pytest.raises(ValueError, match="order 4"):
+        replace(RK4, A=A, b=b)
+
+
+def test_an_implicit_table_is_refused() -> None:
+    A = ((Fraction(1, 2), *RK4.A[0][1:]), *RK4.A[1:])
+    with pytest.raises(ValueError, match="strictly lower triangular"):
+        replace(RK4, A=A)
+
+
+def test_number_of_conditions() -> None:
+    """Rooted trees: OEIS A000081; words of odd letters: Fibonacci numbers."""
+    assert [len(trees(n)) for n in range(1, 8)] == [1, 1, 2, 4, 9, 20, 48]
+    assert [len(words(n)) for n in range(1, 9)] == [1, 1, 2, 3, 5, 8, 13, 21]
+
+
+def test_names_are_unique() -> None:
+    assert len({scheme.name for scheme in SCHEMES}) == len(SCHEMES)

@@ -1,0 +1,45 @@
+"""The lattices of one ring: their energies, summed site by site, and what steps must show of it."""
+
+import numpy as np
+import pytest
+
+import derive
+from lattice.model import Constants
+from lattice.spectral.sublattices import DENSITY, energy_spread
+from solutions import Wave, closed_form
+from verify.comparison.spectral_data import ring_data
+
+LATTICES = 16
+
+
+def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, float]:
+    """The spread of a soliton's energies, and the same from sums over the sites of each lattice."""
+    wave = Wave(closed_form("soliton_sech"), derive.mkdv_normal_form(1, 1), A=1)
+    eps = steepness / float(wave.normal_form.a)
+    data = ring_data(Constants(1.0, 0.0, 1.0), wave, eps, (0.0, 100.0), 60, 1e-4)
+    ring = data.ring(data.smallest)
+    state = data.state(ring, 2 * round(points_per_site * ring.circumference / 2))
+    sites = round(ring.circumference / 2 - data.seam(ring.circumference))
+    middle = state.left + ring.circumference / 2
+    energies = []
+    for x in np.arange(LATTICES) / LATTICES:
+        places = middle + x + np.arange(-sites, sites)
+        y, s = state.strain(places), state.velocity(places)
+        velocity = np.cumsum(s) - s
+        energies.append(np.sum(y**2 / 2 + y**4 / 4 + velocity**2 / 2))
+    parted = 0.5 * (max(energies) - min(energies)) / np.mean(energies)
+    return energy_spread(data.constants, state, data.seam(ring.circumference)), float(parted)
+
+
+@pytest.mark.parametrize("steepness", [0.4, 0.5, 0.6])
+def test_the_spread_is_that_of_the_sums(steepness: float) -> None:
+    found, parted = _spread(steepness)
+    assert 0.4 * parted < found < 2.5 * parted
+
+
+def test_the_spread_does_not_depend_on_the_sampling() -> None:
+    assert _spread(0.5, 9.0)[0] == pytest.approx(_spread(0.5)[0], rel=1e-3)
+
+
+def test_long_waves_have_one_energy() -> None:
+    assert _spread(0.2)[0] < 1e-12

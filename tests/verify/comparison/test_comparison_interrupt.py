@@ -1,0 +1,45 @@
+"""Catches: a run whose records Ctrl-C loses, or one that claims an estimate nobody measured."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from verify.comparison.restart import load_run
+
+LONG = """
+wave = "soliton_sech"
+eps = 0.05
+t0 = 0
+snapshots = [0, 1, 3e6]
+observables = ["strain"]
+[parameters]
+A = 1
+[lattice]
+K2 = 1
+K4 = 1
+[scheme]
+step = 0.5
+[domain]
+kind = "window"
+sites = 4096
+compared = 100
+"""
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path, press_ctrl_c: Any) -> None:
+    scene, output = tmp_path / "long.toml", tmp_path / "run.nc"
+    scene.write_text(LONG)
+    done = press_ctrl_c(["verify", "run", str(scene), "--output", str(output)], 8.0)
+    assert done.seconds < 4.0
+    assert done.status == 130
+    assert done.announced.startswith("long: about ")
+    assert done.errors.splitlines() == [
+        f"python -m verify run: interrupted (2 snapshots are kept in {output})"
+    ]
+    assert "unfinished: Ctrl-C after t = " in done.out
+    run = load_run(output)
+    assert list(run["time"].values) == [0.0, 1.0]
+    assert run["strain"].shape == (2, 201)
+    assert "error_estimate" not in run.attrs

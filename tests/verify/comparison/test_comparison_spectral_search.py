@@ -1,0 +1,144 @@
+"""Runs to a tolerance by the spectral engine: the true error, measured by the stencil."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import derive
+from lattice.model import Constants
+from lattice.schemes.catalogue import scheme_named
+from lattice.spectral.evolution import SpectralRing
+from solutions import Wave, closed_form
+from verify.comparison.initial_data import lattice_data
+from verify.comparison.spectral_data import ring_data
+from verify.comparison.spectral_search import SpectralTask, spectral_run
+
+SCENES = {
+    "rogue_cn": (0.05, 1.0, {"k": 0.4}),
+    "soliton_dn": (0.05, 1.0, {"k": 0.6}),
+    "breather_sn": (0.05, 1.0, {"k": 0.65, "alpha": 0.8, "X_0": 0.3}),
+    "wave_cn": (0.08, 2.0, {"k": 0.8}),
+    "rational_2": (0.07, 4.0, {}),
+    "soliton_sech": (0.1, 1.0, {"A": 1}),
+}
+"""eps, K2 and parameters: none of them is a shipped scene."""
+
+
+def _task(name: str, tolerance: float, end: float = 80.0) -> SpectralTask:
+    eps, K2, parameters = SCENES[name]
+    form = closed_form(name)
+    K4 = float(form.equation.s)
+    wave = Wave(form, derive.mkdv_normal_form(K2, K4), **parameters)
+    constants = Constants(K2, 0.0, K4)
+    return SpectralTask(constants, wave, eps, -60.0, (-10.0, end), 120, tolerance)
+
+
+@cache
+def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
+    """y/eps on the compared sites, on a ring whose seam is out of reach."""
+    task = _task(name, 1.0, end)
+    t = task.times[index]
+    duration = t - task.t0
+    c = task.constants.sound_speed()
+    reach = 120 + int(3.2 * c * duration) + 100
+    sites = round(c * task.t0) + np.arange(-reach, reach + int(c * duration))
+    value = task.wave.at(sites, task.t0, task.eps)
+    y, s = lattice_data(value, c, task.eps)
+    steps = round(20 * duration)
+    scheme_named("kahan_li_8").advance(y, s, duration / steps, steps, task.constants)
+    return np.asarray(y[task.sites(t) - sites[0]] / task.eps)
+
+
+def _check(name: str, tolerance: float, end: float = 80.0) -> None:
+    task = _task(name, tolerance, end)
+    run = spectral_run(task)
+    error = max(
+        float(np.abs(run.strain(i) / task.eps - _stencil(name, i, end)).max()) for i in (0, 1)
+    )
+    assert error <= tolerance
+    assert error <= run.estimate.total <= tolerance
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance"),
+    [("wave_cn", 1e-2), ("wave_cn", 1e-6), ("rogue_cn", 1e-6), *((name, 1e-4) for name in SCENES)],
+)
+def test_tolerance_is_met(name: str, tolerance: float) -> None:
+    _check(name, tolerance)
+
+
+@pytest.mark.parametrize("name", ["rogue_cn", "wave_cn"])
+def test_engines_agree_to_1e_8(name: str) -> None:
+    _check(name, 1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [3e-4, pytest.param(1e-5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("name", "eps", "parameters"), [("soliton_dn", 0.07, {"k": 0.6}), ("soliton_sech", 0.17, {})]
+)
+def test_what_all_long_steps_do_alike_is_told(
+    name: str,
+    eps: float,
+    parameters: dict[str, float],
+    tolerance: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first one's error was 5.2e-6 for steps from 0.9 to 2.1 alike, 15 times the estimate."""
+    monkeypatch.setitem(SCENES, name, (eps, 1.0, parameters or {"A": 1.4}))
+    _stencil.cache_clear()
+    _check(name, tolerance, 700.0)
+    _stencil.cache_clear()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("name", SCENES)
+def test_tolerance_is_met_on_longer_runs(name: str, tolerance: float) -> None:
+    _check(name, tolerance, 700.0)
+
+
+def test_cost_does_not_depend_on_eps() -> None:
+    """Y2 over the same slow time, to the same tolerance; a window would cost 64 times as much."""
+    wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
+    work = []
+    for eps in (0.08, 0.02):
+        times = (-0.3 / eps**3, 0.0)
+        task = SpectralTask(
+            Constants(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-3
+        )
+        work.append(spectral_run(task).cost.work)
+    assert work[1] < 2.5 * work[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "k"), [("rogue_cn", 0.5), ("soliton_dn", 0.7)])
+def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
+    wave = Wave(closed_form(name), derive.mkdv_normal_form(1, 1), k=k)
+    times = tuple(np.linspace(-1e4, 1e4, 11))
+    task = SpectralTask(Constants(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
+    run = spectral_run(task)
+    assert run.estimate.total <= 1e-4
+    data = ring_data(task.constants, wave, 0.05, times, 400, 1e-4)
+    assert data.causal is not None
+    points = 2 * round(run.cost.points * data.causal.circumference / run.cost.circumference / 2)
+    ring = SpectralRing(task.constants, data.state(data.causal, points), run.choices.step)
+    for i, t in enumerate(times):
+        assert np.abs(run.strain(i) - ring.at(t).strain(task.sites(t))).max() <= 1e-4 * 0.05
+
+
+def test_progress_ends_at_one() -> None:
+    seen: list[float] = []
+    spectral_run(_task("wave_cn", 1e-2), seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"tolerance": 0.0}, "tolerance must satisfy"), ({"times": (-90.0,)}, "times must increase")],
+)
+def test_bad_input(change: dict[str, object], message: str) -> None:
+    good = vars(_task("wave_cn", 1e-2))
+    with pytest.raises(ValueError, match=message):
+        SpectralTask(**(good | change))  # type: ignore[arg-type]

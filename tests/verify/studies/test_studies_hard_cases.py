@@ -1,0 +1,84 @@
+"""Catches: runs that grow, blow up in silence, lose bits or go on past what they can tell.
+
+Each case is judged by its own bound; beside it stand the runs that must fail it.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from lattice.schemes.catalogue import KAHAN_LI_8, RK4, STOERMER_VERLET
+from verify.studies import cases_background, cases_rounding
+from verify.studies.hard_case import Case, Measurement
+from verify.studies.hard_cases import HARD_CASES, hard_case, run_hard_cases
+from verify.studies.travelling import travelling_wave
+
+FAST = [case for case in HARD_CASES if not case.slow]
+SLOW = [case for case in HARD_CASES if case.slow]
+
+
+@pytest.mark.parametrize("case", FAST, ids=lambda case: case.name)
+def test_hard_case(case: Case) -> None:
+    found = case.run()
+    assert found.passed, (
+        f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
+    )
+    assert found.seconds > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", SLOW, ids=lambda case: case.name)
+def test_long_hard_case(case: Case) -> None:
+    found = case.run()
+    assert found.passed, (
+        f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
+    )
+
+
+def test_the_refusal_tells_the_limit() -> None:
+    message = hard_case("step_limit").run().message
+    assert message.startswith("step must satisfy step <= 0.707106")
+    assert "(linear stability limit of rk4 at the zone boundary" in message
+
+
+def test_the_blow_up_tells_time_site_and_criterion() -> None:
+    message = hard_case("soft_lattice").run().message
+    assert message.startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = 65, site -747, 3 sites")
+
+
+def test_nan_does_not_pass() -> None:
+    assert not Case("nan", "", "", 1.0, lambda: Measurement(math.nan, "")).run().passed
+
+
+def test_the_records_come_in_the_tables_order() -> None:
+    found = run_hard_cases([hard_case("restart"), hard_case("wrong_feed")])
+    assert [record.name for record in found] == ["restart", "wrong_feed"]
+    with pytest.raises(ValueError, match=r"got 'easy' \(one of step_limit, "):
+        hard_case("easy")
+
+
+def test_a_scheme_that_is_not_symplectic_fails_the_energy_case() -> None:
+    bound = hard_case("energy_drift_short").bound
+    assert cases_rounding.drift(RK4, 0.1, 50_000) > 2.0 * bound
+    assert cases_rounding.drift(STOERMER_VERLET, 0.2, 50_000) < bound
+
+
+def test_an_unstable_wave_fails_the_noise_case() -> None:
+    """The measure of the sn and dn cases sees the growth of the cn wave."""
+    wave = travelling_wave(*cases_background.CN)
+    n = np.arange(float(16 * wave.period))
+    noise = 1e-6 * wave.eps * np.random.default_rng(7).standard_normal(n.size)
+    y, s = wave.strain(n) + noise, wave.velocity(n)
+    first, _ = cases_background.shape_deviation(wave, y, 0.0)
+    KAHAN_LI_8.advance(y, s, 0.5, 8000, wave.constants)
+    later, _ = cases_background.shape_deviation(wave, y, 4000.0)
+    assert later > 2.0 * hard_case("stable_sn").bound * first
+
+
+def test_a_shifted_wave_has_its_shape() -> None:
+    wave = travelling_wave("wave_dn", 0.7, 27, 1, 1)
+    n = np.arange(float(8 * wave.period))
+    deviation, shift = cases_background.shape_deviation(wave, wave.strain(n - 12.3), 12.0)
+    assert shift == pytest.approx(12.3 - 12.0 * wave.speed, abs=1e-10)
+    assert deviation < 1e-15

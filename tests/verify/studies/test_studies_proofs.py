@@ -1,0 +1,58 @@
+"""The records of the report: proofs, certificates, mutants."""
+
+import json
+
+import pytest
+
+from solutions import closed_form
+from verify.proof import CertificateError
+from verify.studies import proofs
+from verify.studies.mutations import count_mutants, solution_reason
+from verify.studies.proofs import proof_record, proof_records
+from verify.verdict import Outcome
+
+
+def test_a_record_has_the_proof_and_its_check() -> None:
+    record = proof_record("wave_sn", mutations=True)
+    assert record.outcome is Outcome.PROVED
+    assert record.accepted is True
+    assert record.certificate_bytes is not None
+    assert record.check_seconds is not None
+    assert record.mutations is not None
+    assert (record.mutations.refuted, record.mutations.proved) == (18, 1)
+    assert json.loads(json.dumps(record.json()))["mutations"]["undecided"] == 0
+
+
+def test_a_proof_of_the_rational_family_is_checked_as_well() -> None:
+    (record,) = proof_records(["rational_4"])
+    assert record.outcome is Outcome.PROVED
+    assert (record.accepted, record.mutations) == (True, None)
+    assert record.certificate_bytes is not None
+
+
+def test_a_rejected_certificate_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    def reject(data: object) -> None:
+        raise CertificateError("no")
+
+    monkeypatch.setattr(proofs, "check_certificate", reject)
+    assert proof_record("kink").accepted is False
+
+
+@pytest.mark.parametrize(
+    ("name", "reasons"),
+    [
+        ("kink", {"symmetry U to -U"}),
+        ("wave_sn", {"symmetry U to -U"}),
+        ("soliton_dn", {"bare wave"}),
+        ("rational_1", {"constant"}),
+    ],
+)
+def test_a_survivor_has_its_reason(name: str, reasons: set[str]) -> None:
+    assert {survivor.reason for survivor in count_mutants(closed_form(name)).survivors} == reasons
+
+
+def test_a_shift_is_another_value_of_its_symbol() -> None:
+    form = closed_form("breather_sn")
+    shift = next(p.symbol for p in form.parameters if p.name == "X_0")
+    moved = form.expression.subs(shift, -shift)
+    assert solution_reason(form, moved) == "another value of X_0"

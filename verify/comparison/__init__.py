@@ -1,0 +1,50 @@
+"""The strain FPUT lattice run from a closed-form wave, and compared with it.
+
+>>> from verify.comparison import load_scene, run
+>>> scene = load_scene("breather_sn_k_0.7")
+>>> scene.wave, scene.eps, scene.snapshots
+('breather_sn', 0.05, (-100.0, 0.0, 100.0))
+"""
+
+from lattice.model import Constants
+from lattice.schemes.catalogue import SCHEMES, scheme_named
+from lattice.schemes.scheme import Composition, RungeKutta, Scheme
+from lattice.schemes.stability import stability_limit
+from lattice.sites.blow_up import BlowUp
+from verify.comparison.error import relative_sup_error
+from verify.comparison.restart import load_run, resume, save_run
+from verify.comparison.run import run
+from verify.comparison.scene import (
+    ENGINES,
+    OBSERVABLES,
+    Scene,
+    further_scenes,
+    load_scene,
+    shipped_scenes,
+    with_tolerance,
+)
+from verify.comparison.scene_families import rational_family_scenes
+
+__all__ = [
+    "ENGINES",
+    "OBSERVABLES",
+    "SCHEMES",
+    "BlowUp",
+    "Composition",
+    "Constants",
+    "RungeKutta",
+    "Scene",
+    "Scheme",
+    "further_scenes",
+    "load_run",
+    "load_scene",
+    "rational_family_scenes",
+    "relative_sup_error",
+    "resume",
+    "run",
+    "save_run",
+    "scheme_named",
+    "shipped_scenes",
+    "stability_limit",
+    "with_tolerance",
+]

@@ -1,0 +1,205 @@
+"""Numbers in a scene that are multiples of the quarter period: "K/2", "3*K/4", "K".
+
+The grammar is ``[integer *] K [/ integer]`` and nothing else; nothing is evaluated as code.
+
+The wave of a scene, and the lattice's initial data made from it.
+
+What a window is fed at its front: the wave's initial far field, moved rigidly.
+
+In the frame that moves with it this is one smooth function, wanted on few hundred sites over and
+over again. It is therefore evaluated once, on Chebyshev points, and interpolated from there.
+"""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, cached_property
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+import derive
+from lattice.sites.state import Sites
+from solutions import ClosedForm, Wave, WaveValues, closed_form
+from solutions.exact import exact_number
+from solutions.jit import njit
+from verify.comparison.scene import Scene
+
+GRAMMAR = re.compile(r"(?:(?P<times>\d{1,6})\s*\*\s*)?K(?:\s*/\s*(?P<over>\d{1,6}))?")
+
+
+def quarter_period_multiple(name: str, text: str) -> Fraction:
+    """The rational r for which ``text`` means r K.
+
+    Raises ValueError for anything outside the grammar.
+
+    >>> quarter_period_multiple("alpha", "3*K/4")
+    Fraction(3, 4)
+    """
+    match = GRAMMAR.fullmatch(text.strip())
+    if match is None or int(match["over"] or 1) == 0:
+        raise ValueError(
+            f"{name} must be a number or a multiple of K, got {text!r} (such as 0.7 or '3*K/4')"
+        )
+    return Fraction(int(match["times"] or 1), int(match["over"] or 1))
+
+
+def exact_quantity(name: str, value: float | str, k: sp.Expr | None) -> float | sp.Expr:
+    """``value`` as a wave takes it: a number unchanged, "K/2" as SymPy's elliptic_k(k**2)/2.
+
+    ``k`` is the exact modulus, None if the wave has none (then a multiple of K is refused).
+    """
+    if not isinstance(value, str):
+        return value
+    multiple = quarter_period_multiple(name, value)
+    if k is None:
+        raise ValueError(f"{name} must be a number, got {value!r} (K needs the modulus k)")
+    return sp.Rational(multiple.numerator, multiple.denominator) * sp.elliptic_k(k**2)
+
+
+Array = NDArray[np.float64]
+
+
+class _InitialVelocity(Protocol):
+    def __call__(self, Y_X: Array, Y_T: Array, c: float, eps: float) -> Array: ...
+
+
+def build_wave(scene: Scene) -> Wave:
+    """The scene's wave with its numbers in.
+
+    Raises ValueError for an unknown wave, a parameter outside its domain, K3 != 0 and K4 of the
+    wrong sign for the wave's equation.
+    """
+    values = dict(scene.parameters)
+    form = closed_form(scene.wave, values)
+    _check_reduction(scene, form)
+    modulus = exact_number("k", values["k"]) if "k" in values else None
+    exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
+    return Wave(form, derive.mkdv_normal_form(scene.K2, scene.K4), **exact)
+
+
+def _check_reduction(scene: Scene, form: ClosedForm) -> None:
+    if scene.K3 != 0:
+        raise ValueError(
+            f"K3 must be 0 for an mKdV wave, got {scene.K3:g} "
+            "(order eps^4 of the reduction reads K3 (Y^2)_XX = 0)"
+        )
+    if scene.K4 * form.equation.s <= 0:
+        sign = ">" if form.equation.s > 0 else "<"
+        raise ValueError(
+            f"K4 must satisfy K4 {sign} 0 for {form.name}, got {scene.K4:g} "
+            f"(it solves the {form.equation.name} equation)"
+        )
+
+
+@cache
+def _initial_velocity() -> _InitialVelocity:
+    expression = derive.initial_velocity()
+    symbols = {symbol.name: symbol for symbol in expression.free_symbols}
+    arguments = [symbols[name] for name in ("Y_X", "Y_T", "c", "eps")]
+    function: _InitialVelocity = sp.lambdify(arguments, expression, "numpy")
+    return function
+
+
+def initial_data(wave: Wave, scene: Scene, sites: ArrayLike) -> tuple[Array, Array]:
+    """Strain y_n = eps Y and velocity s_n of the ansatz at the sites (any real), at time t0."""
+    value = wave.at(sites, scene.t0, scene.eps)
+    return lattice_data(value, scene.constants.sound_speed(), scene.eps)
+
+
+def lattice_data(value: WaveValues, c: float, eps: float) -> tuple[Array, Array]:
+    """Strain and velocity of the ansatz where the wave has the given values; c is sqrt(K2)."""
+    return eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, eps)
+
+
+def rigid_offsets(scene: Scene, speed: float, sites: NDArray[np.int64], t: float) -> Array:
+    """Sites at time t, from the place that began at c t0 and moves at ``speed``."""
+    begin = scene.constants.sound_speed() * scene.t0
+    return np.asarray((sites - begin) - speed * (t - scene.t0), dtype=np.float64)
+
+
+def rigid_data(wave: Wave, scene: Scene, speed: float, offsets: ArrayLike) -> tuple[Array, Array]:
+    """Strain and velocity of the initial strain that moves rigidly at ``speed``.
+
+    Far from the crest, on a constant background, this is what the lattice itself does with the
+    wave's algebraic tail, which is long and weak; ``speed`` is the sound speed there, ``offsets``
+    are as `rigid_offsets` gives them.
+    """
+    X = scene.eps * np.asarray(offsets, dtype=np.float64)
+    value = wave(X, scene.eps**3 * scene.t0)
+    rest = np.zeros_like(X)
+    velocity = _initial_velocity()(value.Y_X, rest, speed, scene.eps)
+    return scene.eps * value.Y, velocity
+
+
+DEGREES = (16, 32, 64, 128)
+"""Degrees tried: Y2's far field takes the first of them."""
+
+ROUNDING = 1e-14
+"""Largest error of the interpolation, of y/eps or of what is largest."""
+
+_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+
+
+@_jit
+def _clenshaw(coefficients: Array, u: Array) -> Array:
+    """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
+    rows, terms = coefficients.shape
+    found = np.empty((rows, u.size))
+    for row in range(rows):
+        c = coefficients[row]
+        for i in range(u.size):
+            one, two = 0.0, 0.0
+            for k in range(terms - 1, 0, -1):
+                one, two = c[k] + 2.0 * u[i] * one - two, one
+            found[row, i] = c[0] + u[i] * one - two
+    return found
+
+
+@dataclass(frozen=True)
+class Tail:
+    """The initial strain that moves at ``speed``, and its velocity, on a stretch of its frame.
+
+    ``low`` and ``high`` are offsets in sites from the place that began at c t0.
+    """
+
+    wave: Wave
+    scene: Scene
+    speed: float
+    low: float
+    high: float
+
+    def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
+        """Strain and velocity at time t on the sites, which must be in the stretch by then."""
+        offsets = rigid_offsets(self.scene, self.speed, sites, t)
+        if self._coefficients is None:
+            return rigid_data(self.wave, self.scene, self.speed, offsets)
+        y, s = _clenshaw(self._coefficients, self._unit(offsets))
+        return y, s
+
+    def _unit(self, offsets: Array) -> Array:
+        """The stretch as -1 .. 1."""
+        return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
+
+    def _exact(self, u: Array) -> Array:
+        offsets = 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u
+        return np.stack(rigid_data(self.wave, self.scene, self.speed, offsets))
+
+    @cached_property
+    def _coefficients(self) -> Array | None:
+        """Those of strain and velocity; None if no degree gives what lies between its points."""
+        for degree in DEGREES:
+            points = chebyshev.chebpts1(degree + 1)
+            values = self._exact(points)
+            level = values[:, 0]  # small coefficients then have small roundings
+            found = (values.T - level).T @ chebyshev.chebvander(points, degree) * 2.0 / points.size
+            found[:, 0] = 0.5 * found[:, 0] + level
+            between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
+            exact = self._exact(between)
+            error = np.abs(_clenshaw(found, between) - exact).max()
+            if error <= ROUNDING * max(self.scene.eps, np.abs(exact).max()):
+                return found
+        return None

@@ -1,0 +1,232 @@
+"""When an observable sees the run.
+
+Recorders: they see a run at their moments and give its variables at the end.
+
+What a run returns: what was recorded, with the scene, the versions and the cost.
+
+One march through a scene, seen by a list of observables.
+"""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+
+from lattice.schemes.stability import check_step
+from lattice.sites.state import State
+from lattice.sites.stepper import March
+from solutions import Wave
+from verify.comparison.domain import build_domain
+from verify.comparison.error import Comparison
+from verify.comparison.observables import axis_values
+from verify.comparison.observables.entry import TIME_DIMENSION, Entry, Moment, View
+from verify.comparison.observables.table import entry_named
+from verify.comparison.scene import Scene
+
+LOOK_EVALUATIONS = 1088
+"""Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
+
+
+@dataclass
+class Moments:
+    """Exact ``times``, or looks at the first stop after every ``interval`` if there are none.
+
+    >>> looks = Moments((), 2.0)
+    >>> [t for t in (0.0, 1.5, 2.5, 4.0, 4.5) if looks.due(t)]
+    [0.0, 2.5, 4.5]
+    """
+
+    times: tuple[float, ...]
+    interval: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._exact = frozenset(self.times)
+        self._next = -np.inf
+
+    def due(self, t: float) -> bool:
+        """Whether the run is to be seen at the stop ``t``; to be asked once for each stop."""
+        if self.times:
+            return t in self._exact
+        if t < self._next:
+            return False
+        self._next = t + self.interval
+        return True
+
+
+def moments_of(scene: Scene, kind: Moment) -> Moments:
+    """The moments of one kind in a scene."""
+    if kind == "snapshots":
+        return Moments(scene.snapshots)
+    if kind == "curve":
+        return Moments(_equidistant(scene, scene.curve_points))
+    if scene.look_points is not None:
+        return Moments(_equidistant(scene, scene.look_points))
+    share = (scene.end - scene.t0) / scene.curve_points
+    least = LOOK_EVALUATIONS / scene.scheme_table.stages * scene.step
+    return Moments((), max(least, share) * (1.0 - 1e-12))
+
+
+def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
+    """Equidistant times of the run, and the snapshots."""
+    equidistant = np.linspace(scene.t0, scene.end, points)
+    return tuple(sorted({float(t) for t in equidistant} | set(scene.snapshots)))
+
+
+Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+
+
+class Observable(Protocol):
+    """Sees the run at its moments; gives its variables at the end."""
+
+    @property
+    def moments(self) -> Moments:
+        """When it wants to see the run."""
+
+    def see(self, view: View) -> None:
+        """Record the run at one of the moments."""
+
+    def variables(self) -> Variables:
+        """Name -> (dimensions, values, attributes)."""
+
+
+class Recorder:
+    """Records the entries that share one kind of moment, and one time dimension."""
+
+    def __init__(self, entries: Sequence[Entry], moments: Moments, dimension: str) -> None:
+        self.entries = tuple(entries)
+        self.moments = moments
+        self.dimension = dimension
+        self.times: list[float] = []
+        self._rows: dict[str, list[Any]] = {}
+
+    def see(self, view: View) -> None:
+        """Measure every entry once."""
+        found = [entry.measure(view) for entry in self.entries]
+        for name, value in ((name, row[name]) for row in found for name in row):
+            self._rows.setdefault(name, []).append(value)
+        self.times.append(view.state.t)
+
+    def variables(self) -> Variables:
+        """What was measured at ``times``, and they unless they are the snapshots'."""
+        found: Variables = {}
+        for variable in (variable for entry in self.entries for variable in entry.variables):
+            if variable.name in self._rows:
+                dimensions = (self.dimension, *variable.dimensions)
+                values = np.array(self._rows[variable.name][: len(self.times)])
+                found[variable.name] = (dimensions, values, variable.attributes)
+        if self.dimension != "time":
+            times = np.array(self.times)
+            found[self.dimension] = ((self.dimension,), times, {"units": "lattice time"})
+        return found
+
+
+def build_recorders(scene: Scene) -> list[Recorder]:
+    """One recorder for each kind of moment at which the scene wants something seen."""
+    entries = [entry_named(name) for name in scene.observables]
+    kinds: tuple[Moment, ...] = ("snapshots", "curve", "looks")
+    return [
+        Recorder(group, moments_of(scene, kind), TIME_DIMENSION[kind])
+        for kind in kinds
+        if (group := [entry for entry in entries if entry.seen == kind])
+    ]
+
+
+PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
+
+
+def build_dataset(
+    scene: Scene, reached: Sequence[float], variables: Variables, cost: Mapping[str, object]
+) -> xr.Dataset:
+    """The run of ``scene``; ``reached`` are the snapshots that were got to."""
+    coordinates: dict[str, object] = {"time": ("time", list(reached), {"units": "lattice time"})}
+    for dimension in {name for dimensions, _, _ in variables.values() for name in dimensions}:
+        axis = axis_values(dimension, scene.compared)
+        if axis is not None:
+            coordinates[dimension] = (dimension, *axis)
+    names = {name for name, (dimensions, _, _) in variables.items() if dimensions == (name,)}
+    coordinates |= {name: variables[name] for name in names}
+    data = {name: value for name, value in variables.items() if name not in names}
+    attributes = {
+        "scene": scene.json(),
+        "title": scene.title or scene.name,
+        **cost,
+        "versions": _versions(),
+    }
+    return xr.Dataset(data, coordinates, attributes)
+
+
+@cache
+def _versions() -> str:
+    """Those of the packages that a run's numbers depend on; each takes a file to be found."""
+    return ", ".join(f"{package} {version(package)}" for package in PACKAGES)
+
+
+Progress = Callable[[float], None]
+"""Called with the share of the work that is done, 0 .. 1."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A march: where it got to, and what it cost (seconds without compilation).
+
+    ``stopped`` if Ctrl-C ended it.
+    """
+
+    march: March
+    step_limit: float
+    seconds: float
+    stopped: bool = False
+
+
+def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[March, float]:
+    """The march of a scene, kernels compiled, and the largest stable step.
+
+    It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
+    same scene. Raises ValueError for a step past the stability limit and for a domain that is too
+    small.
+    """
+    domain, scheme = build_domain(scene, wave), scene.scheme_table
+    initial = domain.start()
+    limit = check_step(scene.step, scheme, scene.constants, initial.y)
+    scheme.advance(initial.y, initial.s, scene.step, 0, scene.constants)
+    state = initial if restart is None else restart
+    amplitude = float(np.max(np.abs(initial.y)))
+    return March(state, scheme, scene.constants, domain, scene.step, amplitude), limit
+
+
+def record(
+    scene: Scene,
+    wave: Wave,
+    observables: Sequence[Observable],
+    progress: Progress,
+    restart: State | None = None,
+) -> Recording:
+    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observable at its moments.
+
+    A run from ``restart`` shows nothing before or at the time of that state.
+    """
+    march, step_limit = prepare(scene, wave, restart)
+    begin = march.state.t
+    exact = {t for observable in observables for t in observable.moments.times}
+    first = {begin} if restart is None else set()
+    times = sorted({t for t in exact if t > begin} | first | {scene.end})
+    begun, stopped = time.perf_counter(), False
+    try:
+        for state in march.through(times):
+            view = Comparison(scene, wave, state)
+            for observable in observables:
+                if observable.moments.due(state.t):
+                    observable.see(view)
+            progress(_share(begin, scene.end, state.t))
+    except KeyboardInterrupt:
+        stopped = True
+    return Recording(march, step_limit, time.perf_counter() - begun, stopped)
+
+
+def _share(begin: float, end: float, t: float) -> float:
+    return (t - begin) / (end - begin) if end > begin else 1.0

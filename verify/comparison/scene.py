@@ -1,0 +1,198 @@
+"""A scene: what to run, and which effects are wanted of it."""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+
+from lattice.model import Constants
+from lattice.schemes.catalogue import scheme_named
+from lattice.schemes.scheme import Scheme
+from verify.comparison import scene_checks as check
+from verify.comparison.observables import NAMES, entry_named
+from verify.comparison.scene_checks import read_scene_file
+
+OBSERVABLES = NAMES
+DOMAINS = ("window", "ring", "closed_ring")
+ENGINES = ("stencil", "spectral")
+DEFAULT_SCHEME = "kahan_li_8"
+FOLDER = files("verify.comparison.scenes")
+FURTHER = files("verify.comparison.scenes.further")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One run, stated in full; numbers are checked when the record is made.
+
+    Times are in units of the lattice, lengths in sites. ``compared`` is the half-width of the
+    compared region about the site nearest to c t. How it is computed is stated in one of two ways:
+
+    * ``step`` (the largest time step), ``domain`` (a ``window`` that moves with the wave, for
+      constant backgrounds, a fixed ``ring``, or a ``closed_ring``, whose ends pass smoothly into
+      each other), its size ``sites``, and ``scheme``;
+    * ``tolerance``: the sup error of y/eps over the compared sites, against the infinite lattice
+      started from the same data. The program then chooses engine, scheme, step and domain;
+      ``engine`` and ``scheme`` may be named.
+
+    The error curve is sampled at ``curve_points`` equidistant times and
+    the snapshots; what is only looked at (energy, crest, ...) is seen at most as often, where the
+    march stops anyway, or at ``look_points`` equidistant times if that is given. ``parameters`` are
+    the wave's, as (name, value) pairs.
+
+    Raises ValueError in one line: argument, condition, value, remedy.
+    """
+
+    name: str
+    wave: str
+    eps: float
+    t0: float
+    snapshots: tuple[float, ...]
+    K2: float
+    K4: float
+    compared: int
+    step: float = 0.0
+    domain: str = ""
+    sites: int = 0
+    K3: float = 0.0
+    parameters: tuple[tuple[str, float | str], ...] = ()
+    observables: tuple[str, ...] = ("strain", "error_curve")
+    scheme: str = ""
+    tolerance: float | None = None
+    engine: str = ""
+    curve_points: int = 201
+    look_points: int | None = None
+    title: str = ""
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> "Scene":
+        """Read a scene file (`scene_toml.py` says what may stand in it)."""
+        try:
+            return cls(**read_scene_file(Path(path)))
+        except ValueError as error:
+            text = str(error)
+            file = Path(path).name
+            raise ValueError(text if file in text else f"{file}: {text}") from None
+
+    def __post_init__(self) -> None:
+        for key in ("wave", "title", "domain", "scheme", "engine"):
+            check.text(key, getattr(self, key))
+        for key in ("eps", "t0", "K2", "K3", "K4", "step"):
+            object.__setattr__(self, key, check.finite(key, getattr(self, key)))
+        for key in ("compared", "curve_points"):
+            check.whole(key, getattr(self, key))
+        check.positive("eps", self.eps)
+        object.__setattr__(self, "snapshots", check.times(self.snapshots, self.t0))
+        object.__setattr__(self, "observables", check.observables(self.observables))
+        object.__setattr__(self, "parameters", check.parameters(self.parameters))
+        if self.look_points is not None:
+            check.whole("look_points", self.look_points)
+        if self.engine:
+            check.one_of("engine", self.engine, ENGINES)
+        if self.tolerance is None:
+            self._check_stated()
+        else:
+            self._check_chosen(self.tolerance)
+        self.constants.sound_speed()
+
+    def _check_stated(self) -> None:
+        """The scene states scheme, step and domain."""
+        object.__setattr__(self, "scheme", self.scheme or DEFAULT_SCHEME)
+        scheme_named(self.scheme)
+        check.whole("sites", self.sites)
+        check.positive("step", self.step)
+        check.enough_steps(self.step, self.end - self.t0)
+        check.one_of("domain", self.domain, DOMAINS)
+        if self.engine == "spectral":
+            raise ValueError(
+                "tolerance must be given for engine 'spectral', got none (it takes no step)"
+            )
+        for name in self.observables:
+            if entry_named(name).needs_ring and self.domain == "window":
+                raise ValueError(
+                    f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
+                )
+
+    def _check_chosen(self, tolerance: float) -> None:
+        """The scene leaves step and domain to the program."""
+        check.tolerance(tolerance)
+        for key in ("step", "domain", "sites"):
+            if getattr(self, key):
+                raise ValueError(
+                    f"{key} must not be given with a tolerance, got {getattr(self, key)} "
+                    "(the tolerance determines it; leave out one of the two)"
+                )
+        if self.scheme:
+            scheme_named(self.scheme)
+            if self.engine == "spectral":
+                raise ValueError(
+                    f"scheme must not be given for engine 'spectral', got {self.scheme!r} "
+                    "(it has its own)"
+                )
+        for name in self.observables:
+            if entry_named(name).seen == "refinement":
+                raise ValueError(
+                    f"observables must have no refinement with a tolerance, got {name} "
+                    "(leave it out: the run reports an estimate of its own)"
+                )
+
+    @cached_property
+    def constants(self) -> Constants:
+        """The lattice constants."""
+        return Constants(self.K2, self.K3, self.K4)
+
+    @property
+    def scheme_table(self) -> Scheme:
+        """The scheme itself."""
+        return scheme_named(self.scheme)
+
+    @property
+    def end(self) -> float:
+        """The last time of the run."""
+        return max(self.snapshots)
+
+    def json(self) -> str:
+        """The record as JSON, keys sorted."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+
+def with_tolerance(scene: Scene, tolerance: float) -> Scene:
+    """The scene with a tolerance in the place of its step, domain and measured refinements."""
+    wanted = tuple(name for name in scene.observables if entry_named(name).seen != "refinement")
+    scheme = scene.scheme if scene.tolerance is not None else ""
+    chosen = {"scheme": scheme, "step": 0.0, "domain": "", "sites": 0}
+    return replace(scene, tolerance=tolerance, observables=wanted, **chosen)  # type: ignore[arg-type]
+
+
+def shipped_scenes() -> tuple[str, ...]:
+    """Names of the paper's scenes, which come with the package, sorted.
+
+    >>> "rational_2_eps_0.05" in shipped_scenes()
+    True
+    """
+    return _names(FOLDER)
+
+
+def further_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package and go beyond the paper, sorted.
+
+    >>> "rogue_cn_k_0.5_long" in further_scenes()
+    True
+    """
+    return _names(FURTHER)
+
+
+def load_scene(name: str) -> Scene:
+    """The shipped scene of that name, the paper's or a further one; ValueError lists them."""
+    for folder in (FOLDER, FURTHER):
+        if name in _names(folder):
+            with as_file(folder / f"{name}.toml") as path:
+                return Scene.from_toml(path)
+    known = ", ".join((*shipped_scenes(), *further_scenes()))
+    raise ValueError(f"scene must be a TOML file or a shipped scene, got {name!r} (one of {known})")
+
+
+def _names(folder: Traversable) -> tuple[str, ...]:
+    found = (entry.name for entry in folder.iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))

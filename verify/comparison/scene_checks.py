@@ -1,0 +1,254 @@
+"""Checks of a scene's fields; each raises ValueError in one line.
+
+The line has the argument, the condition, the value and the remedy.
+
+Scene files: TOML with a whitelist of keys.
+
+title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
+[lattice]     K2, K3, K4
+[parameters]  the wave's own: numbers, or multiples of K such as "K/2"
+[scheme]      name, step
+[domain]      kind, sites, compared
+
+A scene with a tolerance states no step, kind and sites.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from verify.comparison.observables import NAMES
+
+MOST_STEPS = 1e10
+
+USUAL: Mapping[str, str] = {
+    "eps": "0.05",
+    "t0": "-1000",
+    "K2": "1",
+    "K3": "0",
+    "K4": "1",
+    "step": "0.5",
+    "sites": "4096",
+    "compared": "200",
+    "curve_points": "201",
+    "look_points": "201",
+    "tolerance": "1e-4",
+    "snapshots": "[-100, 0, 100]",
+}
+"""What may be written instead of a wrong value."""
+
+LEAST_TOLERANCE = 1e-11
+"""Sup error of y/eps that double precision still tells from rounding (Y2 over t = 15000)."""
+
+SMALLEST = 1e-50
+"""Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
+
+LARGEST = 1e9
+"""Whole numbers above it would be more than any memory holds."""
+
+
+def finite(name: str, value: object) -> float:
+    """The value as a float, if it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{name} must be a number, got {shown(value)}{_remedy(name)}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
+    if value != 0 and not SMALLEST <= abs(value) <= 1 / SMALLEST:
+        raise ValueError(
+            f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
+            f"got {shown(value)}{_remedy(name)}"
+        )
+    return float(value)
+
+
+def positive(name: str, value: float) -> None:
+    """Refuse what is not positive."""
+    if value <= 0:
+        raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
+
+
+def tolerance(value: float) -> None:
+    """Refuse a tolerance that is not positive, or below rounding."""
+    positive("tolerance", finite("tolerance", value))
+    if value < LEAST_TOLERANCE:
+        raise ValueError(
+            f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
+            "(rounding alone makes as much in a long run)"
+        )
+
+
+def whole(name: str, value: object) -> None:
+    """Refuse what is not a whole number >= 1, and what no memory holds."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LARGEST:
+        raise ValueError(
+            f"{name} must be a whole number, 1 <= {name} <= {LARGEST:g}, got {shown(value)}"
+            f"{_remedy(name)}"
+        )
+
+
+def enough_steps(step: float, duration: float) -> None:
+    """Refuse a step with which nobody will see the run's end."""
+    if duration > MOST_STEPS * step:
+        raise ValueError(
+            f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
+            f"got {step:g} (that would be more than {MOST_STEPS:g} steps)"
+        )
+
+
+def text(name: str, value: object) -> None:
+    """Refuse what is no text."""
+    if not isinstance(value, str):
+        raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+
+
+def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
+    """Refuse a word that is not known."""
+    if value not in known:
+        raise ValueError(
+            f"{name} must be a known one, got {shown(value)} (one of {', '.join(known)})"
+        )
+
+
+def times(values: object, t0: float) -> tuple[float, ...]:
+    """Increasing times from t0 on."""
+    if not isinstance(values, list | tuple) or not values:
+        raise ValueError(
+            f"snapshots must be a list of at least one time, got {shown(values)}"
+            f"{_remedy('snapshots')}"
+        )
+    checked = tuple(finite("snapshots", value) for value in values)
+    if min(checked) < t0:
+        raise ValueError(
+            f"snapshots must satisfy t >= t0 = {t0:g}, got {min(checked):g} (start earlier)"
+        )
+    if list(checked) != sorted(set(checked)):
+        raise ValueError(f"snapshots must increase, got {list(checked)} (sort them)")
+    return checked
+
+
+def observables(values: object) -> tuple[str, ...]:
+    """Known observables."""
+    if not isinstance(values, list | tuple):
+        raise ValueError(
+            f'observables must be a list of names, got {shown(values)} (such as ["strain"])'
+        )
+    for value in values:
+        one_of("observables", value, NAMES)
+    return tuple(values)
+
+
+def parameters(
+    values: Mapping[str, float | str] | tuple[tuple[str, float | str], ...],
+) -> tuple[tuple[str, float | str], ...]:
+    """The wave's parameters as pairs: finite numbers, or texts that `quantity.py` reads."""
+    pairs = values.items() if isinstance(values, Mapping) else values
+    return tuple(
+        (str(name), value if isinstance(value, str) else finite(str(name), value))
+        for name, value in pairs
+    )
+
+
+def shown(value: object) -> str:
+    """The value as it is put into a message: short, whatever a file holds.
+
+    >>> shown(10**5000)
+    'an integer of 16610 bits'
+    """
+    if isinstance(value, int) and value.bit_length() > 100:
+        return f"an integer of {value.bit_length()} bits"
+    found = repr(value)
+    return found if len(found) <= 60 else f"{found[:57]}..."
+
+
+def _remedy(name: str) -> str:
+    return f" (such as {USUAL.get(name, '0.5')})"
+
+
+TOP = (
+    "title",
+    "wave",
+    "eps",
+    "t0",
+    "snapshots",
+    "observables",
+    "curve_points",
+    "look_points",
+    "tolerance",
+    "engine",
+)
+TABLES = {
+    "lattice": {"K2": "K2", "K3": "K3", "K4": "K4"},
+    "scheme": {"name": "scheme", "step": "step"},
+    "domain": {"kind": "domain", "sites": "sites", "compared": "compared"},
+}
+REQUIRED = ("wave", "eps", "t0", "snapshots", "K2", "K4", "compared")
+STATED = ("step", "domain", "sites")
+"""Required unless there is a tolerance."""
+
+
+def read_scene_file(path: Path) -> dict[str, Any]:
+    """The scene's fields by name, the file's stem as ``name``.
+
+    Raises ValueError for a file that is missing, is not TOML, has an unknown key or lacks one.
+    """
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(
+            f"scene must be a file that can be read, got {path}: {error.strerror} "
+            "(or the name of a shipped scene)"
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"scene must be a TOML file, got {path}: {error} (mend it)") from None
+    try:
+        return {"name": path.stem, **scene_fields(document)}
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from None
+
+
+def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Flatten a parsed document into the scene's fields, refusing unknown keys.
+
+    >>> scene_fields({"colour": 3})
+    Traceback (most recent call last):
+    ...
+    ValueError: keys must be known ones, got colour (one of title, wave, ..., domain, parameters)
+    """
+    _refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
+    fields = {key: document[key] for key in TOP if key in document}
+    for table, renamed in TABLES.items():
+        entries = _table(document, table)
+        _refuse_unknown(entries, tuple(renamed), f" in [{table}]")
+        fields |= {renamed[key]: value for key, value in entries.items()}
+    required = REQUIRED if "tolerance" in fields else (*REQUIRED, *STATED)
+    missing = [key for key in required if key not in fields]
+    if missing:
+        remedy = " or a tolerance" if missing[0] in STATED else ""
+        raise ValueError(f"{_where(missing[0])} must be stated, got nothing (state it{remedy})")
+    fields["parameters"] = tuple(_table(document, "parameters").items())
+    return fields
+
+
+def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = document.get(name, {})
+    if not isinstance(table, Mapping):
+        raise ValueError(f"{name} must be a table, got {table!r} (write [{name}])")
+    return table
+
+
+def _where(field: str) -> str:
+    for table, renamed in TABLES.items():
+        for key, target in renamed.items():
+            if target == field:
+                return f"{key} in [{table}]"
+    return field
+
+
+def _refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    for key in entries:
+        if key not in known:
+            raise ValueError(
+                f"keys{where} must be known ones, got {key} (one of {', '.join(known)})"
+            )

@@ -1,0 +1,397 @@
+"""A run by the spectral engine, with the step, the sampling and the ring that a tolerance needs.
+
+The choices are judged by `refine.py`: a control run has a shorter step, more points, a wider ring
+with its seam elsewhere, and an absorber of half the strength. At all times the tail of the spectrum
+is watched; where it rises above its bound, the run is begun again with more points. A ring that is
+taken for causal is checked against the strains that were met on it.
+"""
+
+import math
+import time
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.estimate import Estimate, clock_error, rounding_error
+from lattice.refine import (
+    NUDGE,
+    Announce,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    refine,
+)
+from lattice.spectral.absorber import STRENGTH
+from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
+from lattice.spectral.exponential import ORDER
+from lattice.spectral.ring import RingState
+from lattice.spectral.sublattices import ALIKE, DENSITY, energy_spread, telling_step
+from verify.comparison.spectral_data import (
+    Ring,
+    first_density,
+    first_step,
+    ring_data,
+    turning_time,
+    typical_number,
+)
+from verify.comparison.spectral_task import SpectralCost, SpectralRun, SpectralTask
+
+__all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
+
+Array = NDArray[np.float64]
+
+STEP_RATIO, DENSITY_RATIO, SIZE_RATIO = 0.6, 1.25, 1.5
+"""Step, density and circumference of a control run, in units of those of the run before it. Where
+the control's ring would be causal, so is the first; a kink's always is. With 1.15 for the density,
+two samplings about two points a site agreed on an error above their estimate."""
+
+SHIFT = 0.07
+"""By how much its middle moves, in circumferences."""
+
+WEAKER = 0.5
+"""Strength of its absorber, in units of that of the run before it."""
+
+REACHES = (0.3, 3.0)
+"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+
+TAIL_SHARE = 0.1
+"""Bound of the spectrum's tail, in units of the tolerance."""
+
+SOFTENED = 0.01
+"""If the times at which waves cease to exist in three runs differ less, in units of the time since
+the beginning, and beside what the watch resolves, it is not the step that does it."""
+
+STARTED = 15.0
+"""A start ends when sound has gone so many times 1/k, k the data's typical wave number."""
+
+START = 0.1
+"""Step of the start, in units of the time in which sound goes 1/k."""
+
+STEEPEST = 0.65
+"""Largest a |y|: beyond, a wave is as short as the distance of sites, and no step is long enough to
+pay (a soliton's width in sites is 1/(a |y|))."""
+
+SLENDER = 0.2
+"""Up to this a |y| the energies of the ring's lattices differ by less than rounding."""
+
+RESOLVED = 2.5
+"""Points per site that a steep wave takes."""
+
+MOST_WORK = 4e9
+"""Most work of a run with such steps, some ten seconds on the ring where no seam is felt: what a
+steep wave radiates without end does not let a smaller one do."""
+
+SHORTEST = 0.02
+"""Shortest step, in units of the time in which sound goes a site: below it a run site by site takes
+less."""
+
+LEAST_POINTS = 256
+"""Points on the smallest ring: the numbers that transform fast then lie so close that a control run
+never has as many."""
+
+MOST_POINTS = 2**20
+"""Points on the largest ring: a run takes 510 bytes a point (measured)."""
+
+
+class RingTooLargeError(ValueError):
+    """A tolerance that needs more points than a ring may have."""
+
+
+class StepTooShortError(ValueError):
+    """A tolerance, or a wave, that needs shorter steps than the engine should take."""
+
+
+def spectral_run(
+    task: SpectralTask,
+    progress: Progress = lambda _: None,
+    announce: Announce = lambda _: None,
+) -> SpectralRun:
+    """Run the task to its tolerance.
+
+    ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the tolerance
+    needs too many points, ValueError if it is below what rounding leaves, and FloatingPointError if
+    the lattice blows up.
+    """
+    engine = SpectralEngine(task)
+    found = refine(engine, task.tolerance, progress, announce)
+    trial = found.trial
+    if trial.values is None:
+        step = trial.choices.step
+        raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
+    progress(1.0)
+    decade = 10.0 ** (1.0 / ORDER)
+    if not trial.choices.causal:
+        decade *= 10.0 ** (1.0 / engine.decay)
+    estimate = Estimate(found.error, found.rounding, decade)
+    cost = replace(trial.payload, planning_seconds=found.before)
+    return SpectralRun(task, trial.values, trial.choices, estimate, cost)
+
+
+class SpectralEngine:
+    """Runs of a task on rings, its initial data kept."""
+
+    kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
+    threads = 1
+    safety = 4.0
+    """What still comes round the ring was measured to fall as slowly as L^-1/2; what long steps
+    average away, as step^1/2."""
+    order = ORDER
+    unstable = 10
+    fragile = False
+    """Waves so steep that rounding grows soon are refused."""
+
+    def __init__(self, task: SpectralTask) -> None:
+        self._task = task
+        self.most_work = task.most_work
+        self._duration = task.times[-1] - task.t0
+        self._data = ring_data(
+            task.constants,
+            task.wave,
+            task.eps,
+            (task.t0, *task.times),
+            task.compared,
+            task.tolerance,
+        )
+        steepness = self._steepness(self._data.extent.strain)
+        if steepness > STEEPEST:
+            raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
+        self._density = first_density(task.wave, task.eps)
+        self._started = task.t0
+        self._rings: dict[tuple[float, float, bool], Ring] = {}
+        self._states: dict[tuple[Ring, int], RingState] = {}
+        self._alike = 0.0
+        self._softened: list[float] = []
+        self._soft: NotHyperbolicError | None = None
+
+    @property
+    def decay(self) -> int:
+        """A ring's error falls at least like L^-decay, from what was measured."""
+        return 2 if self._data.periodic else 3
+
+    def first(self) -> Choices:
+        """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
+        choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
+        state, c = self._state(choices), self._task.constants.sound_speed()
+        k = typical_number(state)
+        turning = turning_time(self._task.constants, state, k)
+        step = first_step(c, self._duration, k, turning)
+        self._alike = self._apart(self._duration / turning)
+        if self._alike > ALIKE * self._task.tolerance:
+            step = min(step, telling_step(c))
+            self._refuse_toil(step)
+        length = 1.0 / (c * k)
+        start = START * length if STARTED * length < self._duration else 0.0
+        if not start:
+            step = min(step, START * length)
+        absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
+        self._started = self._task.t0 + STARTED * length
+        return replace(choices, step=step, absorber=absorber, start=start)
+
+    def _refuse_toil(self, step: float) -> None:
+        """Refuse so short steps where a run site by site takes much less."""
+        limit = self._data.causal
+        assert limit is not None
+        widest = replace(Choices(step, limit.circumference), density=RESOLVED)
+        if self.work(widest) > MOST_WORK:
+            raise StepTooShortError(f"steps below {step:.2g} for so long")
+
+    def _steepness(self, strain: Array) -> float:
+        return float(self._task.wave.normal_form.a) * float(np.max(np.abs(strain)))
+
+    def _apart(self, turns: float) -> float:
+        """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
+        data, extent = self._data, self._data.extent
+        if self._steepness(extent.strain) <= SLENDER:
+            return 0.0
+        ring = data.ring(data.smallest)
+        state = data.state(ring, _points(DENSITY * ring.circumference))
+        spread = energy_spread(data.constants, state, data.seam(ring.circumference))
+        return (1.0 + turns) * spread * float(np.max(np.abs(extent.strain))) / data.eps
+
+    def scout(self) -> Engine:
+        """None: a ring must hold what it holds."""
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run, with more points if the spectrum's tail calls for them.
+
+        A step that is too long lets short waves grow, however densely they are sampled. A lattice
+        on which waves cease to exist is told from it by losing them at the same time with another
+        step, or by its initial data.
+        """
+        kept = self._density
+        while True:
+            dense = replace(choices, density=self._dense(choices), finer=1.0)
+            try:
+                trial = self._run(dense, progress)
+            except SamplingError:
+                self._density = 1.5 * dense.density / choices.finer
+                continue
+            except FloatingPointError as error:
+                if isinstance(error, NotHyperbolicError) and self._by_itself(error, dense.step):
+                    raise
+                if not isinstance(error, NotHyperbolicError):
+                    self._soft = None
+                self._density = kept
+                return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
+            self._soft = None
+            wider = self._outrun(dense, trial.payload.strain)
+            if wider is None:
+                return trial
+            choices = wider
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, more points, a wider ring with its seam elsewhere."""
+        if "step" in kinds:
+            step, start = STEP_RATIO * choices.step, STEP_RATIO * choices.start
+            choices = replace(choices, step=step, start=start)
+        if "sampling" in kinds:
+            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
+        if "domain" in kinds and not choices.causal:
+            weaker = replace(choices, absorber=WEAKER * choices.absorber)
+            wider = self._sized(weaker, SIZE_RATIO * choices.size)
+            choices = replace(wider, shift=choices.shift + SHIFT)
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the laws of the method's order and of the ring's size."""
+        if kind == "step":
+            factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
+            start = factor * choices.start if math.isfinite(excess) else choices.start
+            shorter = replace(choices, step=factor * choices.step, start=start)
+            if shorter.step * self._task.constants.sound_speed() < SHORTEST < self._duration:
+                raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
+            return shorter
+        if kind == "sampling":
+            return replace(choices, density=1.4 * self._dense(choices))
+        if choices.causal:
+            return choices
+        factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
+        return self._sized(choices, factor * choices.size)
+
+    def work(self, choices: Choices) -> float:
+        """Evaluations times points times their logarithm."""
+        points = choices.size * self._dense(choices)
+        return self._duration / choices.step * points * math.log2(points + 2.0)
+
+    def _dense(self, choices: Choices) -> float:
+        """Points per site that the choices mean, by what is known of the spectrum now."""
+        least = LEAST_POINTS / choices.size
+        return choices.finer * max(choices.density, self._density, least)
+
+    def _sized(self, choices: Choices, size: float) -> Choices:
+        limit = self._data.causal
+        if limit is None:
+            return replace(choices, size=size)
+        if self._data.kink or SIZE_RATIO * size >= limit.circumference:
+            return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
+        return replace(choices, size=size)
+
+    def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
+        """Whether waves cease to exist whatever the step: at first, or when they did before."""
+        passed, self._soft = error.t - self._task.t0, error
+        apart = SOFTENED * passed + WATCH * step
+        alike = [abs(t - passed) <= apart for t in self._softened]
+        self._softened = [*self._softened[-1:], passed]
+        return passed == 0.0 or (passed > 2 * WATCH * step and alike == [True, True])
+
+    def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
+        """The choices on a wider causal ring, if the strains met were too fast for this one."""
+        data, constants = self._data, self._task.constants
+        strain = np.array([*met, *data.extent.strain])
+        if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
+            return None
+        self._data = replace(data, extent=replace(data.extent, strain=strain))
+        self._rings.clear()
+        return self._sized(choices, math.inf)
+
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        task = self._task
+        begun = time.perf_counter()
+        tail = TAIL_SHARE * task.tolerance * task.eps
+        state = self._state(choices)
+        if choices.nudged:
+            state = replace(state, y=(1.0 + NUDGE) * state.y)
+        cutoff = short = 0.0
+        if choices.absorber:
+            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
+        rings: list[SpectralRing] = []
+        rows: list[Array] = []
+        stopped = False
+        try:
+            for start, times, step in self._phases(choices):
+                state = state if not rings else rings[-1].at(start)
+                rings.append(
+                    SpectralRing(
+                        task.constants,
+                        state,
+                        step,
+                        tail,
+                        absorbed=cutoff,
+                        strength=choices.absorber,
+                        short=short,
+                    )
+                )
+                for t in times:
+                    rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
+                    progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+        except KeyboardInterrupt:
+            if not rows:
+                raise
+            stopped = True
+        values = np.array(rows)
+        strain = min(r.strain[0] for r in rings), max(r.strain[1] for r in rings)
+        steps = sum(ring.integrator.steps for ring in rings)
+        evaluations = sum(ring.integrator.evaluations for ring in rings)
+        points = state.y.size
+        seconds = time.perf_counter() - begun
+        cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
+        rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
+        rounding += clock_error(values, task.constants.sound_speed(), (task.t0, task.times[-1]))
+        work = evaluations * points * math.log2(points)
+        told = choices.step <= telling_step(task.constants.sound_speed())
+        alike = 0.0 if told else self._alike
+        trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
+        if stopped:
+            raise StoppedTrial(trial)
+        return trial
+
+    def _phases(self, choices: Choices) -> Iterator[tuple[float, list[float], float]]:
+        """The start, if it has a step of its own, and what follows: beginning, times, step.
+
+        The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
+        leaves the wave would replace it by its mean, whatever their length.
+        """
+        t0, times, began = self._task.t0, list(self._task.times), self._started
+        if not 0.0 < choices.start < choices.step:
+            yield t0, times, choices.step
+            return
+        yield t0, [t for t in times if t < began], choices.start
+        yield began, [t for t in times if t >= began], choices.step
+
+    def _ring(self, choices: Choices) -> Ring:
+        key = (choices.size, choices.shift, choices.causal)
+        if key not in self._rings:
+            size = math.inf if choices.causal else choices.size
+            self._rings[key] = self._data.ring(size, choices.shift)
+        return self._rings[key]
+
+    def _state(self, choices: Choices) -> RingState:
+        ring = self._ring(choices)
+        points = _points(ring.circumference * choices.density)
+        if (ring, points) not in self._states:
+            self._states[ring, points] = self._data.state(ring, points)
+        return self._states[ring, points]
+
+
+def _points(wanted: float) -> int:
+    """The next larger number of points that transforms fast."""
+    if wanted > MOST_POINTS:
+        raise RingTooLargeError(f"a ring of more than {MOST_POINTS} points")
+    return 2 * int(ducc0.fft.good_size(math.ceil(wanted / 2.0), True))

@@ -1,0 +1,118 @@
+"""How long a run about a periodic background can be trusted."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from solutions import Wave, WaveValues, closed_form
+from verify.comparison.hill import MOST_MODES, fastest_rate
+from verify.comparison.initial_data import build_wave
+from verify.comparison.scene import Scene
+
+ROUNDING = 2.0**-53
+"""Relative size of the perturbation that rounding seeds."""
+
+TOLERANCE = 1e-4
+"""What rounding may reach, of y/eps, in a scene that states no tolerance."""
+
+FLOOR = 1e-6
+"""Growth rates per tau below this are the rounding of a multiple eigenvalue, not growth."""
+
+SAMPLES = 8 * MOST_MODES
+
+
+@dataclass(frozen=True)
+class Trust:
+    """Growth rate (per lattice time) of the fastest perturbation, and the time it leaves."""
+
+    rate: float
+    horizon: float
+
+
+@lru_cache(maxsize=64)
+def trust_in(scene: Scene, tolerance: float) -> Trust:
+    """How long rounding stays below ``tolerance`` (of y/eps) on the scene's background.
+
+    The rate is that of the reduced equation, of relative accuracy eps^2, the largest over all
+    perturbations of the infinite lattice. It is 0, and the horizon infinite, on a constant
+    background and on stable periodic ones; both are NaN where the background is too sharp for
+    `fastest_rate`.
+    """
+    if not has_periodic_background(scene):
+        return Trust(0.0, math.inf)
+    wave = build_wave(scene)
+    per_tau = _fastest_rate(wave)
+    rate = 0.0 if per_tau <= FLOOR else per_tau * float(wave.normal_form.b) * scene.eps**3
+    return Trust(rate, horizon(rate, tolerance, ROUNDING))
+
+
+def has_periodic_background(scene: Scene) -> bool:
+    """Whether there is anything that could grow about the scene's far field."""
+    return closed_form(scene.wave, dict(scene.parameters)).period is not None
+
+
+def trust_attributes(scene: Scene) -> dict[str, float]:
+    """``trust_rate`` and ``trust_horizon`` for a run's attributes; {} on a constant background.
+
+    The horizon is the time after t0 until rounding has grown to the scene's tolerance.
+    """
+    if not has_periodic_background(scene):
+        return {}
+    trust = trust_in(scene, scene.tolerance or TOLERANCE)
+    return {"trust_rate": trust.rate, "trust_horizon": trust.horizon}
+
+
+def check_trust(scene: Scene) -> None:
+    """Refuse a tolerance that rounding alone exceeds before the scene's end; ValueError.
+
+    The rate is computed only where a bound of it leaves that open.
+    """
+    if scene.tolerance is None or not has_periodic_background(scene):
+        return
+    if scene.t0 + horizon(_most_rate(scene), scene.tolerance, ROUNDING) >= scene.end:
+        return
+    trust = trust_in(scene, scene.tolerance)
+    if scene.t0 + trust.horizon < scene.end:
+        raise ValueError(
+            f"snapshots must satisfy t <= {scene.t0 + trust.horizon:.4g} with tolerance "
+            f"{scene.tolerance:g}, got {scene.end:g} (the background is unstable: its fastest "
+            f"perturbation grows like exp({trust.rate:.3g} t), and rounding has then grown to the "
+            "tolerance; end earlier, or state a step to run on regardless)"
+        )
+
+
+def horizon(rate: float, tolerance: float, rounding: float) -> float:
+    """Time until a perturbation as small as ``rounding`` has grown to ``tolerance`` at ``rate``.
+
+    A run about an unstable wave is trustworthy up to then, however small its step.
+
+    >>> round(horizon(0.001, 1e-4, 1e-16))
+    27631
+    """
+    return math.inf if rate == 0.0 else max(0.0, math.log(tolerance / rounding)) / rate
+
+
+def _most_rate(scene: Scene) -> float:
+    """A bound of the growth rate per time: 3 max|(U^2)'|, as the energy of W grows in `hill`."""
+    wave = build_wave(scene)
+    bare = _background(wave)
+    steepest = float(np.max(np.abs(bare.Y * bare.Y_X))) / float(wave.normal_form.a)
+    return 6.0 * steepest * float(wave.normal_form.b) * scene.eps**3
+
+
+def _background(wave: Wave) -> WaveValues:
+    """The far field at ``SAMPLES`` points of a wavelength."""
+    points = float(wave.wavelength or 0.0) * np.arange(SAMPLES) / SAMPLES
+    return wave.far_field(points, 0.0, "left")
+
+
+def _fastest_rate(wave: Wave) -> float:
+    """Largest growth rate per tau; the wave's speed is read off where it is steepest."""
+    period = float(wave.wavelength or 0.0)
+    a, b, s = (float(getattr(wave.normal_form, name)) for name in ("a", "b", "s"))
+    bare = _background(wave)
+    steepest = int(np.argmax(np.abs(bare.Y_X)))
+    speed = -(bare.Y_T[steepest] / b) / (bare.Y_X[steepest] / a)
+    return fastest_rate(bare.Y, a * period, float(speed), int(s))

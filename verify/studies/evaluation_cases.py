@@ -1,0 +1,206 @@
+"""The waves, parameters, constants and times on which evaluation is measured: the stated domain.
+
+``all_cases`` has the ends of every parameter's domain at ordinary constants, and cases drawn from
+the whole domain: k and every other bounded parameter down to 1e-8 from one end and 1e-12 from the
+other, amplitudes from 1e-3 to 1e3, K2 and |K4| from 1e-4 to 1e4, eps from 1e-3 to 1/2, sites to
+1e8, four of them at the corners of K2 and K4; rational solutions up to order 8 with and without
+free shifts.
+"""
+
+import random
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive import NormalForm, mkdv_normal_form
+from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from verify.studies.soliton_cases import SOLITON_VALUES
+
+__all__ = ["MODULI", "TIMES", "Case", "all_cases", "drawn_cases", "wave_names"]
+
+MODULI: tuple[sp.Rational, ...] = (
+    sp.Rational(1, 10**8),
+    sp.Rational(1, 100),
+    sp.Rational(1, 2),
+    sp.Rational(9, 10),
+    sp.Rational(99, 100),
+    1 - sp.Rational(1, 10**4),
+    1 - sp.Rational(1, 10**8),
+    1 - sp.Rational(1, 10**12),
+)
+
+ALPHA_OVER_K: tuple[sp.Rational, ...] = (
+    sp.Rational(1, 10**8),
+    sp.Rational(1, 2),
+    1 - sp.Rational(1, 10**8),
+)
+AMPLITUDES: tuple[sp.Rational, ...] = tuple(
+    sp.Rational(value) for value in ("1/1000", "1/10", "1", "3/2", "10", "40", "1000")
+)
+LARGEST_ORDER = 8
+SHIFTS: tuple[sp.Rational, ...] = (sp.Rational(-7, 3), sp.Rational(11, 2))
+
+TIMES = (0, 2960, 800_000, 80_000_000, -80_000_000)
+"""Lattice times: T = 0, 0.37, 100, 1e4 and -1e4 at eps = 1/20."""
+
+DRAWN = 24
+"""Cases drawn for each wave."""
+
+FARTHEST_SITE = 1e8
+SMALLEST, BELOW_ONE = 1e-8, 1e-12
+LEAST, LARGEST = 1e-3, 1e3
+WEAKEST, STRONGEST = 1e-4, 1e4
+FINEST, COARSEST = 1e-3, 0.5
+
+CORNERS: tuple[tuple[sp.Rational, sp.Rational, sp.Rational], ...] = tuple(
+    (sp.Rational(str(K2)), sp.Rational(str(K4)), sp.Rational(str(eps)))
+    for K2, K4, eps in (
+        (WEAKEST, STRONGEST, COARSEST),
+        (STRONGEST, WEAKEST, FINEST),
+        (WEAKEST, WEAKEST, COARSEST),
+        (STRONGEST, STRONGEST, COARSEST),
+    )
+)
+"""Ends of K2, K4 and eps; at the first, phases reach 1e19 and more at late times."""
+
+USUAL_EPS = sp.Rational(1, 20)
+
+Values = tuple[tuple[str, sp.Expr], ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A wave by its name (``rational_j`` for any j) with exact parameter values.
+
+    ``K4`` is a size: its sign is that of the wave's equation.
+    """
+
+    name: str
+    parameters: Values = ()
+    K2: sp.Rational | None = None
+    K4: sp.Rational = sp.S.One
+    eps: sp.Rational = USUAL_EPS
+    times: tuple[float, ...] = TIMES
+
+    @property
+    def form(self) -> ClosedForm:
+        """The closed form; rational solutions keep the shifts that have values as parameters."""
+        if self.name in {form.name for form in CATALOGUE}:
+            return closed_form(self.name)
+        order = int(self.name.removeprefix("rational_"))
+        return rational(order, [int(name.removeprefix("tau_")) for name, _ in self.parameters])
+
+    @property
+    def normal_form(self) -> NormalForm:
+        """By default K2 = 4 for the focusing waves and K2 = 1 for the others."""
+        sign = self.form.equation.s
+        K2 = (4 if sign > 0 else 1) if self.K2 is None else self.K2
+        return mkdv_normal_form(K2=K2, K4=sign * self.K4)
+
+    def wave(self) -> Wave:
+        """The wave itself."""
+        return Wave(self.form, self.normal_form, **dict(self.parameters))
+
+    def __str__(self) -> str:
+        shown = self.parameters
+        if self.K2 is not None:
+            shown += (("K2", self.K2), ("K4", self.form.equation.s * self.K4), ("eps", self.eps))
+        return ", ".join(f"{name} = {_short(value)}" for name, value in shown)
+
+
+def wave_names() -> list[str]:
+    """The catalogue's names and the rational solutions of higher order."""
+    higher = range(4, LARGEST_ORDER + 1)
+    return [form.name for form in CATALOGUE] + [f"rational_{order}" for order in higher]
+
+
+def all_cases(name: str, drawn: int = DRAWN) -> Iterator[Case]:
+    """The cases of one wave: ends of domains, then ``drawn`` from the whole.
+
+    >>> [str(case) for case in all_cases("kink")][:3]
+    ['A = 0.001', 'A = 0.1', 'A = 1']
+
+    Raises ValueError for a name that is no wave of the study.
+    """
+    if name not in wave_names():
+        raise ValueError(f"name must be a wave, got {name!r} (one of {', '.join(wave_names())})")
+    parameters = [parameter.name for parameter in Case(name).form.parameters]
+    if name in SOLITON_VALUES:
+        yield from (Case(name, values) for values in SOLITON_VALUES[name])
+    elif not parameters:
+        yield Case(name)
+    elif "A" in parameters:
+        yield from (Case(name, (("A", value),)) for value in AMPLITUDES)
+    else:
+        yield from _with_modulus(name, "alpha" in parameters)
+    if name.startswith("rational_") and (order := int(name.removeprefix("rational_"))) > 3:
+        yield Case(name, _shifts(order))
+    yield from drawn_cases(name, drawn)
+
+
+def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[Case]:
+    """Random cases of one wave from the whole domain, the second to fifth at ``CORNERS``.
+
+    >>> [str(case) for case in drawn_cases("kink", 1)]
+    ['A = 24.02, K2 = 0.8219, K4 = -73.21, eps = 0.006092']
+    """
+    rng = random.Random(f"{name} {seed}")
+    for index in range(count):
+        values = _drawn_values(name, rng)
+        K2, K4 = (_logarithmic(rng, WEAKEST, STRONGEST) for _ in range(2))
+        eps = _logarithmic(rng, FINEST, COARSEST)
+        if 0 < index <= len(CORNERS):
+            K2, K4, eps = CORNERS[index - 1]
+        latest = FARTHEST_SITE / float(sp.sqrt(K2))
+        late = rng.choice((-1, 1)) * float(_logarithmic(rng, 1e-6 * latest, latest))
+        yield Case(name, values, K2, K4, eps, (0, late, -latest))
+
+
+def _drawn_values(name: str, rng: random.Random) -> Values:
+    values: dict[sp.Symbol, sp.Expr] = {}
+    for parameter in Case(name).form.parameters:
+        if parameter.upper is not None:
+            value = parameter.upper.value.xreplace(values) * _between(rng)
+        else:
+            value = _logarithmic(rng, LEAST, LARGEST)
+            value *= 1 if parameter.lower is not None else rng.choice((-1, 1))
+        values[parameter.symbol] = value
+    return tuple((symbol.name, value) for symbol, value in values.items())
+
+
+def _between(rng: random.Random) -> sp.Rational:
+    """A fraction of a bounded domain: near 0, near 1 or anywhere."""
+    near_end = rng.choice((None, SMALLEST, BELOW_ONE))
+    if near_end is None:
+        return sp.Rational(rng.randrange(1, 10**6), 10**6)
+    part = _logarithmic(rng, near_end, 0.5)
+    return part if near_end == SMALLEST else 1 - part
+
+
+def _logarithmic(rng: random.Random, low: float, high: float) -> sp.Rational:
+    """A rational number of six digits, its logarithm uniform."""
+    return sp.Rational(f"{low * (high / low) ** rng.random():.5e}")
+
+
+def _with_modulus(name: str, with_alpha: bool) -> Iterator[Case]:
+    for modulus in MODULI:
+        if not with_alpha:
+            yield Case(name, (("k", modulus),))
+            continue
+        for part in ALPHA_OVER_K:
+            alpha = part * sp.elliptic_k(modulus**2)
+            yield Case(name, (("k", modulus), ("alpha", alpha), ("X_0", sp.Rational(1, 3))))
+
+
+def _shifts(order: int) -> Values:
+    free: Mapping[int, sp.Expr] = {5: SHIFTS[0], 2 * order - 1: SHIFTS[1]}
+    return tuple((f"tau_{index}", value) for index, value in free.items())
+
+
+def _short(value: sp.Expr) -> str:
+    """A few digits; values near 1 by their distance from it."""
+    near = 1 - value
+    if value != 1 and abs(near) < sp.Rational(1, 1000):
+        return f"1 - {float(near):.3g}"
+    return f"{float(value):.4g}"

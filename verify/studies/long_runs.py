@@ -1,0 +1,79 @@
+"""Long runs about periodic backgrounds on the spectral ring, judged by the stencil site by site.
+
+The stencil runs on a ring of whole sites that does not close; it is so wide that no signal from its
+seam reaches a compared site. So its domain makes no error, and that of its step is measured by a
+second run with a shorter one.
+"""
+
+from dataclasses import dataclass, replace
+
+import xarray as xr
+
+from verify.comparison import Scene, load_scene, run, scheme_named
+from verify.comparison.initial_data import build_wave
+from verify.comparison.recording import Progress
+from verify.comparison.restart import scene_of
+from verify.comparison.stencil import PREFERRED, extent_of, least_sites, longest_step
+
+LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
+
+SHARES = (0.6, 0.45)
+"""Steps of the runs site by site, in units of the longest tried; the second run is the judge."""
+
+
+@dataclass(frozen=True)
+class LongRun:
+    """A run to a tolerance, and two of the same scene site by site, the second with less step."""
+
+    ring: xr.Dataset
+    coarse: xr.Dataset
+    fine: xr.Dataset
+
+    @property
+    def differences(self) -> xr.DataArray:
+        """Sup of y/eps between the two engines on the compared sites, at each snapshot."""
+        return self._apart(self.ring)
+
+    @property
+    def own(self) -> float:
+        """Sup of y/eps between the two runs site by site: more than the second one's error."""
+        return float(self._apart(self.coarse).max(skipna=False))
+
+    @property
+    def kept(self) -> bool:
+        """Whether the ring keeps its tolerance even if the judge errs against it; no NaN does."""
+        wanted = len(scene_of(self.ring).snapshots)
+        whole = all(part.sizes["time"] == wanted for part in (self.ring, self.coarse, self.fine))
+        worst = float(self.differences.max(skipna=False)) + self.own
+        return whole and worst <= float(self.ring.attrs["tolerance"])
+
+    def _apart(self, other: xr.Dataset) -> xr.DataArray:
+        eps = scene_of(self.ring).eps
+        difference = abs(other["strain"] - self.fine["strain"])
+        found: xr.DataArray = difference.max("site", skipna=False) / eps
+        return found
+
+
+def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:
+    """The scene to its own tolerance on the spectral ring."""
+    return run(replace(load_scene(name), engine="spectral"), progress)
+
+
+def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Dataset:
+    """The scene site by site, at a share of the longest step."""
+    return run(site_by_site(load_scene(name), share), progress)
+
+
+def site_by_site(scene: Scene, share: float) -> Scene:
+    """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
+    wave = build_wave(scene)
+    extent = extent_of(scene, wave)
+    return replace(
+        scene,
+        tolerance=None,
+        engine="stencil",
+        scheme=PREFERRED,
+        step=share * longest_step(scene, scheme_named(PREFERRED), extent),
+        domain="ring",
+        sites=least_sites(scene, wave, "ring", extent),
+    )
