@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from sympy import QQ
 from sympy.polys.fields import field
 
-from derive.differential import DifferentialPolynomial, Monomial, raised
-from derive.series import EpsSeries
+from derive.algebra.jets import DifferentialPolynomial, Monomial, raised
+from derive.algebra.series import EpsSeries
 
 CONSTANTS, K4 = field("K4", QQ)
 

@@ -6,16 +6,16 @@ from functools import lru_cache
 
 from sympy import Expr, Symbol
 
-from derive.differential import DifferentialPolynomial
+from derive.algebra.exact_numbers import Number, exact
+from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.series import EpsSeries
 from derive.expansion import expand
-from derive.lattice import FPUT_STRAIN
+from derive.models.lattices import FPUT_STRAIN
 from derive.multiscale import reduce
 from derive.normal_form import NormalForm
-from derive.notation import Notation
-from derive.rationals import Number, exact
+from derive.output.notation import Notation
 from derive.reduction import Reduction
 from derive.scaling import Scaling
-from derive.series import EpsSeries
 from derive.symbols import eps
 
 

@@ -15,7 +15,7 @@ from sympy.polys.fields import FracElement
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from derive.differential import DifferentialPolynomial, Jet, Monomial
+from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
 from derive.symbols import LATEX_NAMES
 
 LONGEST_SUBSCRIPT = 4

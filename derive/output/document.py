@@ -14,9 +14,9 @@ from sympy import QQ
 from sympy.polys.fields import FracElement, FracField
 from sympy.polys.rings import PolyElement
 
-from derive.differential import DifferentialPolynomial
-from derive.notation import Notation, text_of
-from derive.rationals import Number, parse_rational
+from derive.algebra.exact_numbers import Number, parse_rational
+from derive.algebra.jets import DifferentialPolynomial
+from derive.output.notation import Notation, text_of
 
 if TYPE_CHECKING:
     from derive.reduction import Reduction

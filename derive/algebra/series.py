@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from sympy.polys.fields import FracElement, FracField
 
-from derive.differential import DifferentialPolynomial
+from derive.algebra.jets import DifferentialPolynomial
 
 Operator = tuple[tuple[int, int, FracElement], ...]
 

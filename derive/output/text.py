@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from sympy import Expr
 
 from derive.lattice import Bond, Lattice, Stencil
-from derive.notation import text_of
+from derive.output.notation import text_of
 from derive.scaling import SlowVariable
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def _beyond(reduction: Reduction) -> Iterator[str]:
 def equations_of_motion(lattice: Lattice) -> Iterator[str]:
     """The lattice's equations in plain text, from its bonds.
 
-    >>> from derive.lattice import FPUT_STRAIN
+    >>> from derive.models.lattices import FPUT_STRAIN
     >>> next(equations_of_motion(FPUT_STRAIN))
     "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
     """
