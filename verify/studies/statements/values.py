@@ -15,7 +15,7 @@ import sympy as sp
 
 from solutions.special.function import JacobiFunction
 from solutions.special.mp import IMPLEMENTATIONS
-from verify.tree import distinct_nodes
+from verify.subexpressions import distinct_nodes
 
 from .record import Statement
 
