@@ -12,7 +12,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from solutions.functions import jacobi
-from verify.tree import distinct_nodes, replaced
+from verify.subexpressions import distinct_nodes, replaced
 
 Identity = Callable[[sp.Expr, random.Random], sp.Expr]
 

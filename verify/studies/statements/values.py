@@ -15,7 +15,7 @@ import sympy as sp
 
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.multiprecision import IMPLEMENTATIONS
-from verify.tree import distinct_nodes
+from verify.subexpressions import distinct_nodes
 
 from .record import Statement
 
