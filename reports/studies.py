@@ -15,7 +15,7 @@ from verify.studies.cost_evaluation import EvaluationCost, evaluation_costs
 from verify.studies.cost_precision import PROBLEMS, CostPoint, work_precision
 from verify.studies.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error
 from verify.studies.estimates import Judged, judge
-from verify.studies.hard_case import HardCase
+from verify.studies.hard_case import HardCaseResult
 from verify.studies.hard_cases import HARD_CASES, hard_case
 from verify.studies.long_runs import LONG_SCENES, SHARES, LongRun, by_ring, by_sites
 from verify.studies.reduction import PeakError, peak_error
@@ -47,7 +47,7 @@ class Studies:
     scaling: list[ScalingPoint]
     rk4: list[ScalingPoint]
     windows: list[ScalingPoint]
-    hard_cases: list[HardCase]
+    hard_cases: list[HardCaseResult]
     peaks: list[PeakError]
     split: Mapping[str, xr.Dataset]
     long_runs: Mapping[str, LongRun]
@@ -122,5 +122,5 @@ def studies(found: Mapping[Key, Any]) -> Studies:
     )
 
 
-def _hard_case(name: str) -> HardCase:
+def _hard_case(name: str) -> HardCaseResult:
     return hard_case(name).run()

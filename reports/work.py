@@ -11,9 +11,9 @@ from solutions import CATALOGUE, closed_form
 from verify.check import NAMES
 from verify.comparison import Scene, run
 from verify.residual import check_residual
-from verify.studies.claims_evidence import Evidence
-from verify.studies.evaluation import Accuracy, measure, worst_of
-from verify.studies.evaluation_cases import Case, all_cases, wave_names
+from verify.studies.claims_evidence import MeasuredRuns
+from verify.studies.evaluation import Accuracy, measure_accuracy, worst_of
+from verify.studies.evaluation_cases import WaveCase, all_cases, wave_names
 from verify.studies.mutations import MutationCount, count_mutants
 from verify.studies.proofs import ProofRecord, proof_record
 from verify.verdict import Verdict
@@ -36,7 +36,7 @@ SHORT_POINTS, SHORT_CASES = 4, 3
 class Findings:
     """Everything that a report shows and that had to be computed."""
 
-    evidence: Evidence
+    evidence: MeasuredRuns
     proofs: Sequence[ProofRecord]
     residuals: Mapping[str, Verdict]
     mutations: Sequence[MutationCount]
@@ -65,7 +65,7 @@ def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progre
 
     measured = {name: [found[key] for key in _accuracy_keys(name, full)] for name in wave_names()}
     return Findings(
-        evidence=Evidence({name: found["run", name] for name in scenes}, scenes),
+        evidence=MeasuredRuns({name: found["run", name] for name in scenes}, scenes),
         proofs=of("proof"),
         residuals={verdict.name: verdict for verdict in of("residual")},
         mutations=of("mutants"),
@@ -96,7 +96,7 @@ def scene_job(scene: Scene) -> Job:
     return Job(run, (scene,), weight, tells=True)
 
 
-def _accuracy_keys(name: str, full: bool) -> list[tuple[str, Case]]:
+def _accuracy_keys(name: str, full: bool) -> list[tuple[str, WaveCase]]:
     """All cases of a wave, or for the short report the first, the middle and the last."""
     cases = list(all_cases(name))
     if not full and len(cases) > SHORT_CASES:
@@ -104,14 +104,14 @@ def _accuracy_keys(name: str, full: bool) -> list[tuple[str, Case]]:
     return [("accuracy", case) for case in cases]
 
 
-def _accuracy_job(case: Case, full: bool) -> Job:
+def _accuracy_job(case: WaveCase, full: bool) -> Job:
     if not full:
         return Job(_quick_accuracy, (case,), 0.5)
-    return Job(measure, (case,), ACCURACY_SECONDS[case.form.period is not None])
+    return Job(measure_accuracy, (case,), ACCURACY_SECONDS[case.form.period is not None])
 
 
-def _quick_accuracy(case: Case) -> Accuracy:
-    return measure(case, times=case.times[::3], per_time=SHORT_POINTS, grid=SHORT_GRID)
+def _quick_accuracy(case: WaveCase) -> Accuracy:
+    return measure_accuracy(case, times=case.times[::3], per_time=SHORT_POINTS, grid=SHORT_GRID)
 
 
 def _residual(name: str) -> Verdict:

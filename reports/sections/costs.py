@@ -12,8 +12,8 @@ from reports.sections.claims import mathematics
 from reports.sections.evaluation import duration
 from reports.tables import scientific, table
 from verify.studies.cost_precision import SPECTRAL, CostPoint
-from verify.studies.cost_scaling import REDUCTION, TRUE_ERROR, Law, ScalingPoint, fit_law
-from verify.studies.hard_case import HardCase
+from verify.studies.cost_scaling import REDUCTION, TRUE_ERROR, PowerLaw, ScalingPoint, fit_law
+from verify.studies.hard_case import HardCaseResult
 
 WANTED = (1e-2, 1e-4, 1e-6)
 """Errors for which the cheapest run of each series is tabulated."""
@@ -76,7 +76,7 @@ def precision_panels(points: Iterable[CostPoint]) -> list[CostPanel]:
     return [CostPanel(problem, curves) for problem, curves in panels.items()]
 
 
-def laws(points: Iterable[ScalingPoint]) -> list[Law]:
+def laws(points: Iterable[ScalingPoint]) -> list[PowerLaw]:
     """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
     series: dict[str, list[ScalingPoint]] = {}
     for point in points:
@@ -147,7 +147,7 @@ def window_table(points: Sequence[ScalingPoint]) -> str:
     return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
 
 
-def hard_case_table(cases: Iterable[HardCase]) -> str:
+def hard_case_table(cases: Iterable[HardCaseResult]) -> str:
     """What each hard case measured against its bound."""
     rows = [
         [
@@ -163,7 +163,7 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
     return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
-def message_table(cases: Iterable[HardCase]) -> str:
+def message_table(cases: Iterable[HardCaseResult]) -> str:
     """What the program says where a case must be refused or stopped."""
     rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
     return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")

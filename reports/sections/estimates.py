@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from reports.environment import escape
 from reports.sections.evaluation import duration
 from reports.tables import scientific, table
-from verify.studies.estimates import QUANTILES, VERDICTS, Judged, Row, rows
+from verify.studies.estimates import QUANTILES, VERDICTS, EstimateRow, Judged, rows
 
 
 def estimate_table(judged: Sequence[Judged]) -> str:
@@ -19,7 +19,7 @@ def estimate_table(judged: Sequence[Judged]) -> str:
     return table(columns, head, map(_row, rows(judged)))
 
 
-def _row(found: Row) -> list[str]:
+def _row(found: EstimateRow) -> list[str]:
     quantiles = ["--" if q != q else scientific(q) for q in found.quantiles]
     counts = [str(count) if count else "--" for count in found.verdicts]
     return [escape(found.name), str(found.count), *counts, *quantiles, duration(found.seconds)]

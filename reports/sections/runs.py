@@ -9,10 +9,10 @@ from reports.paper import cited
 from reports.tables import measured, scientific, table
 from solutions import closed_form
 from verify.comparison import Scene
-from verify.studies.claims_evidence import Evidence
+from verify.studies.claims_evidence import MeasuredRuns
 
 
-def run_table(evidence: Evidence) -> str:
+def run_table(evidence: MeasuredRuns) -> str:
     """The runs: scheme, step, sites, and at each snapshot the errors and what they are made of."""
     rows = [row for name in evidence.runs for row in _run_rows(evidence, name)]
     head = [
@@ -25,7 +25,7 @@ def run_table(evidence: Evidence) -> str:
     return table("rllll", head, rows)
 
 
-def _run_rows(evidence: Evidence, name: str) -> list[list[str]]:
+def _run_rows(evidence: MeasuredRuns, name: str) -> list[list[str]]:
     """Return the rows of one run, its description across the table first."""
     run = evidence.runs[name]
     columns = ("error_far_field", "time_step_error", "domain_error")

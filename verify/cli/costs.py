@@ -15,7 +15,7 @@ from verify.check import higher_order
 
 
 @dataclass(frozen=True)
-class Law:
+class TimeLaw:
     """``seconds`` for a form of the catalogue; ``rational`` at order 7, which grows as a power."""
 
     seconds: float
@@ -36,7 +36,7 @@ class Law:
         return self.rational * (order / 7) ** self.exponent
 
 
-PROOF = Law(0.2, 0.15, 7.0)
-STABLE = Law(0.3, 1.5, 3.3)
-RESIDUAL = Law(0.3, 1.0, 4.0)
-MUTANTS = Law(35.0 / len(CATALOGUE), 29.0, 6.5)
+PROOF = TimeLaw(0.2, 0.15, 7.0)
+STABLE = TimeLaw(0.3, 1.5, 3.3)
+RESIDUAL = TimeLaw(0.3, 1.0, 4.0)
+MUTANTS = TimeLaw(35.0 / len(CATALOGUE), 29.0, 6.5)

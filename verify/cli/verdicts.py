@@ -10,7 +10,7 @@ from pathlib import Path
 
 from derive.command_line import announce, interrupted
 from verify.check import NAMES, check_all, named_form
-from verify.cli.costs import PROOF, RESIDUAL, STABLE, Law
+from verify.cli.costs import PROOF, RESIDUAL, STABLE, TimeLaw
 from verify.cli.parser import (
     OneLineParser,
     add_only,
@@ -79,7 +79,7 @@ def _noun(count: int) -> str:
     return "1 form" if count == 1 else f"{count} forms"
 
 
-def _law(options: Options) -> Law:
+def _law(options: Options) -> TimeLaw:
     """What a form costs with the method and the options chosen."""
     if options.stable:
         return STABLE

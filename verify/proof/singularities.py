@@ -12,8 +12,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from verify.mutation import abbreviated
-from verify.tree import distinct_nodes
+from verify.tree import abbreviated, distinct_nodes
 
 from .domain import Domains
 from .domain_signs import Signs

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lattice.schemes.catalogue import KAHAN_LI_8
 from verify.comparison.trust import ROUNDING, horizon
 from verify.studies.floquet import fastest_mode
-from verify.studies.hard_case import Measurement
+from verify.studies.hard_case import Reading
 from verify.studies.travelling import TravellingWave, travelling_wave
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array)
     return np.array(found)
 
 
-def cn_growth() -> Measurement:
+def cn_growth() -> Reading:
     """Growth rate of the fastest mode, seeded at 1e-9, against the eigenvalue problem's."""
     wave = travelling_wave(*CN)
     mode = fastest_mode(wave, CN_WAVELENGTHS)
@@ -45,10 +45,10 @@ def cn_growth() -> Measurement:
     rate = float(np.polyfit(times[window], np.log(found[window]), 1)[0])
     predicted = mode.rate.real
     detail = f"{rate:.5g} per unit time, predicted {predicted:.5g}"
-    return Measurement(abs(rate / predicted - 1.0), detail)
+    return Reading(abs(rate / predicted - 1.0), detail)
 
 
-def cn_horizon() -> Measurement:
+def cn_horizon() -> Reading:
     """Time until rounding alone has grown to 1e-4 eps, against the predicted horizon."""
     wave = travelling_wave(*CN)
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
@@ -59,20 +59,20 @@ def cn_horizon() -> Measurement:
     passed = np.flatnonzero(found > 1e-4)
     reached = float(times[passed[0]]) if passed.size else math.inf
     detail = f"lost at t = {reached:.0f}, predicted horizon {predicted:.0f}"
-    return Measurement(abs(reached / predicted - 1.0), detail)
+    return Reading(abs(reached / predicted - 1.0), detail)
 
 
-def stable_sn() -> Measurement:
+def stable_sn() -> Reading:
     """Growth of noise on an sn wave over t = 10^4, shifts removed."""
     return _growth("wave_sn", -1)
 
 
-def stable_dn() -> Measurement:
+def stable_dn() -> Reading:
     """Growth of noise on a dn wave over t = 10^4, shifts removed."""
     return _growth("wave_dn", 1)
 
 
-def _growth(form: str, K4: int) -> Measurement:
+def _growth(form: str, K4: int) -> Reading:
     wave = travelling_wave(form, 0.7, 27, 1, K4)
     rate = fastest_mode(wave, 8).rate.real
     n = np.arange(float(8 * wave.period))
@@ -85,7 +85,7 @@ def _growth(form: str, K4: int) -> Measurement:
         deviation, shift = shape_deviation(wave, y, float(t))
         worst = max(worst, deviation)
     detail = f"shift {shift:.1g} sites at t = 10^4, largest eigenvalue {rate:.1g}"
-    return Measurement(worst / first, detail)
+    return Reading(worst / first, detail)
 
 
 def shape_deviation(wave: TravellingWave, y: Array, t: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from lattice.schemes.scheme import Scheme
 from lattice.sites.state import State, ring_energy
 from verify.comparison import load_scene, resume, run
 from verify.studies.doubledouble_ring import advance_doubled, doubled
-from verify.studies.hard_case import Measurement
+from verify.studies.hard_case import Reading
 from verify.studies.travelling import travelling_wave
 
 Array = NDArray[np.float64]
@@ -41,21 +41,21 @@ def drift(scheme: Scheme, h: float, steps: int, sites: int = 32) -> float:
     return float(np.sqrt(np.mean(squares[-100:]) / np.mean(squares[:100])))
 
 
-def energy_drift_short() -> Measurement:
+def energy_drift_short() -> Reading:
     """Energy of Stoermer-Verlet over 10^6 steps."""
     found = drift(STOERMER_VERLET, 0.2, 1_000_000)
-    return Measurement(found, f"stoermer_verlet {found:.3g}")
+    return Reading(found, f"stoermer_verlet {found:.3g}")
 
 
-def energy_drift() -> Measurement:
+def energy_drift() -> Reading:
     """Energy of every symplectic scheme over 10^6 steps."""
     steps = {STOERMER_VERLET: 0.2, SUZUKI_UMENO_8: 0.4, KAHAN_LI_8: 0.4}
     found = {scheme.name: drift(scheme, h, 1_000_000) for scheme, h in steps.items()}
     text = ", ".join(f"{name} {value:.3g}" for name, value in found.items())
-    return Measurement(max(found.values()), text)
+    return Reading(max(found.values()), text)
 
 
-def rounding_growth() -> Measurement:
+def rounding_growth() -> Reading:
     """Exponent p of the energy's rounding error, t^p: 1/2 if unbiased, 1 if biased.
 
     Root mean square over 12 runs of an sn wave that differ in phase; the step is so small that
@@ -75,10 +75,10 @@ def rounding_growth() -> Measurement:
         rows.append(row)
     size = np.sqrt(np.mean(np.square(rows), axis=0))
     exponent = float(np.polyfit(np.log(marks), np.log(size), 1)[0])
-    return Measurement(exponent, f"{size[-1]:.1g} after {marks[-1]} steps of {KAHAN_LI_8.name}")
+    return Reading(exponent, f"{size[-1]:.1g} after {marks[-1]} steps of {KAHAN_LI_8.name}")
 
 
-def rounding_floor() -> Measurement:
+def rounding_floor() -> Reading:
     """sup |y - y*| / eps at t = 500, y* the same scheme and step in double-double arithmetic."""
     wave = travelling_wave("wave_dn", 0.7, 27, 1, 1)
     n = np.arange(float(4 * wave.period))
@@ -90,10 +90,10 @@ def rounding_floor() -> Measurement:
         advance_doubled(KAHAN_LI_8, exact_y, exact_s, 0.5, 200, wave.constants)
         floors.append(float(np.max(np.abs((y - exact_y[:, 0]) - exact_y[:, 1]))) / wave.eps)
     text = ", ".join(f"{floor:.1e}" for floor in floors)
-    return Measurement(floors[-1], f"at t = 100, 200, .. 500: {text}")
+    return Reading(floors[-1], f"at t = 100, 200, .. 500: {text}")
 
 
-def time_reversal() -> Measurement:
+def time_reversal() -> Reading:
     """sup |y(back) - y| / eps after t = 200 forwards, velocities turned, and t = 200 again."""
     scene = load_scene("rogue_cn_k_0.5")
     measured = run(replace(scene, observables=("state",), snapshots=(0.0,)))
@@ -102,10 +102,10 @@ def time_reversal() -> Measurement:
     for _ in range(2):
         KAHAN_LI_8.advance(y, s, 0.5, 400, scene.constants)
         s *= -1.0
-    return Measurement(float(np.max(np.abs(y - before))) / scene.eps, "kahan_li_8, 800 steps")
+    return Reading(float(np.max(np.abs(y - before))) / scene.eps, "kahan_li_8, 800 steps")
 
 
-def restart() -> Measurement:
+def restart() -> Reading:
     """Values that differ between a run and one resumed half-way, in a ring and in a window."""
     ring = replace(load_scene("soliton_dn_k_0.7"), snapshots=(-33.3, 33.3))
     window = replace(load_scene("rational_2_eps_0.05"), t0=-300.0, snapshots=(-123.4, 0.0))
@@ -118,4 +118,4 @@ def restart() -> Measurement:
             unequal = resumed[name].values[-1] != whole[name].values[-1]
             differing += int(np.sum(unequal))
             compared += unequal.size
-    return Measurement(float(differing) if compared else math.inf, f"of {compared} values")
+    return Reading(float(differing) if compared else math.inf, f"of {compared} values")

@@ -14,14 +14,14 @@ from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import Ring, Window
 from verify.comparison.initial_data import build_wave
 from verify.studies.doubledouble_ring import advance_doubled, doubled
-from verify.studies.hard_case import Measurement
+from verify.studies.hard_case import Reading
 from verify.studies.travelling import travelling_wave
 
 LINEAR = Constants(4.0, 0.0, 0.0)
 NOISE = 1e-12
 
 
-def step_limit() -> Measurement:
+def step_limit() -> Reading:
     """Refusal just past the limit, none just below, and the limit against the kernels' own."""
     worst, told = 0.0, []
     for scheme in SCHEMES:
@@ -30,7 +30,7 @@ def step_limit() -> Measurement:
         told.append(_refusal(scheme, limit * (1.0 + 1e-6)))
         worst = max(worst, abs(_observed_limit(scheme, limit) / limit - 1.0))
     refused = f"{sum(map(bool, told))} of {len(SCHEMES)} schemes refused"
-    return Measurement(worst if all(told) else math.inf, refused, told[0])
+    return Reading(worst if all(told) else math.inf, refused, told[0])
 
 
 def _refusal(scheme: Scheme, step: float) -> str:
@@ -82,7 +82,7 @@ def soft_scene() -> Scene:
     return replace(scene, eps=float(build_wave(scene).wavelength or math.nan) / 7.0)
 
 
-def soft_lattice() -> Measurement:
+def soft_lattice() -> Reading:
     """The reported time of the blow-up against a double-double run of the same scene, in steps."""
     scene = soft_scene()
     measured = run(scene)
@@ -92,7 +92,7 @@ def soft_lattice() -> Measurement:
     expected = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {site}"
     reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
     sound = kept and f"site {site}," in f"{text}," and text[:30] == expected[:30]
-    return Measurement(abs(reported - t) / scene.step if sound else math.inf, expected, text)
+    return Reading(abs(reported - t) / scene.step if sound else math.inf, expected, text)
 
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
@@ -109,7 +109,7 @@ def _first_soft_site(scene: Scene) -> tuple[float, int]:
     return math.nan, 0
 
 
-def zone_boundary_noise() -> Measurement:
+def zone_boundary_noise() -> Reading:
     """Largest growth of noise at k = pi on a dn wave, over t = 10^4, at 0.99 of the step limit."""
     wave = travelling_wave("wave_dn", 0.5, 27, 1, 1)
     n = np.arange(float(8 * wave.period))
@@ -123,10 +123,10 @@ def zone_boundary_noise() -> Measurement:
         for _ in range(20):
             scheme.advance(y, s, h, math.ceil(500.0 / h), wave.constants)
             grown.append(abs(float(np.mean(alternating * y))) / NOISE)
-    return Measurement(max(grown), f"growth {max(grown):.2g} of {NOISE:g}")
+    return Reading(max(grown), f"growth {max(grown):.2g} of {NOISE:g}")
 
 
-def wrong_feed() -> Measurement:
+def wrong_feed() -> Reading:
     """Moves of the window until a feed wrong by 0.1 % stops the run."""
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = replace(scene, sites=2048, compared=500)
@@ -142,4 +142,4 @@ def wrong_feed() -> Measurement:
     sound_moves = sum(1 for _ in other.through([0.0]))
     stopped = march.blow_up is not None and other.blow_up is None and sound_moves > 1
     detail = f"a sound feed misses by {sound.mismatch:.1g} eps"
-    return Measurement(float(moves) if stopped else math.inf, detail, str(march.blow_up))
+    return Reading(float(moves) if stopped else math.inf, detail, str(march.blow_up))

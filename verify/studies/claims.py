@@ -2,32 +2,31 @@
 
 from collections.abc import Callable
 
-from verify.studies import claims_constant, claims_periodic, claims_waves
-from verify.studies.claims_evidence import Evidence
+from verify.studies.claims_evidence import MeasuredRuns
 from verify.studies.claims_record import Claim
 
 ABOUT_WAVES: tuple[Callable[[], Claim], ...] = (
-    claims_waves.peaks,
-    claims_waves.degrees,
-    claims_waves.localised_in_space,
-    claims_waves.localised_in_time,
-    claims_waves.higher_orders,
-    claims_waves.rogue_maximum,
+    peaks,
+    degrees,
+    localised_in_space,
+    localised_in_time,
+    higher_orders,
+    rogue_maximum,
 )
 
-ABOUT_RUNS: tuple[Callable[[Evidence], Claim], ...] = (
-    claims_constant.second_order_crest,
-    claims_constant.peak_of_the_error,
-    claims_constant.error_against_order,
-    claims_constant.twenty_percent,
-    claims_constant.third_order_agreement,
-    claims_periodic.breather_and_modulus,
-    claims_periodic.dn_fit,
-    claims_periodic.cn_maximum,
-    claims_periodic.modulational_instability,
+ABOUT_RUNS: tuple[Callable[[MeasuredRuns], Claim], ...] = (
+    second_order_crest,
+    peak_of_the_error,
+    error_against_order,
+    twenty_percent,
+    third_order_agreement,
+    breather_and_modulus,
+    dn_fit,
+    cn_maximum,
+    modulational_instability,
 )
 
 
-def all_claims(evidence: Evidence) -> list[Claim]:
+def all_claims(evidence: MeasuredRuns) -> list[Claim]:
     """Every statement with the numbers of these runs."""
     return [claim() for claim in ABOUT_WAVES] + [claim(evidence) for claim in ABOUT_RUNS]

@@ -1,17 +1,17 @@
 """The paper's statements about lattice runs from the rational waves."""
 
-from verify.studies.claims_evidence import PARTS, RK4_STEP, SPLIT, Evidence, rk4_name
+from verify.studies.claims_evidence import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
 from verify.studies.claims_record import Claim, Measurement, ruling
 
 TWENTY_PERCENT = 0.2
-ORDERS = (2, 3)
+RUN_ORDERS = (2, 3)
 EPSILONS = ("0.05", "0.075")
 
 
-def peak_of_the_error(evidence: Evidence) -> Claim:
+def peak_of_the_error(evidence: MeasuredRuns) -> Claim:
     """The time of the largest error of each rational run, and what it is at the peak of one."""
     found, near = [], []
-    for j in ORDERS:
+    for j in RUN_ORDERS:
         for eps in EPSILONS:
             name = f"rational_{j}_eps_{eps}"
             largest, time = evidence.largest_error(name)
@@ -28,7 +28,7 @@ def peak_of_the_error(evidence: Evidence) -> Claim:
     )
 
 
-def _split(evidence: Evidence) -> list[Measurement]:
+def _split(evidence: MeasuredRuns) -> list[Measurement]:
     """The error of one run at its peak, taken apart: where the lattice's crest is, and the rest."""
     parts = evidence.split(SPLIT, 0.0)
     words = "$Y_2$, $eps=0.05$, $t=0$, the lattice's wave is shifted by sites"
@@ -36,18 +36,18 @@ def _split(evidence: Evidence) -> list[Measurement]:
     return [Measurement(words, *parts["shift"]), *shares]
 
 
-def error_against_order(evidence: Evidence) -> Claim:
+def error_against_order(evidence: MeasuredRuns) -> Claim:
     """Third-order against second-order error, at all times and at their largest."""
     found, always = [], []
     for eps in EPSILONS:
-        names = [f"rational_{j}_eps_{eps}" for j in ORDERS]
+        names = [f"rational_{j}_eps_{eps}" for j in RUN_ORDERS]
         second, third = (evidence.runs[name]["error_curve"].values for name in names)
         higher = second < third
         tops = [evidence.largest_error(name)[0] for name in names]
         always += [tops[0].value < tops[1].value, bool(higher.all())]
         found += [
             Measurement(f"$eps={eps}$, $Y_{j}$, largest", *top)
-            for j, top in zip(ORDERS, tops, strict=True)
+            for j, top in zip(RUN_ORDERS, tops, strict=True)
         ]
         share = 100 * float(higher.mean())
         found.append(Measurement(f"$eps={eps}$, % of the times at which $Y_3$ is higher", share))
@@ -60,7 +60,7 @@ def error_against_order(evidence: Evidence) -> Claim:
     )
 
 
-def twenty_percent(evidence: Evidence) -> Claim:
+def twenty_percent(evidence: MeasuredRuns) -> Claim:
     """Third order at eps = 0.05, with an accurate scheme and with RK4's step."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
     tops = {words: evidence.largest_error(name)[0] for words, name in names.items()}
@@ -73,7 +73,7 @@ def twenty_percent(evidence: Evidence) -> Claim:
     )
 
 
-def second_order_crest(evidence: Evidence) -> Claim:
+def second_order_crest(evidence: MeasuredRuns) -> Claim:
     """Second order at t = 0, with an accurate scheme and with RK4's step."""
     names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
     tops = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
@@ -87,7 +87,7 @@ def second_order_crest(evidence: Evidence) -> Claim:
     )
 
 
-def third_order_agreement(evidence: Evidence) -> Claim:
+def third_order_agreement(evidence: MeasuredRuns) -> Claim:
     """Third order at both eps."""
     found, good = [], []
     for eps in EPSILONS:

@@ -18,7 +18,7 @@ SPLIT = "rational_2_eps_0.05"
 PARTS = ("position", "amplitude", "shape")
 
 
-class Number(NamedTuple):
+class UncertainNumber(NamedTuple):
     """A measured number and the largest change that step and domain could make to it."""
 
     value: float
@@ -26,7 +26,7 @@ class Number(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Evidence:
+class MeasuredRuns:
     """The runs of a report and their scenes, under the same names."""
 
     runs: Mapping[str, xr.Dataset]
@@ -46,23 +46,23 @@ class Evidence:
         parts = [run[part] for part in ("time_step_error", "domain_error") if part in run]
         return sum(parts[1:], start=parts[0])
 
-    def relative_error(self, name: str, time: float, variable: str = "error") -> Number:
+    def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
         """Return the relative sup error at a snapshot.
 
         Its denominator is exact, so its own error is that of y over the same denominator.
         """
         value = float(self.runs[name][variable].sel(time=time))
         own = self.discretisation(name).sel(time=time) / self.amplitude(name).sel(time=time)
-        return Number(value, float(own))
+        return UncertainNumber(value, float(own))
 
-    def largest_error(self, name: str) -> tuple[Number, float]:
+    def largest_error(self, name: str) -> tuple[UncertainNumber, float]:
         """Return the largest relative error of the run's error curve and its time."""
         curve = self.runs[name]["error_curve"]
         own = (self.discretisation(name) / self.amplitude(name)).max()
         time = float(curve["curve_time"].values[np.argmax(curve.values)])
-        return Number(float(curve.max()), float(own)), time
+        return UncertainNumber(float(curve.max()), float(own)), time
 
-    def split(self, name: str, time: float) -> dict[str, Number]:
+    def split(self, name: str, time: float) -> dict[str, UncertainNumber]:
         """Return the shift in sites, and the error's parts by position, amplitude and shape.
 
         The parts have the error's denominator and so its own error. A change of y/eps by at most d
@@ -73,8 +73,8 @@ class Evidence:
         slope = np.gradient(at["analytic"].values / self.scenes[name].eps)
         shift = own * float(np.sum(np.abs(slope)) / np.sum(slope**2))
         share = own / float(self.amplitude(name).sel(time=time))
-        parts = {part: Number(float(at[f"error_{part}"]), share) for part in PARTS}
-        return {"shift": Number(float(at["shift"]), shift)} | parts
+        parts = {part: UncertainNumber(float(at[f"error_{part}"]), share) for part in PARTS}
+        return {"shift": UncertainNumber(float(at["shift"]), shift)} | parts
 
     def amplitude(self, name: str) -> xr.DataArray:
         """Return the largest distance of Y from its bare background, at each snapshot."""
@@ -82,10 +82,10 @@ class Evidence:
         distance: xr.DataArray = abs(run["analytic"] - run["background"])
         return distance.max("site") / self.scenes[name].eps
 
-    def peaks(self, name: str, time: float) -> tuple[Number, float]:
+    def peaks(self, name: str, time: float) -> tuple[UncertainNumber, float]:
         """Return the largest y/eps of the lattice and of the wave on the sites at a snapshot."""
         at, eps = self.runs[name].sel(time=time), self.scenes[name].eps
-        lattice = Number(
+        lattice = UncertainNumber(
             float(at["strain"].max()) / eps, float(self.discretisation(name).sel(time=time))
         )
         return lattice, float(at["analytic"].max()) / eps

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 from verify.comparison.trust import TOLERANCE, trust_in
-from verify.studies.claims_evidence import Evidence
+from verify.studies.claims_evidence import MeasuredRuns
 from verify.studies.claims_record import Claim, Measurement, ruling
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
@@ -12,7 +12,7 @@ TWENTY_PERCENT = 0.2
 ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
 
 
-def breather_and_modulus(evidence: Evidence) -> Claim:
+def breather_and_modulus(evidence: MeasuredRuns) -> Claim:
     """The dark breather's largest error at the three moduli."""
     tops = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
     falls = all(a.value > b.value for a, b in pairwise(tops.values()))
@@ -25,7 +25,7 @@ def breather_and_modulus(evidence: Evidence) -> Claim:
     )
 
 
-def cn_maximum(evidence: Evidence) -> Claim:
+def cn_maximum(evidence: MeasuredRuns) -> Claim:
     """The largest strain of lattice and wave on the cn background at the later snapshots."""
     found, below = [], []
     for time in evidence.scenes[ROGUE].snapshots[1:]:
@@ -44,7 +44,7 @@ def cn_maximum(evidence: Evidence) -> Claim:
     )
 
 
-def dn_fit(evidence: Evidence) -> Claim:
+def dn_fit(evidence: MeasuredRuns) -> Claim:
     """The dn soliton's errors, with both denominators."""
     last = evidence.scenes[SOLITON].end
     bare = evidence.relative_error(SOLITON, last)
@@ -61,7 +61,7 @@ def dn_fit(evidence: Evidence) -> Claim:
     )
 
 
-def modulational_instability(evidence: Evidence) -> Claim:
+def modulational_instability(evidence: MeasuredRuns) -> Claim:
     """By how much the fastest perturbation of each background grows within the time shown."""
     found = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):

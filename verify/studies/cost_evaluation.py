@@ -23,7 +23,7 @@ from solutions.straight_line import StraightLine
 from solutions.symbols import tau, xi
 from verify.proof.balls import BallEvaluator
 from verify.proof.jet import Shape
-from verify.studies.evaluation_cases import Case
+from verify.studies.evaluation_cases import WaveCase
 from verify.studies.soliton_cases import SOLITON_VALUES
 
 __all__ = ["ARITHMETICS", "Arithmetic", "EvaluationCost", "evaluation_costs", "ordinary_case"]
@@ -56,7 +56,7 @@ ORDINARY = {
 
 Errors = Iterable[float]
 Row = Sequence[Any]
-Measure = Callable[[Case], tuple[Errors, float]]
+Measure = Callable[[WaveCase], tuple[Errors, float]]
 
 
 @dataclass(frozen=True)
@@ -78,16 +78,16 @@ class Arithmetic:
     measure: Measure
 
 
-def ordinary_case(name: str) -> Case:
+def ordinary_case(name: str) -> WaveCase:
     """The wave with ordinary rational parameters.
 
     >>> str(ordinary_case("breather_sn"))
     'k = 0.7, alpha = 0.5, X_0 = 0'
     """
     if name in SOLITON_VALUES:
-        return Case(name, SOLITON_VALUES[name][0])
-    names = [parameter.name for parameter in Case(name).form.parameters]
-    return Case(name, tuple((key, ORDINARY[key]) for key in names))
+        return WaveCase(name, SOLITON_VALUES[name][0])
+    names = [parameter.name for parameter in WaveCase(name).form.parameters]
+    return WaveCase(name, tuple((key, ORDINARY[key]) for key in names))
 
 
 def evaluation_costs(name: str) -> list[EvaluationCost]:
@@ -120,7 +120,7 @@ def least_seconds(function: Callable[[], object], repeats: int = REPEATS) -> flo
     return best
 
 
-def measure_array(case: Case) -> tuple[Errors, float]:
+def measure_array(case: WaveCase) -> tuple[Errors, float]:
     """Double-doubles, at n and t with eps = 1, for which X and T are exact."""
     wave = case.wave()
     speed = int(wave.normal_form.c)
@@ -131,7 +131,7 @@ def measure_array(case: Case) -> tuple[Errors, float]:
     return _errors(found, exact_values(case)), seconds
 
 
-def measure_mpmath(digits: int, case: Case) -> tuple[Errors, float]:
+def measure_mpmath(digits: int, case: WaveCase) -> tuple[Errors, float]:
     """mpmath working with so many digits on the canonical form and its derivatives."""
     exact = exact_values(case)
     start = time.perf_counter()
@@ -140,7 +140,7 @@ def measure_mpmath(digits: int, case: Case) -> tuple[Errors, float]:
     return _errors([[[value] for value in row] for row in found], exact), seconds
 
 
-def measure_balls(digits: int, case: Case) -> tuple[Errors, float]:
+def measure_balls(digits: int, case: WaveCase) -> tuple[Errors, float]:
     """Ball arithmetic with so many digits; the errors are the balls' radii."""
     bits = math.ceil(digits * math.log2(10))
     form, given = case.form, dict(case.wave().parameters)
@@ -165,13 +165,13 @@ def _balls(
 
 
 @lru_cache(maxsize=1)
-def exact_values(case: Case) -> list[Row]:
+def exact_values(case: WaveCase) -> list[Row]:
     """Y, Y_X, Y_T at the points to `EXACT_DIGITS` digits."""
     return _mp_values(case, EXACT_DIGITS)
 
 
 @lru_cache(maxsize=1)
-def _mp_program(case: Case) -> tuple[Any, Callable[..., Row]]:
+def _mp_program(case: WaveCase) -> tuple[Any, Callable[..., Row]]:
     """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
     context, tape = mpmath.MPContext(), StraightLine()
     value = tape.record(case.form.expression)
@@ -180,7 +180,7 @@ def _mp_program(case: Case) -> tuple[Any, Callable[..., Row]]:
     return context, tape.compile(symbols, entries, mp_module(context))
 
 
-def _mp_values(case: Case, digits: int) -> list[Row]:
+def _mp_values(case: WaveCase, digits: int) -> list[Row]:
     """Y, Y_X, Y_T at the points, working with so many digits."""
     wave = case.wave()
     context, function = _mp_program(case)

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
 """Steps, as shares of the largest stable one."""
 
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 FINEST_TOLERANCE = 1e-7
 FINEST_SHARE = 0.1
 SPECTRAL = "spectral"
@@ -105,7 +105,7 @@ def _stencils(scene: Scene) -> Iterator[tuple[str, list[Scene]]]:
 
 
 def _rings(scene: Scene) -> list[Scene]:
-    return [spectral(scene, tolerance) for tolerance in TOLERANCES]
+    return [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
 
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
@@ -138,7 +138,7 @@ def warmed(scheme: str) -> None:
     """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
     scene = smooth()
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
-    run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, TOLERANCES[0]))
+    run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
 
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:

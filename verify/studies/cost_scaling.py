@@ -11,7 +11,7 @@ from verify.studies.cost_precision import spectral, warmed
 SLOW_TIME = 1.25
 """T runs from minus this to 0, the peak."""
 
-TOLERANCE, FINER_TOLERANCE = 1e-3, 1e-4
+SPECTRAL_TOLERANCE, FINER_SPECTRAL_TOLERANCE = 1e-3, 1e-4
 WINDOW_SCHEME = "reduced_phase_6"
 WINDOW_STEP, RK4_STEP = 1.0, 0.1
 STEPS = 400
@@ -36,7 +36,7 @@ class ScalingPoint:
 
 
 @dataclass(frozen=True)
-class Law:
+class PowerLaw:
     """value = factor * x^exponent, fitted to a series."""
 
     series: str
@@ -44,7 +44,7 @@ class Law:
     exponent: float
 
 
-def fit_law(points: Sequence[ScalingPoint]) -> Law:
+def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
     """The power law through the points of one series.
 
     >>> fit_law([ScalingPoint("s", 1.0, 3.0), ScalingPoint("s", 2.0, 12.0)]).exponent
@@ -53,7 +53,7 @@ def fit_law(points: Sequence[ScalingPoint]) -> Law:
     exponent, level = np.polyfit(
         np.log([point.x for point in points]), np.log([point.value for point in points]), 1
     )
-    return Law(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+    return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
 
 
 def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
@@ -67,7 +67,7 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
     for scheme in ("", WINDOW_SCHEME, "rk4"):
         warmed(scheme)
     base = _scene(eps)
-    found = run(spectral(base, TOLERANCE))
+    found = run(spectral(base, SPECTRAL_TOLERANCE))
     whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
     wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
     sites = max(2048, round(WINDOW_X / eps))
@@ -83,7 +83,7 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
         ScalingPoint(REDUCTION, eps, relative_sup_error(*rows)),
     ]
     if judged:
-        finer = run(spectral(base, FINER_TOLERANCE))["strain"] - found["strain"]
+        finer = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - found["strain"]
         points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(finer).max()) / eps))
     return points
 

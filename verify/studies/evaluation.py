@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions import Wave
-from verify.studies.evaluation_cases import FARTHEST_SITE, Case
+from verify.studies.evaluation_cases import FARTHEST_SITE, WaveCase
 
-__all__ = ["TOLERANCE", "Accuracy", "measure", "worst_of"]
+__all__ = ["PROMISED_ERROR", "Accuracy", "measure_accuracy", "worst_of"]
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-13
+PROMISED_ERROR = 1e-13
 """The promised bound on every error."""
 
 REFERENCE_DIGITS = 60
@@ -42,7 +42,7 @@ class Accuracy:
     @property
     def passed(self) -> bool:
         """Whether every error is within the promised bound (NaN is not)."""
-        return all(error <= TOLERANCE for error in self.errors)
+        return all(error <= PROMISED_ERROR for error in self.errors)
 
     def json(self) -> dict[str, object]:
         """The record as JSON data."""
@@ -50,8 +50,8 @@ class Accuracy:
         return {"wave": self.name, "points": self.points, "errors": errors, "worst": self.worst}
 
 
-def measure(
-    case: Case, times: Iterable[float] | None = None, per_time: int = 9, grid: int = GRID
+def measure_accuracy(
+    case: WaveCase, times: Iterable[float] | None = None, per_time: int = 9, grid: int = GRID
 ) -> Accuracy:
     """The worst errors of one case at ``per_time`` points for each lattice time.
 

@@ -17,7 +17,7 @@ from derive import NormalForm, mkdv_normal_form
 from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from verify.studies.soliton_cases import SOLITON_VALUES
 
-__all__ = ["MODULI", "TIMES", "Case", "all_cases", "drawn_cases", "wave_names"]
+__all__ = ["MODULI", "TIMES", "WaveCase", "all_cases", "drawn_cases", "wave_names"]
 
 MODULI: tuple[sp.Rational, ...] = (
     sp.Rational(1, 10**8),
@@ -70,7 +70,7 @@ Values = tuple[tuple[str, sp.Expr], ...]
 
 
 @dataclass(frozen=True)
-class Case:
+class WaveCase:
     """A wave by its name (``rational_j`` for any j) with exact parameter values.
 
     ``K4`` is a size: its sign is that of the wave's equation.
@@ -115,7 +115,7 @@ def wave_names() -> list[str]:
     return [form.name for form in CATALOGUE] + [f"rational_{order}" for order in higher]
 
 
-def all_cases(name: str, drawn: int = DRAWN) -> Iterator[Case]:
+def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
     """The cases of one wave: ends of domains, then ``drawn`` from the whole.
 
     >>> [str(case) for case in all_cases("kink")][:3]
@@ -125,21 +125,21 @@ def all_cases(name: str, drawn: int = DRAWN) -> Iterator[Case]:
     """
     if name not in wave_names():
         raise ValueError(f"name must be a wave, got {name!r} (one of {', '.join(wave_names())})")
-    parameters = [parameter.name for parameter in Case(name).form.parameters]
+    parameters = [parameter.name for parameter in WaveCase(name).form.parameters]
     if name in SOLITON_VALUES:
-        yield from (Case(name, values) for values in SOLITON_VALUES[name])
+        yield from (WaveCase(name, values) for values in SOLITON_VALUES[name])
     elif not parameters:
-        yield Case(name)
+        yield WaveCase(name)
     elif "A" in parameters:
-        yield from (Case(name, (("A", value),)) for value in AMPLITUDES)
+        yield from (WaveCase(name, (("A", value),)) for value in AMPLITUDES)
     else:
         yield from _with_modulus(name, "alpha" in parameters)
     if name.startswith("rational_") and (order := int(name.removeprefix("rational_"))) > 3:
-        yield Case(name, _shifts(order))
+        yield WaveCase(name, _shifts(order))
     yield from drawn_cases(name, drawn)
 
 
-def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[Case]:
+def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[WaveCase]:
     """Random cases of one wave from the whole domain, the second to fifth at ``CORNERS``.
 
     >>> [str(case) for case in drawn_cases("kink", 1)]
@@ -154,12 +154,12 @@ def drawn_cases(name: str, count: int, seed: int = 1) -> Iterator[Case]:
             K2, K4, eps = CORNERS[index - 1]
         latest = FARTHEST_SITE / float(sp.sqrt(K2))
         late = rng.choice((-1, 1)) * float(_logarithmic(rng, 1e-6 * latest, latest))
-        yield Case(name, values, K2, K4, eps, (0, late, -latest))
+        yield WaveCase(name, values, K2, K4, eps, (0, late, -latest))
 
 
 def _drawn_values(name: str, rng: random.Random) -> Values:
     values: dict[sp.Symbol, sp.Expr] = {}
-    for parameter in Case(name).form.parameters:
+    for parameter in WaveCase(name).form.parameters:
         if parameter.upper is not None:
             value = parameter.upper.value.xreplace(values) * _between(rng)
         else:
@@ -183,14 +183,14 @@ def _logarithmic(rng: random.Random, low: float, high: float) -> sp.Rational:
     return sp.Rational(f"{low * (high / low) ** rng.random():.5e}")
 
 
-def _with_modulus(name: str, with_alpha: bool) -> Iterator[Case]:
+def _with_modulus(name: str, with_alpha: bool) -> Iterator[WaveCase]:
     for modulus in MODULI:
         if not with_alpha:
-            yield Case(name, (("k", modulus),))
+            yield WaveCase(name, (("k", modulus),))
             continue
         for part in ALPHA_OVER_K:
             alpha = part * sp.elliptic_k(modulus**2)
-            yield Case(name, (("k", modulus), ("alpha", alpha), ("X_0", sp.Rational(1, 3))))
+            yield WaveCase(name, (("k", modulus), ("alpha", alpha), ("X_0", sp.Rational(1, 3))))
 
 
 def _shifts(order: int) -> Values:

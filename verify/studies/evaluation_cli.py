@@ -16,7 +16,7 @@ from rich.table import Table
 from derive.command_line import OneLineParser, announce, fail, interrupted
 from verify.cli.parser import finished
 from verify.pool import ignore_interrupt, stopping
-from verify.studies.evaluation import TOLERANCE, Accuracy, measure, worst_of
+from verify.studies.evaluation import PROMISED_ERROR, Accuracy, measure_accuracy, worst_of
 from verify.studies.evaluation_cases import DRAWN, all_cases, wave_names
 
 __all__ = ["accuracy_command"]
@@ -66,7 +66,7 @@ def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]
     context = get_context("spawn")
     with ProcessPoolExecutor(jobs, context, ignore_interrupt) as pool, stopping(pool):
         pending = [
-            (name, [pool.submit(measure, case) for case in all_cases(name, drawn)])
+            (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
             for name in names
         ]
         for name, cases in pending:
@@ -75,7 +75,7 @@ def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]
 
 
 def _print(results: Sequence[Accuracy]) -> None:
-    table = Table(title=f"worst errors / max(1, |value|); promised: {TOLERANCE:.0e}")
+    table = Table(title=f"worst errors / max(1, |value|); promised: {PROMISED_ERROR:.0e}")
     for heading in ("wave", "points", "Y", "Y_X", "Y_T", "worst at"):
         table.add_column(heading, justify="left" if heading in ("wave", "worst at") else "right")
     for result in results:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Measurement(NamedTuple):
+class Reading(NamedTuple):
     """The number that a hard case is judged by, what else was seen, and what the program said."""
 
     value: float
@@ -15,7 +15,7 @@ class Measurement(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HardCase:
+class HardCaseResult:
     """The outcome of one hard case; it passes if ``measured <= bound``.
 
     ``message`` is what the program tells its user, where the case is about that.
@@ -33,13 +33,13 @@ class HardCase:
 
 
 @dataclass(frozen=True)
-class Case:
+class HardCase:
     """A hard case to run: ``what`` is done, and the ``criterion``, a number to be bounded.
 
     Texts hold mathematics between dollars, as claims do. ``slow`` ones take more than about two
     seconds.
 
-    >>> case = Case("sum", "0.1 + 0.2", "less 0.3", 1e-15, lambda: Measurement(0.1 + 0.2 - 0.3, ""))
+    >>> case = HardCase("sum", "0.1 + 0.2", "less 0.3", 1e-15, lambda: Reading(0.1 + 0.2 - 0.3, ""))
     >>> case.run().passed
     True
     """
@@ -48,15 +48,15 @@ class Case:
     what: str
     criterion: str
     bound: float
-    measure: Callable[[], Measurement]
+    measure: Callable[[], Reading]
     slow: bool = False
 
-    def run(self) -> HardCase:
+    def run(self) -> HardCaseResult:
         """Measure and judge; NaN does not pass."""
         begun = time.perf_counter()
         value, detail, message = self.measure()
         seconds = time.perf_counter() - begun
-        return HardCase(
+        return HardCaseResult(
             self.name,
             self.what,
             self.criterion,

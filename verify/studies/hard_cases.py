@@ -3,45 +3,45 @@
 from collections.abc import Sequence
 
 from verify.studies import cases_background, cases_rounding, cases_stability
-from verify.studies.hard_case import Case, HardCase
+from verify.studies.hard_case import HardCase, HardCaseResult
 
 HARD_CASES = (
-    Case(
+    HardCase(
         "step_limit",
         "each scheme with a step $10^{-6}$ past its linear stability limit",
         "relative difference of the limit told and the one observed (infinite unless refused)",
         1e-3,
         cases_stability.step_limit,
     ),
-    Case(
+    HardCase(
         "soft_lattice",
         "a wave that crosses $V''=0$: the lattice goes soft",
         "steps between the time told and a double-double run's",
         1.0,
         cases_stability.soft_lattice,
     ),
-    Case(
+    HardCase(
         "zone_boundary_noise",
         "noise at the zone boundary on a dn wave, 0.99 of the step limit, to $t=10^4$",
         "factor by which it grows",
         10.0,
         cases_stability.zone_boundary_noise,
     ),
-    Case(
+    HardCase(
         "wrong_feed",
         "a window fed with a far field that is wrong by 0.1 %",
         "moves of the window until the run stops",
         1.0,
         cases_stability.wrong_feed,
     ),
-    Case(
+    HardCase(
         "cn_growth",
         "unstable cn wave, its fastest mode seeded",
         "relative difference of its growth rate and Floquet theory's",
         0.01,
         cases_background.cn_growth,
     ),
-    Case(
+    HardCase(
         "cn_horizon",
         "unstable cn wave, rounding alone",
         "relative difference of the time at which $10^{-4}eps$ is lost and the horizon told",
@@ -49,28 +49,28 @@ HARD_CASES = (
         cases_background.cn_horizon,
         slow=True,
     ),
-    Case(
+    HardCase(
         "stable_sn",
         "stable sn wave with noise, to $t=10^4$",
         "factor by which it grows, shifts removed",
         2.0,
         cases_background.stable_sn,
     ),
-    Case(
+    HardCase(
         "stable_dn",
         "stable dn wave with noise, to $t=10^4$",
         "factor by which it grows, shifts removed",
         2.0,
         cases_background.stable_dn,
     ),
-    Case(
+    HardCase(
         "energy_drift_short",
         "Stoermer-Verlet, $10^6$ steps",
         "energy error of the last tenth over that of the first (16 for a drift)",
         3.0,
         cases_rounding.energy_drift_short,
     ),
-    Case(
+    HardCase(
         "energy_drift",
         "every symplectic scheme, $10^6$ steps",
         "energy error of the last tenth over that of the first (16 for a drift)",
@@ -78,28 +78,28 @@ HARD_CASES = (
         cases_rounding.energy_drift,
         slow=True,
     ),
-    Case(
+    HardCase(
         "rounding_growth",
         "rounding of the energy, 30000 steps",
         "exponent of its growth in $t$ (1/2 unbiased, 1 biased)",
         0.75,
         cases_rounding.rounding_growth,
     ),
-    Case(
+    HardCase(
         "rounding_floor",
         "double against double-double, to $t=500$",
         "largest difference of $y/eps$",
         1e-12,
         cases_rounding.rounding_floor,
     ),
-    Case(
+    HardCase(
         "time_reversal",
         "a run forwards, velocities turned, and again",
         "largest difference of $y/eps$ to the start",
         1e-12,
         cases_rounding.time_reversal,
     ),
-    Case(
+    HardCase(
         "restart",
         "a restart from a snapshot",
         "values that differ by a bit",
@@ -109,7 +109,7 @@ HARD_CASES = (
 )
 
 
-def hard_case(name: str) -> Case:
+def hard_case(name: str) -> HardCase:
     """The case of that name; ValueError lists the known ones."""
     for case in HARD_CASES:
         if case.name == name:
@@ -118,6 +118,6 @@ def hard_case(name: str) -> Case:
     raise ValueError(f"name must be a hard case, got {name!r} (one of {known})")
 
 
-def run_hard_cases(cases: Sequence[Case] = HARD_CASES) -> list[HardCase]:
+def run_hard_cases(cases: Sequence[HardCase] = HARD_CASES) -> list[HardCaseResult]:
     """Run the cases, in order."""
     return [case.run() for case in cases]

@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from verify.comparison import Scene, rational_family_scenes, run
-from verify.studies.cost_scaling import Law, ScalingPoint, fit_law
+from verify.studies.cost_scaling import PowerLaw, ScalingPoint, fit_law
 
 HALF_WIDTH = 25.0
 """Half-width compared, in X: all extrema of Y_2 .. Y_5 from the family's first slow time on."""
 
-TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
+PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
 """Sup error of y/eps allowed, by order: the higher the order, the larger the error to be shown."""
 
 RESOLVED = 0.1
 """Most of a value that its discretisation error may be."""
 
-FITTED = 3
+FITTED_PEAKS = 3
 """Points at the small-eps end through which the law is fitted."""
 
 
@@ -50,7 +50,7 @@ class PeakError:
 
 def peak_scene(order: int, eps: float) -> Scene:
     """The member of the family up to its peak, by whichever engine is cheaper."""
-    (scene,) = rational_family_scenes((order,), (eps,), TOLERANCES[order]).values()
+    (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
     return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
 
 
@@ -70,7 +70,7 @@ def peak_error(order: int, eps: float) -> PeakError:
     return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
 
 
-def peak_laws(points: Iterable[PeakError]) -> dict[int, Law | None]:
+def peak_laws(points: Iterable[PeakError]) -> dict[int, PowerLaw | None]:
     """For each order the power of eps through its smallest resolved eps; None below two points."""
     orders: dict[int, list[PeakError]] = {}
     for point in points:
@@ -78,8 +78,8 @@ def peak_laws(points: Iterable[PeakError]) -> dict[int, Law | None]:
     return {order: _law(found) for order, found in sorted(orders.items())}
 
 
-def _law(points: Sequence[PeakError]) -> Law | None:
+def _law(points: Sequence[PeakError]) -> PowerLaw | None:
     sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
     if len(sound) < 2:
         return None
-    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED]])
+    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED_PEAKS]])

@@ -1,4 +1,4 @@
-"""Evidence and claims: numbers from known runs, verdicts that follow the numbers."""
+"""Measured runs and claims: numbers from known runs, verdicts that follow the numbers."""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from verify.studies.claims_evidence import (
     PARTS,
     RK4_STEP,
     SPLIT,
-    Evidence,
+    MeasuredRuns,
     report_scenes,
     rk4_name,
 )
@@ -50,9 +50,9 @@ def fake_run(scene: Scene, top: float, when: float = 0.0) -> xr.Dataset:
     )
 
 
-def evidence(tops: Mapping[str, float], when: float = 0.0) -> Evidence:
+def evidence(tops: Mapping[str, float], when: float = 0.0) -> MeasuredRuns:
     runs = {name: fake_run(scene, tops.get(name, 0.1), when) for name, scene in SCENES.items()}
-    return Evidence(runs, SCENES)
+    return MeasuredRuns(runs, SCENES)
 
 
 def test_step_and_domain_add_up_over_the_errors_own_denominator() -> None:
@@ -65,7 +65,7 @@ def test_step_and_domain_add_up_over_the_errors_own_denominator() -> None:
 def test_a_missing_domain_error_is_not_counted() -> None:
     runs = {"rational_2_eps_0.05": fake_run(SCENES["rational_2_eps_0.05"], 0.1)}
     bare = {name: run.drop_vars("domain_error") for name, run in runs.items()}
-    number = Evidence(bare, SCENES).relative_error("rational_2_eps_0.05", 0.0)
+    number = MeasuredRuns(bare, SCENES).relative_error("rational_2_eps_0.05", 0.0)
     assert number.error == pytest.approx(1.5e-4)
 
 

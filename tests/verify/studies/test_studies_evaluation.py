@@ -9,12 +9,12 @@ import sympy as sp
 
 from solutions import Wave
 from verify.__main__ import main
-from verify.studies.evaluation import Accuracy, measure, worst_of
+from verify.studies.evaluation import Accuracy, measure_accuracy, worst_of
 from verify.studies.evaluation_cases import DRAWN as DRAWN_CASES
 from verify.studies.evaluation_cases import (
     MODULI,
     TIMES,
-    Case,
+    WaveCase,
     all_cases,
     drawn_cases,
     wave_names,
@@ -29,16 +29,16 @@ ENDS = [pytest.param(next(all_cases(name)), id=name) for name in wave_names()]
 
 
 @pytest.mark.parametrize("case", ENDS + DRAWN)
-def test_a_few_points_of_every_wave(case: Case) -> None:
+def test_a_few_points_of_every_wave(case: WaveCase) -> None:
     """At T = 0 and late, from the whole domain of parameters, K2, K4, eps and sites."""
-    accuracy = measure(case, times=case.times[::2], per_time=2, grid=201)
+    accuracy = measure_accuracy(case, times=case.times[::2], per_time=2, grid=201)
     assert accuracy.passed, accuracy
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", wave_names())
 def test_the_whole_domain(name: str) -> None:
-    worst = worst_of(measure(case, per_time=4, grid=201) for case in all_cases(name, 6))
+    worst = worst_of(measure_accuracy(case, per_time=4, grid=201) for case in all_cases(name, 6))
     assert worst.passed, worst
 
 
@@ -46,14 +46,14 @@ def test_the_whole_domain(name: str) -> None:
 def test_a_wave_wrong_in_its_last_digits_is_seen(
     part: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    case, at = Case("kink", (("A", sp.Integer(40)),)), Wave.at
+    case, at = WaveCase("kink", (("A", sp.Integer(40)),)), Wave.at
 
     def wrong(wave: Wave, *point: Any) -> Any:
         values = at(wave, *point)
         return values._replace(**{part: getattr(values, part) * (1 + 4e-13)})
 
     monkeypatch.setattr(Wave, "at", wrong)
-    assert not measure(case, times=(2960,), grid=201).passed
+    assert not measure_accuracy(case, times=(2960,), grid=201).passed
 
 
 def test_nan_does_not_pass() -> None:

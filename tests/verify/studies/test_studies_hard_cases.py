@@ -10,7 +10,7 @@ import pytest
 
 from lattice.schemes.catalogue import KAHAN_LI_8, RK4, STOERMER_VERLET
 from verify.studies import cases_background, cases_rounding
-from verify.studies.hard_case import Case, Measurement
+from verify.studies.hard_case import HardCase, Reading
 from verify.studies.hard_cases import HARD_CASES, hard_case, run_hard_cases
 from verify.studies.travelling import travelling_wave
 
@@ -19,7 +19,7 @@ SLOW = [case for case in HARD_CASES if case.slow]
 
 
 @pytest.mark.parametrize("case", FAST, ids=lambda case: case.name)
-def test_hard_case(case: Case) -> None:
+def test_hard_case(case: HardCase) -> None:
     found = case.run()
     assert found.passed, (
         f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
@@ -29,7 +29,7 @@ def test_hard_case(case: Case) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SLOW, ids=lambda case: case.name)
-def test_long_hard_case(case: Case) -> None:
+def test_long_hard_case(case: HardCase) -> None:
     found = case.run()
     assert found.passed, (
         f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
@@ -48,7 +48,7 @@ def test_the_blow_up_tells_time_site_and_criterion() -> None:
 
 
 def test_nan_does_not_pass() -> None:
-    assert not Case("nan", "", "", 1.0, lambda: Measurement(math.nan, "")).run().passed
+    assert not HardCase("nan", "", "", 1.0, lambda: Reading(math.nan, "")).run().passed
 
 
 def test_the_records_come_in_the_tables_order() -> None:

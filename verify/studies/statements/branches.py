@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from .equations import true_equality, true_equation
-from .formulas import number, phase, positive
-from .near import shown_at
-from .record import Statement, Truth
-from .setting import Setting, ranged
+from verify.studies.statements.equations import true_equality, true_equation
+from verify.studies.statements.formulas import number, phase, positive
+from verify.studies.statements.near import shown_at
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting, ranged
 
 Sides = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 

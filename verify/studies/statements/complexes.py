@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import sympy as sp
 
-from .equations import true_equality, true_equation
-from .formulas import constant, formula, phase, positive
-from .labels import with_counterexample
-from .near import shown_at
-from .paraphrase import rewritten
-from .record import Statement, Truth
-from .setting import Setting
+from verify.studies.statements.equations import true_equality, true_equation
+from verify.studies.statements.formulas import constant, formula, phase, positive
+from verify.studies.statements.labels import with_counterexample
+from verify.studies.statements.near import shown_at
+from verify.studies.statements.paraphrase import rewritten
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting
 
 Sides = Callable[[sp.Expr, sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from .equations import true_equation
-from .formulas import constant, formula, number
-from .near import shown_at
-from .record import Statement, Truth
-from .setting import Setting
+from verify.studies.statements.equations import true_equation
+from verify.studies.statements.formulas import constant, formula, number
+from verify.studies.statements.near import shown_at
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting
 
 
 def _square_root(p: sp.Rational, q: sp.Rational, root: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

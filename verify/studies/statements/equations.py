@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from .formulas import constant, formula, phase, piece, positive
-from .paraphrase import rewritten
-from .record import Statement, Truth
-from .setting import Setting
+from verify.studies.statements.formulas import constant, formula, phase, piece, positive
+from verify.studies.statements.paraphrase import rewritten
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting
 
 HIGHEST = 3
 """The highest order of a derivative."""

@@ -7,8 +7,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from solutions import special
-
-from .setting import Setting
+from verify.studies.statements.setting import Setting
 
 SMALL = (-3, -2, -1, 1, 2, 3)
 

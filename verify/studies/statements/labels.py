@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from .record import Point, Statement, Truth
-from .values import ValueMissing, Values, values_at
+from verify.studies.statements.record import Point, Statement, Truth
+from verify.studies.statements.values import ValueMissing, Values, values_at
 
 POINTS = 6
 TRIES = 10

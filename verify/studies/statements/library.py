@@ -7,11 +7,19 @@ from collections.abc import Callable, Mapping
 
 import sympy as sp
 
+from verify.studies.statements import (
+    branches,
+    complexes,
+    constants,
+    equations,
+    near,
+    vanishing,
+    waves,
+    wrapped,
+)
+from verify.studies.statements.record import Statement
+from verify.studies.statements.setting import Setting, random_setting
 from verify.tree import distinct_nodes
-
-from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
-from .record import Statement
-from .setting import Setting, random_setting
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""

@@ -6,11 +6,17 @@ from dataclasses import replace
 
 import sympy as sp
 
-from .equations import identity, logarithmic, travelling_wave, with_annihilator, with_source
-from .formulas import constant, phase
-from .record import Point, Statement, Truth
-from .setting import Setting
-from .values import ValueMissing, values_at
+from verify.studies.statements.equations import (
+    identity,
+    logarithmic,
+    travelling_wave,
+    with_annihilator,
+    with_source,
+)
+from verify.studies.statements.formulas import constant, phase
+from verify.studies.statements.record import Point, Statement, Truth
+from verify.studies.statements.setting import Setting
+from verify.studies.statements.values import ValueMissing, values_at
 
 TINY = (20, 60, 200)
 TRUE = (with_source, with_source, with_annihilator, travelling_wave, logarithmic, identity)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from .record import Point, Range
+from verify.studies.statements.record import Point, Range
 
 VARIABLES = ("x", "t", "y")
 PARAMETERS = ("a", "b", "c", "q", "w", "i", "e", "root", "sn", "U", "u", "lambda")

@@ -15,9 +15,8 @@ import sympy as sp
 
 from solutions.special.function import JacobiFunction
 from solutions.special.mp import IMPLEMENTATIONS
+from verify.studies.statements.record import Statement
 from verify.tree import distinct_nodes
-
-from .record import Statement
 
 Point = Mapping[sp.Symbol, Any]
 

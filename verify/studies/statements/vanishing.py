@@ -8,11 +8,10 @@ from dataclasses import replace
 import sympy as sp
 
 from solutions import special
-
-from .equations import identity, true_equality, true_equation, with_source
-from .formulas import formula, phase, polynomial, positive
-from .record import Statement, Truth
-from .setting import Setting
+from verify.studies.statements.equations import identity, true_equality, true_equation, with_source
+from verify.studies.statements.formulas import formula, phase, polynomial, positive
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting
 
 Zero = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
 sn, cn = special.jacobi_sn, special.jacobi_cn

@@ -9,11 +9,10 @@ import sympy as sp
 from solutions import closed_form, special
 from solutions.record import ClosedForm
 from solutions.symbols import tau, xi
-
-from .formulas import number
-from .labels import with_counterexample
-from .record import Range, Statement, Truth
-from .setting import Setting
+from verify.studies.statements.formulas import number
+from verify.studies.statements.labels import with_counterexample
+from verify.studies.statements.record import Range, Statement, Truth
+from verify.studies.statements.setting import Setting
 
 SMALL_FORMS = ("kink", "soliton_sech", "wave_cn", "wave_dn", "wave_sn", "rational_1")
 

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from .equations import true_equation
-from .formulas import formula, number, phase
-from .labels import with_counterexample
-from .record import Statement, Truth
-from .setting import Setting
+from verify.studies.statements.equations import true_equation
+from verify.studies.statements.formulas import formula, number, phase
+from verify.studies.statements.labels import with_counterexample
+from verify.studies.statements.record import Statement, Truth
+from verify.studies.statements.setting import Setting
 
 Wrap = Callable[[sp.Expr, sp.Symbol], sp.Expr]
 
