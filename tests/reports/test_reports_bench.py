@@ -7,11 +7,9 @@ import pytest
 
 from reports import bench
 from reports.assemble import STUDY_TABLES
-from reports.studies import Studies
-from verify.studies.cost_precision import CostPoint
-from verify.studies.cost_scaling import ScalingPoint
-from verify.studies.hard_case import HardCaseResult
-from verify.studies.reduction import PeakError
+from reports.work import Studies
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 
 FOUND = Studies(
     evaluation=[],

@@ -7,11 +7,10 @@ import xarray as xr
 
 from reports import __main__ as command_line
 from reports.engine import EngineMissingError
-from reports.studies import Studies
-from reports.work import Findings
-from verify.studies.claims_evidence import MeasuredRuns
-from verify.studies.hard_case import HardCaseResult
-from verify.studies.mutations import MutationCount, Survivor
+from reports.work import Findings, Studies
+from verify.evidence.mutations import MutationCount, Survivor
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.measured_runs import MeasuredRuns
 from verify.studies.proofs import ProofRecord
 from verify.verdict import Outcome
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from reports.environment import escape
-from reports.figures.costs import CostAxes, CostPanel, cost_figure
+from reports.figures.drawing import CostAxes, CostPanel, cost_figure
+from reports.latex import escape
 from reports.sections.costs import (
     PRINTED,
     hard_case_table,
@@ -14,9 +14,8 @@ from reports.sections.costs import (
     scaling_table,
 )
 from verify.comparison import SCHEMES
-from verify.studies.cost_precision import SPECTRAL, CostPoint
-from verify.studies.cost_scaling import TRUE_ERROR, ScalingPoint
-from verify.studies.hard_case import HardCaseResult
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_cost import SPECTRAL, TRUE_ERROR, CostPoint, ScalingPoint
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from verify.comparison.initial_data import build_wave
 from verify.comparison.run import run
 from verify.comparison.scene import ENGINES, Scene
+from verify.processes import OutOfTime, time_limit
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import RandomScene, random_scene
-from verify.studies.time_limit import OutOfTime, time_limit
 
 __all__ = ["VERDICTS", "EstimateRow", "Judged", "judge", "judge_scene", "rows", "warm_up"]
 

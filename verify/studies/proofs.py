@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from verify.check import NAMES, check, named_form
+from verify.evidence.mutations import MutationCount, count_mutants
 from verify.proof import CertificateError, check_certificate
-from verify.studies.mutations import MutationCount, count_mutants
 from verify.verdict import Outcome
 
 

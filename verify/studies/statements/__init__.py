@@ -4,6 +4,6 @@
 """
 
 from verify.studies.statements.library import KINDS, statement
-from verify.studies.statements.record import Range, Statement, Truth
+from verify.studies.statements.statement import Range, Statement, Truth
 
 __all__ = ["KINDS", "Range", "Statement", "Truth", "statement"]
