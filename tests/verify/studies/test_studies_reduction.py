@@ -42,7 +42,7 @@ def test_a_run_that_is_refused_is_a_record(monkeypatch: pytest.MonkeyPatch) -> N
     def refuse(scene: Scene) -> None:
         raise ValueError("tolerance must be larger")
 
-    monkeypatch.setattr(reduction, "run", refuse)
+    monkeypatch.setattr(lattice_cost, "run", refuse)
     point = peak_error(2, 0.1)
     assert point.fault == "tolerance must be larger"
     assert math.isnan(point.value)
