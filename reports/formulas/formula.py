@@ -40,7 +40,7 @@ from reports.formulas.tidy import (
     width,
     with_phase,
 )
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 from solutions.symbols import complementary_modulus, k
 
 HEAVY = 55.0

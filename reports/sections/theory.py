@@ -12,7 +12,7 @@ from reports.formulas import Formula, equation_latex, latex
 from reports.latex import block, escape, scientific
 from reports.paper import cited
 from solutions import CATALOGUE, ClosedForm
-from solutions.equation import Equation
+from solutions.record import Equation
 from verify.evidence.mutations import MutationCount, Survivor
 from verify.studies.proofs import ProofRecord
 from verify.verdict import Verdict

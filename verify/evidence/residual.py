@@ -20,10 +20,10 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
+from solutions.functions.multiprecision import mp_module
 from solutions.parameter import Bound, Parameter
 from solutions.record import ClosedForm
-from solutions.special.mp import mp_module
-from solutions.straight_line import StraightLine, UnknownDerivativeError
 from verify.terms import FieldEquation, field_derivatives, residual_terms
 from verify.verdict import Outcome, Verdict
 

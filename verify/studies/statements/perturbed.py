@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from solutions import special
+from solutions.functions import jacobi
 from verify.studies.statements.formulas import (
     constant,
     formula,
@@ -166,7 +166,7 @@ HIDDEN = {
 
 
 Zero = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
-sn, cn = special.jacobi_sn, special.jacobi_cn
+sn, cn = jacobi.jacobi_sn, jacobi.jacobi_cn
 m = sp.Rational(1, 3)
 
 ZEROS: tuple[Zero, ...] = (

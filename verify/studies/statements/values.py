@@ -15,8 +15,8 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.special.function import JacobiFunction
-from solutions.special.mp import IMPLEMENTATIONS
+from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.multiprecision import IMPLEMENTATIONS
 from verify.studies.statements.statement import Point, Statement, Truth
 from verify.tree import distinct_nodes
 
