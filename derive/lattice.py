@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
 from derive.algebra.exact_numbers import exact, integer, shown
+from derive.output.notation import (
+    Displayed,
+    Printed,
+    bracketed,
+    latex_of,
+    power_of,
+    text_of,
+    weighted_sum,
+)
 from derive.symbols import check_constants, eps, rational_function, x
 
 Cell = tuple[int, ...]
@@ -74,8 +84,8 @@ class Bond:
         return self.force.diff(x).subs(x, stretch)
 
 
-@dataclass(frozen=True)
-class Lattice:
+@dataclass(frozen=True, repr=False)
+class Lattice(Displayed):
     """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
 
     >>> from derive import LATTICES
@@ -121,3 +131,66 @@ class Lattice:
                     "(fields are counted from 0)"
                 )
         check_constants(self.constants)
+
+    def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
+        """The equations of motion, then the force of each bond, one a line.
+
+        >>> from derive import LATTICES
+        >>> LATTICES["fput_strain"].equations()[0]
+        "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
+        """
+        if printed is text_of:
+            return tuple(_equations(self, printed, "{}''", "F{}"))
+        return tuple(_equations(self, printed, r"\ddot{{{}}}", "F_{{{}}}"))
+
+    def text(self) -> str:
+        """The name, and the equations in plain text."""
+        return f"{self.name}: {'; '.join(self.equations())}"
+
+    def latex(self) -> str:
+        """The equations in LaTeX, without delimiters."""
+        return r",\quad ".join(self.equations(latex_of))
+
+
+def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str) -> Iterator[str]:
+    """Equations of motion and forces, constants as they are ``printed``."""
+    many = len(lattice.bonds) > 1
+    labels = [label.format(number) if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    here = _cell((0,) * lattice.dimension)
+    for index, name in enumerate(lattice.fields):
+        mass = lattice.masses[index]
+        forces = [
+            (entry.weight, f"{force}({_stretch(lattice, bond, entry)})")
+            for force, bond in zip(labels, lattice.bonds, strict=True)
+            for entry in bond.action
+            if entry.field == index
+        ]
+        factor = "" if mass == 1 else f"{bracketed(mass, printed)} "
+        yield f"{factor}{acceleration.format(f'{name}_{here}')} = {weighted_sum(forces)}"
+    for force, bond in zip(labels, lattice.bonds, strict=True):
+        terms = enumerate(reversed(bond.coefficients()))
+        yield f"{force}(x) = " + " + ".join(
+            f"{bracketed(value, printed)} {power_of(x, power, printed)}".rstrip()
+            for power, value in terms
+            if value != 0
+        )
+
+
+def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
+    """What stretches the bond whose force acts through ``at``."""
+    parts = []
+    for entry in bond.stretch:
+        cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]
+        parts.append((entry.weight, f"{lattice.fields[entry.field]}_{_cell(cell)}"))
+    return weighted_sum(parts)
+
+
+def _cell(shift: Sequence[int]) -> str:
+    """The cell at an offset, as a subscript; further axes follow.
+
+    >>> _cell((0,)), _cell((1,)), _cell((1, 0))
+    ('n', '{n+1}', '{n+1,m}')
+    """
+    names = [f"{axis}{step:+d}" if step else axis for axis, step in zip("nml", shift, strict=False)]
+    joined = ",".join(names)
+    return joined if len(joined) == 1 else f"{{{joined}}}"

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Abs, Expr, sign, sqrt
+from sympy import Abs, Expr, latex, sign, sqrt
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,11 @@ class NormalForm:
     b: Expr
     s: Expr
     c: Expr
+
+    def _repr_latex_(self) -> str:
+        equation = r"U_\tau + 6 s U^2 U_\xi + U_{\xi\xi\xi} = 0,\quad Y(X, T) = U(a X, b T)"
+        values = [f"{name} = {latex(getattr(self, name))}" for name in ("a", "b", "s", "c")]
+        return rf"$\displaystyle {', '.join([equation, *values])}$"
 
     @classmethod
     def of_coefficients(cls, c: Expr, nonlinear: Expr, dispersive: Expr) -> NormalForm:

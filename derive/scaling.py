@@ -8,6 +8,15 @@ from dataclasses import dataclass
 from sympy import Expr, Symbol
 
 from derive.algebra.exact_numbers import integer, shown
+from derive.output.notation import (
+    Displayed,
+    Printed,
+    bracketed,
+    latex_of,
+    power_of,
+    text_of,
+    weighted_sum,
+)
 from derive.symbols import c, check_constants, eps, rational_function
 
 
@@ -39,9 +48,22 @@ class SlowVariable:
                 "terms of the reduced equation)"
             )
 
+    def phase(self, printed: Printed = text_of) -> str:
+        """What the variable is, apart from its power of eps.
 
-@dataclass(frozen=True)
-class Scaling:
+        >>> SlowVariable("X", 1, (-2,), -c).phase()
+        '-2 n + c t'
+        """
+        parts = [(step, axis) for step, axis in zip(self.direction, "nml", strict=False) if step]
+        if self.speed != 0:
+            backwards = self.speed.could_extract_minus_sign()
+            size = -self.speed if backwards else self.speed
+            parts.append((1 if backwards else -1, f"{bracketed(size, printed)} t"))
+        return weighted_sum(parts)
+
+
+@dataclass(frozen=True, repr=False)
+class Scaling(Displayed):
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
@@ -111,3 +133,24 @@ class Scaling:
         for expression in (*(v.speed for v in self.space), *(b for _, b in self.background)):
             found |= expression.free_symbols
         return tuple(sorted(found - {eps}, key=str))
+
+    def text(self, field: str = "y") -> str:
+        """The ansatz for a lattice's ``field`` in plain text.
+
+        >>> Scaling().text()
+        'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
+        """
+        return ", ".join(self._parts(field, text_of))
+
+    def latex(self, field: str = "y") -> str:
+        """The same in LaTeX, without delimiters."""
+        return r",\; ".join(self._parts(field, latex_of))
+
+    def _parts(self, field: str, printed: Printed) -> list[str]:
+        def small(exponent: int) -> str:
+            return power_of(eps, exponent, printed)
+
+        mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
+        wave = f"{small(self.amplitude)}Y({', '.join(self.axes)})"
+        slow = (f"{v.name} = {small(v.exponent)}({v.phase(printed)})" for v in self.space)
+        return [f"{field} = {mean}{wave}", *slow, f"T = {small(self.time)}t"]
