@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
-from derive.algebra.exact_numbers import exact, integer, shown
+from derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
 from derive.output.notation import (
     Displayed,
     Printed,
@@ -34,12 +35,9 @@ class Stencil:
     field: int = 0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.shift, tuple) or not self.shift:
-            raise ValueError(
-                f"shift must be a tuple of integers, one an axis, got {shown(self.shift)} "
-                "((1,) is the next cell of a chain)"
-            )
-        for step in (*self.shift, self.weight):
+        shift = tuple_of("shift", self.shift, object, "one an axis: (1,) is a chain's next cell")
+        object.__setattr__(self, "shift", shift)
+        for step in (*shift, self.weight):
             integer("shift and weight", step, -MOST_CELLS, "whole cells, whole weights")
         integer("field", self.field, 0, "the place of the field in the lattice's fields")
 
@@ -61,11 +59,8 @@ class Bond:
 
     def __post_init__(self) -> None:
         for name in ("stretch", "action"):
-            entries = getattr(self, name)
-            if not isinstance(entries, tuple) or not entries:
-                raise ValueError(
-                    f"{name} must be a tuple of Stencil, got {shown(entries)} (name one at least)"
-                )
+            entries = tuple_of(name, getattr(self, name), Stencil, "(Stencil((0,)),) is the cell")
+            object.__setattr__(self, name, entries)
         if not isinstance(self.force, Expr) or not self.force.is_polynomial(x):
             raise ValueError(
                 f"force must be a polynomial in derive.symbols.x, got {shown(self.force)} "
@@ -113,13 +108,25 @@ class Lattice(Displayed):
         return len(self.bonds[0].stretch[0].shift)
 
     def __post_init__(self) -> None:
-        if not self.fields or not self.bonds or len(self.masses) != len(self.fields):
+        for name in ("name", "title"):
+            instance(name, getattr(self, name), str, "such as 'chain'")
+        fields = tuple_of("fields", self.fields, str, "('y',) is one field, the strain")
+        masses = tuple_of("masses", self.masses, object, "(1,) is one field's, the unit")
+        object.__setattr__(self, "fields", fields)
+        object.__setattr__(self, "masses", tuple(rational_function("mass", m) for m in masses))
+        bonds = tuple_of("bonds", self.bonds, Bond, "LATTICES['fput_strain'].bonds shows one")
+        object.__setattr__(self, "bonds", bonds)
+        if len(masses) != len(fields):
             raise ValueError(
-                "lattice must have fields, a mass for each of them, and bonds, got "
-                f"{len(self.fields)} fields, {len(self.masses)} masses, {len(self.bonds)} bonds"
+                f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
+                "(a mass for each field)"
             )
-        exact_masses = tuple(rational_function("mass", mass) for mass in self.masses)
-        object.__setattr__(self, "masses", exact_masses)
+        for field in fields:
+            if not re.fullmatch(r"[A-Za-z]+", field) or fields.count(field) > 1:
+                raise ValueError(
+                    f"fields must have names of letters, each its own, got {shown(field)} "
+                    "(such as 'y', 'z')"
+                )
         for mass in self.masses:
             if mass.is_nonpositive:
                 raise ValueError(f"mass must satisfy mass > 0, got {mass} (1 is the unit)")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from derive.algebra.exact_numbers import integer, shown
+from derive.algebra.exact_numbers import integer, shown, tuple_of
 from derive.output.notation import (
     Displayed,
     Printed,
@@ -34,13 +34,13 @@ class SlowVariable:
             raise ValueError(f"name must be one letter, got {shown(self.name)} (X is usual)")
         hint = "slow variables carry a positive power of eps"
         integer(f"exponent of {self.name}", self.exponent, 1, hint)
-        if not isinstance(self.direction, tuple) or not any(self.direction):
-            raise ValueError(
-                f"direction of {self.name} must be a tuple of integers, not all 0, got "
-                f"{shown(self.direction)} ((1,) is along a chain)"
-            )
-        for step in self.direction:
-            integer(f"direction of {self.name}", step, -(10**6), "whole cells")
+        along = f"direction of {self.name}"
+        direction = tuple_of(along, self.direction, object, "(1,) is along a chain")
+        object.__setattr__(self, "direction", direction)
+        for step in direction:
+            integer(along, step, -(10**6), "whole cells")
+        if not any(direction):
+            raise ValueError(f"{along} must not be all 0, got {direction} ((1,) is along a chain)")
         object.__setattr__(self, "speed", rational_function(f"speed of {self.name}", self.speed))
         if self.speed.has(eps):
             raise ValueError(
@@ -83,8 +83,10 @@ class Scaling(Displayed):
     def __post_init__(self) -> None:
         integer("time", self.time, 1, "T carries a positive power of eps")
         integer("amplitude", self.amplitude, 0, "0 is a wave of order one")
+        usual = 'SlowVariable("X", 1, (1,), c) is the default'
+        object.__setattr__(self, "space", tuple_of("space", self.space, SlowVariable, usual))
         names = [variable.name for variable in self.space]
-        if not names or len({*names, "T", "Y"}) != len(names) + 2:
+        if len({*names, "T", "Y"}) != len(names) + 2:
             raise ValueError(
                 f"space must hold variables with names of their own, other than T and Y, got "
                 f"{names} (X is usual)"
@@ -94,7 +96,14 @@ class Scaling(Displayed):
                 f"speed of {names[0]} must be a positive symbol or minus one, got {self.speed} "
                 "(take derive.symbols.c: the reduction finds its value; -c is the other direction)"
             )
-        mean = tuple((power, rational_function("background", b)) for power, b in self.background)
+        pairs = self.background and tuple_of("background", self.background, tuple, "((0, ybar),)")
+        for pair in pairs:
+            if len(pair) != 2:
+                raise ValueError(
+                    f"background must hold pairs (exponent, value), got {shown(pair)} "
+                    "(((0, ybar),) is a uniform strain)"
+                )
+        mean = tuple((power, rational_function("background", value)) for power, value in pairs)
         object.__setattr__(self, "background", mean)
         for exponent, value in self.background:
             integer("exponent of background", exponent, 0, "0 is a mean of order one")
