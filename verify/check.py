@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.rational_family import rational
+from solutions.forms.rational import rational
 from solutions.record import ClosedForm
 from verify.proof import ProofVerdict, prove_form, prove_rational
 

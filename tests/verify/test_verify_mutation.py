@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE
+from solutions.functions import jacobi_dn
 from solutions.record import ClosedForm
-from solutions.special import jacobi_dn
 from solutions.symbols import X_0, k, tau, xi
 from verify.mutation import Mutant, mutants
 from verify.proof import prove

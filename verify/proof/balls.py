@@ -11,7 +11,7 @@ from operator import add, mul
 import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 
 from . import ballfunctions as functions
 from .domain_signs import Signs

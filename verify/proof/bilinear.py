@@ -15,7 +15,7 @@ from itertools import count
 
 from flint import fmpq_mpoly
 
-from solutions.rational_family import rational_tau
+from solutions.forms.rational import rational_tau
 from verify.verdict import Outcome
 
 from .certificate import signed
@@ -32,7 +32,7 @@ def prove_bilinear(order: int, free: tuple[int, ...] = ()) -> ProofVerdict:
     """Decide the bilinear equations of the rational tau function of ``order``.
 
     ``free`` lists the shifts tau_5, tau_7, ... kept symbolic.  Raises ValueError as
-    `solutions.rational_family.rational_tau` does.
+    `solutions.forms.rational.rational_tau` does.
 
     >>> prove_bilinear(2).outcome
     <Outcome.PROVED: 'PROVED'>

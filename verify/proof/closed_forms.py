@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.rational_family import rational_tau
+from solutions.forms.rational import rational_tau
 from solutions.record import ClosedForm
 
 from .certificate import equality_certificate, equation_certificate

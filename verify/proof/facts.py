@@ -17,8 +17,8 @@ from fractions import Fraction
 
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.rational_family import rational_tau
-from solutions.tau_polynomials import RationalTau
+from solutions.forms.rational import rational_tau
+from solutions.forms.tau_polynomials import RationalTau
 from verify.verdict import Outcome
 
 from .bilinear import bilinear_verdict
@@ -45,7 +45,7 @@ class RationalFacts:
 
 
 def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
-    """The facts, each computed; raises ValueError as `solutions.rational_family.rational_tau` does.
+    """The facts, each computed; raises ValueError as `solutions.forms.rational.rational_tau` does.
 
     >>> rational_facts(2)
     RationalFacts(order=2, free=(), peak=Fraction(5, 1), background=Fraction(1, 1), degree=6,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import sympy as sp
 from flint import acb, ctx
 
-from solutions.special import jacobi_epsilon
+from solutions.functions import jacobi_epsilon
 
 from .balls import Point, ball_value
 from .checker.check import FORMS

@@ -8,7 +8,7 @@ from math import lcm
 
 import sympy as sp
 
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 
 from .dependence import Dependence
 from .lattice import ArgumentLattice, without_logarithms

@@ -12,8 +12,8 @@ from typing import Any
 
 from flint import fmpq_mpoly
 
-from solutions.equation import FOCUSING_MKDV
-from solutions.rational_family import rational_tau
+from solutions.forms.rational import rational_tau
+from solutions.record import FOCUSING_MKDV
 from solutions.symbols import tau, xi
 from verify.verdict import Outcome
 

@@ -13,8 +13,8 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.special.function import JacobiFunction
-from solutions.special.mp import IMPLEMENTATIONS
+from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.multiprecision import IMPLEMENTATIONS
 from verify.tree import distinct_nodes
 
 from .record import Statement
