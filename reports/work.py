@@ -89,8 +89,8 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
 
 def scene_job(scene: Scene) -> Job:
     """The run of a scene; its weight counts force evaluations."""
-    steps = (scene.end - scene.t0) / scene.step
-    evaluations = steps * scene.scheme_table.stages * scene.sites
+    stated = scene.discretisation
+    evaluations = (scene.end - scene.t0) / stated.step * stated.table.stages * stated.sites
     refined = 1 + 2 * sum(name.endswith("_error") for name in scene.observables)
     weight = START_SECONDS + evaluations * refined * SITE_SECONDS
     return Job(run, (scene,), weight, tells=True)

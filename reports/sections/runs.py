@@ -7,8 +7,8 @@ from reports.environment import escape
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import cited
 from reports.tables import measured, scientific, table
-from solutions import closed_form
 from verify.comparison import Scene
+from verify.comparison.initial_data import scene_form
 from verify.studies.claims_evidence import Evidence
 
 
@@ -40,8 +40,9 @@ def _run_rows(evidence: Evidence, name: str) -> list[list[str]]:
 
 def _description(name: str, scene: Scene) -> str:
     """Return name, scheme, step and domain of a scene in words."""
+    stated = scene.discretisation
     words = (
-        f"{scene.scheme}, dt = {scene.step:g}, {scene.domain} of {scene.sites} sites, "
+        f"{stated.scheme}, dt = {stated.step:g}, {stated.domain} of {stated.sites} sites, "
         f"{2 * scene.compared + 1} compared"
     )
     return rf"\rule{{0pt}}{{3ex}}\texttt{{{escape(name)}}}: {escape(words)}"
@@ -73,5 +74,5 @@ def caption_part(scene: Scene) -> str:
         f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    title = closed_form(scene.wave).title
+    title = scene_form(scene).title
     return f"{escape(title[0].upper() + title[1:])} ({values})"

@@ -12,7 +12,7 @@ from longwave.plain_text import plain_text
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
 from verify.comparison import Scene, run, save_run
 
-SCENE = Scene(
+SCENE = Scene.of(
     name="soliton",
     title="One soliton",
     wave="soliton_sech",

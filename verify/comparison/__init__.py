@@ -14,7 +14,7 @@ from lattice.sites.blow_up import BlowUp
 from verify.comparison.observables import OBSERVABLES
 from verify.comparison.run import run
 from verify.comparison.saved_run import load_run, resume, save_run
-from verify.comparison.scene import ENGINES, Scene, with_tolerance
+from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
 from verify.comparison.scene_catalogue import (
     further_scenes,
     load_scene,
@@ -30,9 +30,11 @@ __all__ = [
     "BlowUp",
     "Composition",
     "Constants",
+    "Discretisation",
     "RungeKutta",
     "Scene",
     "Scheme",
+    "Tolerance",
     "further_scenes",
     "load_run",
     "load_scene",

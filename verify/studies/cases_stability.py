@@ -64,7 +64,7 @@ def _noise_grows(scheme: Scheme, step: float) -> bool:
 
 def soft_scene() -> Scene:
     """A steep sn wave, 7 sites long, whose strains come near 1/sqrt(3), where V'' = 0."""
-    scene = Scene(
+    scene = Scene.of(
         name="soft",
         wave="wave_sn",
         parameters=(("k", 0.9),),
@@ -92,20 +92,22 @@ def soft_lattice() -> Measurement:
     expected = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {site}"
     reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
     sound = kept and f"site {site}," in f"{text}," and text[:30] == expected[:30]
-    return Measurement(abs(reported - t) / scene.step if sound else math.inf, expected, text)
+    steps = abs(reported - t) / scene.discretisation.step
+    return Measurement(steps if sound else math.inf, expected, text)
 
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
     state = SiteRing(scene, build_wave(scene)).start()
     y, s = doubled(state.y), doubled(state.s)
-    for step in range(1, round((scene.end - scene.t0) / scene.step) + 1):
-        advance_doubled(KAHAN_LI_8, y, s, scene.step, 1, scene.constants)
+    h = scene.discretisation.step
+    for step in range(1, round((scene.end - scene.t0) / h) + 1):
+        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.constants)
         state.y[:] = y[:, 0]
         soft = scene.constants.stiffness(state.y) <= 0.0
         if soft.any():
             sites = state.sites
-            return scene.t0 + step * scene.step, int(sites[soft[sites % state.size]][0])
+            return scene.t0 + step * h, int(sites[soft[sites % state.size]][0])
     return math.nan, 0
 
 
@@ -129,16 +131,17 @@ def zone_boundary_noise() -> Measurement:
 def wrong_feed() -> Measurement:
     """Moves of the window until a feed wrong by 0.1 % stops the run."""
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
-    scene = replace(scene, sites=2048, compared=500)
+    scene = scene.changed(sites=2048, compared=500)
     wave, sound = build_wave(scene), Window(scene, build_wave(scene))
     window = Window(scene, wave)
     state = window.start()
     amplitude = float(np.max(np.abs(state.y)))
     window.scene = replace(scene, eps=1.001 * scene.eps)
-    march = March(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
+    scheme, step = scene.discretisation.table, scene.discretisation.step
+    march = March(state, scheme, scene.constants, window, step, amplitude)
     moves = sum(1 for _ in march.through([0.0])) + 1
     reference = sound.start()
-    other = March(reference, scene.scheme_table, scene.constants, sound, scene.step, amplitude)
+    other = March(reference, scheme, scene.constants, sound, step, amplitude)
     sound_moves = sum(1 for _ in other.through([0.0]))
     stopped = march.blow_up is not None and other.blow_up is None and sound_moves > 1
     detail = f"a sound feed misses by {sound.mismatch:.1g} eps"

@@ -99,8 +99,7 @@ def report_scenes() -> dict[str, Scene]:
     scenes = {name: load_scene(name) for name in shipped_scenes()}
     for order in (2, 3):
         base = scenes[f"rational_{order}_eps_0.05"]
-        scenes[rk4_name(order)] = replace(
-            base,
+        scenes[rk4_name(order)] = base.changed(
             scheme="rk4",
             step=RK4_STEP,
             observables=("strain", "error_curve", "time_step_error"),

@@ -71,8 +71,7 @@ PROBLEMS: Mapping[str, Callable[[], Scene]] = {
 
 def _ring(name: str, t0: float, end: float) -> Scene:
     """The shipped scene between two times, on a ring whose seam no compared site hears of."""
-    return replace(
-        load_scene(name),
+    return load_scene(name).changed(
         t0=t0,
         snapshots=(end,),
         domain="ring",
@@ -112,12 +111,12 @@ def by_scheme(scene: Scene, name: str, share: float) -> Scene:
     """The scene with a scheme at a share of its largest stable step."""
     limit = stability_limit(next(scheme for scheme in SCHEMES if scheme.name == name))
     fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
-    return replace(scene, scheme=name, step=share * limit / fastest)
+    return scene.changed(scheme=name, step=share * limit / fastest)
 
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
     """The scene by the spectral engine, which finds its own step, sampling and circumference."""
-    return Scene(
+    return Scene.of(
         name=scene.name,
         wave=scene.wave,
         eps=scene.eps,
@@ -155,7 +154,7 @@ def march_seconds(scene: Scene, found: xr.Dataset) -> float:
 
 def _timed(scene: Scene) -> xr.Dataset:
     """The run, compiled beforehand."""
-    warmed(scene.scheme)
+    warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
 

@@ -102,8 +102,7 @@ def _scene(eps: float) -> Scene:
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
     """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
-    part = replace(
-        base,
+    part = base.changed(
         scheme=scheme,
         step=step,
         sites=sites,
@@ -123,7 +122,7 @@ def _figure(t0: float) -> Scene:
 def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
     """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
     scene = replace(_figure(t0), compared=WINDOW_COMPARED)
-    strains = [run(replace(scene, sites=count))["strain"].values[-1] for count in sites]
+    strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
     return [
         ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
         for count, strain in zip(sites[:-1], strains[:-1], strict=True)
@@ -133,7 +132,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
     """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
     scene = _figure(t0)
-    variants = {step: replace(scene, scheme="rk4", step=step) for step in steps}
+    variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     points = []
     for step, variant in {**variants, 0.0: scene}.items():
         found = run(variant)
