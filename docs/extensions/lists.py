@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from house import HOUSE, ROOMS
-from lattice.schemes.stability import stability_limit
+from lattice.schemes.scheme import stability_limit
 from paper_map import Holder, Row, paper_map
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.formulas import latex

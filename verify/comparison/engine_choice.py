@@ -14,7 +14,7 @@ import numpy as np
 
 from lattice.schemes.catalogue import scheme_named
 from lattice.spectral.exponential import ORDER
-from lattice.spectral.sublattices import ALIKE, telling_step
+from lattice.spectral.ring import ALIKE, telling_step
 from solutions import Wave
 from verify.comparison.scene import ENGINES, Scene
 from verify.comparison.spectral_data import first_density, ring_data

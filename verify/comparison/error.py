@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.state import Sites, State
+from lattice.model import Model
+from lattice.state import Sites, State
 from solutions import Wave, WaveValues
 from verify.comparison.domain import compared_sites
 from verify.comparison.scene import Scene
@@ -87,7 +87,7 @@ class Comparison:
         return np.where(np.arange(left.size) < self.scene.compared, left, right)
 
     @property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
         return self.scene.constants
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 
 import xarray as xr
 
-from lattice.estimate import Estimate
 from lattice.refine import Announce
+from lattice.trial import Estimate
 from solutions import Wave
 from verify.comparison.engine_choice import SECONDS, choose_engine, stated_seconds
 from verify.comparison.initial_data import build_wave

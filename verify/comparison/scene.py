@@ -7,7 +7,7 @@ from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme
 from verify.comparison import scene_checks as check
@@ -138,9 +138,9 @@ class Scene:
                 )
 
     @cached_property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
-        return Constants(self.K2, self.K3, self.K4)
+        return Model(self.K2, self.K3, self.K4)
 
     @property
     def scheme_table(self) -> Scheme:

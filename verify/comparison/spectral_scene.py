@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.estimate import Estimate
 from lattice.refine import Announce, StoppedSearch, TooDearError
-from lattice.sites.blow_up import BlowUp, find_blow_up
-from lattice.sites.state import empty_state
 from lattice.spectral.exponential import ORDER
+from lattice.state import BlowUp, empty_state, find_blow_up
+from lattice.trial import Estimate
 from solutions import Wave
 from verify.comparison.engine_choice import RATES, most_spectral_work, stencil_seconds
 from verify.comparison.error import Comparison

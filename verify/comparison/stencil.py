@@ -12,9 +12,8 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.schemes.scheme import Scheme
-from lattice.schemes.stability import stability_limit
-from lattice.sites.state import State
+from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.state import State
 from solutions import Wave
 from verify.comparison.domain import (
     Array,
@@ -50,7 +49,7 @@ PREFERRED = "reduced_phase_6"
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain of the wave."""
 
-LANES = 64
+SIZE_MULTIPLE = 64
 """Sizes are multiples of this, which suits the kernels."""
 
 SEEN = 16
@@ -87,8 +86,8 @@ def least_sites(scene: Scene, wave: Wave, domain: str, extent: Extent) -> int:
 
 
 def round_up(sites: float) -> int:
-    """The next multiple of ``LANES``."""
-    return LANES * math.ceil(sites / LANES)
+    """The next multiple of ``SIZE_MULTIPLE``."""
+    return SIZE_MULTIPLE * math.ceil(sites / SIZE_MULTIPLE)
 
 
 def exact_times(scene: Scene) -> tuple[float, ...]:

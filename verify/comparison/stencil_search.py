@@ -8,20 +8,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.estimate import Estimate, clock_error, rounding_error
-from lattice.refine import (
-    NUDGE,
-    SAFETY,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    StoppedSearch,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
 from lattice.schemes.catalogue import scheme_named
+from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from solutions import Wave
 from verify.comparison.domain import window_moves
 from verify.comparison.recording import Progress

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import KAHAN_LI_8, STOERMER_VERLET, SUZUKI_UMENO_8
 from lattice.schemes.scheme import Scheme
-from lattice.sites.state import State, ring_energy
+from lattice.state import State, ring_energy
 from verify.comparison import load_scene, resume, run
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.hard_case import Measurement
@@ -17,7 +17,7 @@ from verify.studies.travelling import travelling_wave
 
 Array = NDArray[np.float64]
 
-HARD = Constants(1.0, 0.0, 1.0)
+HARD = Model(1.0, 0.0, 1.0)
 
 
 def energies(scheme: Scheme, h: float, steps: int, looks: int, sites: int) -> Array:

@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import KAHAN_LI_8, SCHEMES
-from lattice.schemes.scheme import Composition, Scheme
-from lattice.schemes.stability import check_step, stability_limit
-from lattice.sites.stepper import March
+from lattice.schemes.scheme import Composition, Scheme, check_step, stability_limit
+from lattice.stepper import Stepper
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import Ring, Window
 from verify.comparison.initial_data import build_wave
@@ -17,7 +16,7 @@ from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.hard_case import Measurement
 from verify.studies.travelling import travelling_wave
 
-LINEAR = Constants(4.0, 0.0, 0.0)
+LINEAR = Model(4.0, 0.0, 0.0)
 NOISE = 1e-12
 
 
@@ -135,10 +134,10 @@ def wrong_feed() -> Measurement:
     state = window.start()
     amplitude = float(np.max(np.abs(state.y)))
     window.scene = replace(scene, eps=1.001 * scene.eps)
-    march = March(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
+    march = Stepper(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
     moves = sum(1 for _ in march.through([0.0])) + 1
     reference = sound.start()
-    other = March(reference, scene.scheme_table, scene.constants, sound, scene.step, amplitude)
+    other = Stepper(reference, scene.scheme_table, scene.constants, sound, scene.step, amplitude)
     sound_moves = sum(1 for _ in other.through([0.0]))
     stopped = march.blow_up is not None and other.blow_up is None and sound_moves > 1
     detail = f"a sound feed misses by {sound.mismatch:.1g} eps"

@@ -11,8 +11,8 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.state import Sites, State
+from lattice.model import Model
+from lattice.state import Sites, State
 
 Array = NDArray[np.float64]
 Moment = Literal["snapshots", "curve", "looks", "refinement"]
@@ -38,7 +38,7 @@ class View(Protocol):
         """All sites that are computed."""
 
     @property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
 
     @property

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from lattice.sites.state import ring_energy
+from lattice.state import ring_energy
 from verify.comparison.observables.entry import Array, View, cell_width
 
 
