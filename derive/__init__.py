@@ -9,11 +9,17 @@ K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
 """
 
 from derive.dispersion import Dispersion, dispersion_relation
-from derive.equations import Condition, EvolutionEquation, OrderEquation
-from derive.lattice import LATTICES, Bond, Lattice, Stencil
-from derive.mkdv import initial_velocity, initial_velocity_latex, mkdv_normal_form, mkdv_reduction
+from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
+from derive.lattice import Bond, Lattice, Stencil
+from derive.models.lattices import LATTICES
+from derive.models.mkdv import (
+    initial_velocity,
+    initial_velocity_latex,
+    mkdv_normal_form,
+    mkdv_reduction,
+)
 from derive.multiscale import ReductionError, reduce
-from derive.normal_form import Coefficients, NormalForm
+from derive.normal_form import NormalForm
 from derive.reduction import Reduction
 from derive.scaling import Scaling, SlowVariable
 

@@ -1,14 +1,16 @@
-"""The equations of a reduction: one order in eps, a condition, the evolution equation."""
+"""The equations of a reduction: one order in eps, a condition, the evolution equation and its
+coefficients."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from sympy import Expr
+from sympy import Expr, S
 from sympy.polys.fields import FracElement
 
-from derive.differential import DifferentialPolynomial, Monomial
-from derive.notation import Notation, latex_of, terms, text_of
+from derive.algebra.jets import DifferentialPolynomial, Monomial
+from derive.output.notation import Notation, latex_of, terms, text_of
 
 
 @dataclass(frozen=True)
@@ -121,3 +123,31 @@ class EvolutionEquation:
     def latex(self) -> str:
         """The equation in LaTeX, without delimiters."""
         return f"{self.notation.latex(self.polynomial)} = 0"
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
+
+    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
+    """
+
+    c: Expr
+    terms: Mapping[str, Expr]
+    monomials: Mapping[str, Monomial] = field(repr=False)
+
+    @property
+    def nonlinear(self) -> Expr:
+        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
+        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(found) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(found)} in "
+                f"{', '.join(self.terms)} (read the coefficients from .terms)"
+            )
+        return self.terms[found[0]]
+
+    @property
+    def dispersive(self) -> Expr:
+        """The coefficient of Y_XXX, 0 if the equation has no such term."""
+        return self.terms.get("Y_XXX", S.Zero)

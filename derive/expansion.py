@@ -13,12 +13,12 @@ from sympy import QQ, Expr
 from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
-from derive.constants import check_constants, powers_of_eps
-from derive.differential import DifferentialPolynomial
+from derive.algebra.exact_numbers import shown
+from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.series import EpsSeries, Operator
 from derive.lattice import Bond, Cell, Lattice, Stencil
-from derive.rationals import shown
 from derive.scaling import Scaling
-from derive.series import EpsSeries, Operator
+from derive.symbols import check_constants, powers_of_eps
 
 
 def coefficient_field(lattice: Lattice, scaling: Scaling) -> FracField:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, Integer, Poly, Symbol
+from sympy import Expr, Poly, Symbol
 
-from derive.constants import check_constants, rational_function
-from derive.rationals import exact, integer, shown
-from derive.symbols import K2, K3, K4, eps, x
+from derive.algebra.exact_numbers import exact, integer, shown
+from derive.symbols import check_constants, eps, rational_function, x
 
 Cell = tuple[int, ...]
 
@@ -79,6 +78,7 @@ class Bond:
 class Lattice:
     """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
 
+    >>> from derive import LATTICES
     >>> LATTICES["fput_strain"].constants
     (K2, K3, K4)
     """
@@ -121,21 +121,3 @@ class Lattice:
                     "(fields are counted from 0)"
                 )
         check_constants(self.constants)
-
-
-FPUT_STRAIN = Lattice(
-    name="fput_strain",
-    title="FPUT lattice in the strain y_n = u_{n+1} - u_n",
-    fields=("y",),
-    masses=(Integer(1),),
-    bonds=(
-        Bond(
-            stretch=(Stencil((0,)),),
-            force=K2 * x + K3 * x**2 + K4 * x**3,
-            action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,))),
-        ),
-    ),
-)
-"""The lattice of the paper's eqs. (2) and (3), in the strain: the paper's eq. (4)."""
-
-LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in (FPUT_STRAIN,)}

@@ -9,13 +9,9 @@ With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from sympy import Abs, Expr, S, sign, sqrt
-
-from derive.differential import Monomial
-from derive.equations import EvolutionEquation
+from sympy import Abs, Expr, sign, sqrt
 
 
 @dataclass(frozen=True)
@@ -31,51 +27,22 @@ class NormalForm:
     s: Expr
     c: Expr
 
+    @classmethod
+    def of_coefficients(cls, c: Expr, nonlinear: Expr, dispersive: Expr) -> NormalForm:
+        """The normal form at the frame speed, and the coefficients of Y^2 Y_X and Y_XXX.
 
-@dataclass(frozen=True)
-class Coefficients:
-    """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
+        Raises ValueError if one of the two coefficients is 0.
 
-    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
-    """
-
-    c: Expr
-    terms: Mapping[str, Expr]
-    monomials: Mapping[str, Monomial] = field(repr=False)
-
-    @property
-    def nonlinear(self) -> Expr:
-        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
-        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
-        if len(found) != 1:
-            raise ValueError(
-                f"the equation must have one nonlinear term, got {len(found)} in "
-                f"{', '.join(self.terms)} (read the coefficients from .terms)"
-            )
-        return self.terms[found[0]]
-
-    @property
-    def dispersive(self) -> Expr:
-        """The coefficient of Y_XXX, 0 if the equation has no such term."""
-        return self.terms.get("Y_XXX", S.Zero)
-
-
-def normal_form(pde: EvolutionEquation, values: Coefficients) -> NormalForm:
-    """The normal form of ``pde`` at the given values of its coefficients.
-
-    Raises ValueError unless the terms are Y^2 Y_X and Y_XXX and both coefficients are nonzero.
-    """
-    if not pde.is_mkdv:
-        raise ValueError(
-            f"the equation must have the terms Y^2 Y_X and Y_XXX alone, got {pde.text()} "
-            "(the normal form is that of mKdV)"
-        )
-    for name, value in (("nonlinear", values.nonlinear), ("dispersive", values.dispersive)):
-        if value.is_zero:
-            raise ValueError(
-                f"the {name} coefficient must not vanish, got 0 in {pde.text()} "
-                "(take a nonzero cubic stiffness and a dispersive lattice)"
-            )
-    ratio = values.nonlinear / (6 * values.dispersive)
-    a = sqrt(Abs(ratio))
-    return NormalForm(a=a, b=values.dispersive * a**3, s=sign(ratio), c=values.c)
+        >>> from sympy import Rational, S
+        >>> NormalForm.of_coefficients(S(2), Rational(3, 4), Rational(1, 12))
+        NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)
+        """
+        for name, value in (("nonlinear", nonlinear), ("dispersive", dispersive)):
+            if value.is_zero:
+                raise ValueError(
+                    f"the {name} coefficient must not vanish, got 0 "
+                    "(take a nonzero cubic stiffness and a dispersive lattice)"
+                )
+        ratio = nonlinear / (6 * dispersive)
+        a = sqrt(Abs(ratio))
+        return cls(a=a, b=dispersive * a**3, s=sign(ratio), c=c)

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from sympy import Eq, Expr, Symbol, expand, sqrt
 from sympy.polys.fields import FracElement
 
-from derive.constants import powers_of_eps
-from derive.differential import DifferentialPolynomial
-from derive.equations import Condition, EvolutionEquation, OrderEquation
+from derive.algebra.exact_numbers import Number, exact, shown
+from derive.algebra.jets import DifferentialPolynomial
+from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
-from derive.normal_form import Coefficients, NormalForm, normal_form
-from derive.notation import Notation, aligned, latex_of, text_of
-from derive.rationals import Number, exact, shown
-from derive.report import text_report
+from derive.normal_form import NormalForm
+from derive.output.document import reduction_data
+from derive.output.notation import Notation, aligned, latex_of, text_of
+from derive.output.text import text_report
 from derive.scaling import Scaling
-from derive.serial import reduction_data
+from derive.symbols import powers_of_eps
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,13 @@ class Reduction:
         >>> reduce(LATTICES["fput_strain"]).normal_form(K2=6, K4=-1)
         NormalForm(a=1, b=sqrt(6)/24, s=-1, c=sqrt(6))
         """
-        return normal_form(self.pde, self.coefficients(**constants))
+        if not self.pde.is_mkdv:
+            raise ValueError(
+                "the equation must have the terms Y^2 Y_X and Y_XXX alone, got "
+                f"{self.pde.text()} (the normal form is that of mKdV)"
+            )
+        values = self.coefficients(**constants)
+        return NormalForm.of_coefficients(values.c, values.nonlinear, values.dispersive)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
@@ -179,9 +185,9 @@ class Reduction:
         return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
 
     def json(self, **constants: Number) -> str:
-        """The reduction as a JSON document (layout: derive.serial), coefficients at ``constants``.
+        """The reduction as a JSON document (layout: derive.output.document).
 
-        Raises ValueError as coefficients does.
+        The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """
         return json.dumps(reduction_data(self, constants), indent=2)
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from derive.constants import check_constants, rational_function
-from derive.rationals import integer, shown
-from derive.symbols import c, eps
+from derive.algebra.exact_numbers import integer, shown
+from derive.symbols import c, check_constants, eps, rational_function
 
 
 @dataclass(frozen=True)

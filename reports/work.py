@@ -8,8 +8,8 @@ from derive.command_line import announce
 from reports.jobs import Job, Progress, run_jobs
 from reports.studies import Key, Studies, studies, study_jobs
 from solutions import CATALOGUE, closed_form
-from verify.check import NAMES
 from verify.comparison import Scene, run
+from verify.proof.catalogue_proofs import NAMES
 from verify.residual import check_residual
 from verify.studies.claims_evidence import Evidence
 from verify.studies.evaluation import Accuracy, measure, worst_of

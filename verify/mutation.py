@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from verify.tree import distinct_nodes, replaced
+from verify.subexpressions import distinct_nodes, replaced
 
 COEFFICIENT_CHANGE = sp.Rational(101, 100)
 DEPTH = 4

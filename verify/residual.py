@@ -16,9 +16,9 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
+from solutions.functions.multiprecision import mp_module
 from solutions.record import ClosedForm
-from solutions.special.mp import mp_module
-from solutions.straight_line import StraightLine, UnknownDerivativeError
 from verify.decay import Decay, checked_digits
 from verify.sampling import Point, sample_points
 from verify.terms import FieldEquation, field_derivatives, residual_terms

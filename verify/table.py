@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from verify.decay import scientific
-from verify.proof.verdict import ProofVerdict
-from verify.verdict import Outcome, Verdict
+from verify.verdict import Outcome, ProofVerdict, Verdict
 
 STYLES = {
     Outcome.PROVED: "green",

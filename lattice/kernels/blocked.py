@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.kernels.vector import LANES, pair, stage
-from solutions.jit import njit
+from solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from lattice.model import Model
 from lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from lattice.spectral.exponential import ExponentialAdams
 from lattice.spectral.ring import RingState, backward, forward, spectrum_tail
-from solutions.jit import njit
+from solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

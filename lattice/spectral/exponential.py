@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.jit import njit
+from solutions.run.jit import njit
 
 Complex = NDArray[np.complex128]
 

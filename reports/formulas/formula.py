@@ -16,7 +16,7 @@ from reports.formulas.latex import joined, latex, sum_latex
 from reports.formulas.naming import Naming
 from reports.formulas.order import FUNCTION_ORDER, ordered_terms
 from reports.formulas.tidy import LINE, is_wide, tidied, width
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 
 STATED = 45.0
 """Widest phase that is stated in the sentence behind the display."""

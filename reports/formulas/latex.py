@@ -21,7 +21,7 @@ NAMES: dict[type[sp.Expr], str] = {
 def latex(expression: sp.Basic) -> str:
     r"""Return the expression's LaTeX.
 
-    >>> from solutions.special import jacobi_sn
+    >>> from solutions.functions import jacobi_sn
     >>> from solutions.symbols import k, tau, xi
     >>> latex(xi - (2 * k**2 - 1) * tau), latex(1 - k**2), latex(jacobi_sn(xi, k**2))
     ('\\xi - \\left(2 k^{2} - 1\\right) \\tau', '1 - k^{2}', '\\mathrm{sn}(\\xi;k)')

@@ -21,7 +21,7 @@ from reports.formulas.parts import (
     with_phase,
 )
 from reports.formulas.tidy import is_wide, size, tidied
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 from solutions.symbols import complementary_modulus, k
 
 HEAVY = 55.0

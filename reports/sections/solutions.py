@@ -9,7 +9,7 @@ from reports.formulas import Formula, equation_latex, latex
 from reports.paper import cited
 from reports.tables import block
 from solutions import CATALOGUE, ClosedForm
-from solutions.equation import Equation
+from solutions.record import Equation
 
 
 def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:

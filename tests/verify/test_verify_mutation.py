@@ -7,13 +7,13 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE
+from solutions.functions import jacobi_dn
 from solutions.record import ClosedForm
-from solutions.special import jacobi_dn
 from solutions.symbols import X_0, k, tau, xi
 from verify.mutation import Mutant, mutants
 from verify.proof import prove
 from verify.residual import Sampling, check_residual
-from verify.tree import replaced
+from verify.subexpressions import replaced
 from verify.verdict import Outcome
 
 QUICK = Sampling(digits=(30, 50), points=2, seed=7)

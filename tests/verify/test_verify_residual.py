@@ -6,9 +6,8 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.equation import FOCUSING_MKDV
-from solutions.record import ClosedForm
-from solutions.special import jacobi_sn
+from solutions.functions import jacobi_sn
+from solutions.record import FOCUSING_MKDV, ClosedForm
 from solutions.symbols import k, tau, xi
 from verify.residual import Sampling, check_residual
 from verify.verdict import Outcome

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from solutions.catalogue import CATALOGUE
-from verify.check import higher_order
+from verify.proof.catalogue_proofs import higher_order
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from rich.table import Table
 
 from derive.command_line import announce, interrupted
 from solutions.catalogue import CATALOGUE
-from verify.check import named_form
 from verify.cli.costs import MUTANTS
 from verify.cli.parser import (
     OneLineParser,
@@ -20,6 +19,7 @@ from verify.cli.parser import (
     table_console,
     tracked,
 )
+from verify.proof.catalogue_proofs import named_form
 from verify.studies.mutations import MutationCount, count_mutants
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from derive.command_line import announce, interrupted
-from verify.check import NAMES, check_all, named_form
 from verify.cli.costs import PROOF, RESIDUAL, STABLE, Law
 from verify.cli.parser import (
     OneLineParser,
@@ -21,6 +20,7 @@ from verify.cli.parser import (
     tracked,
 )
 from verify.proof import ProofVerdict, prove_stable
+from verify.proof.catalogue_proofs import NAMES, named_form, prove_all
 from verify.residual import DIGITS, POINTS, Sampling, check_residual
 from verify.table import failure_lines, summary, verdict_table
 from verify.verdict import Verdict
@@ -156,7 +156,7 @@ def _verdicts(names: Sequence[str], options: Options) -> Iterator[Verdict]:
     if options.stable:
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
-        return check_all(names)
+        return prove_all(names)
     given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
     sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
     return (check_residual(named_form(name), sampling) for name in names)

@@ -25,7 +25,7 @@ import derive
 from lattice.state import Sites
 from solutions import ClosedForm, Wave, WaveValues, closed_form
 from solutions.exact import exact_number
-from solutions.jit import njit
+from solutions.run.jit import njit
 from verify.comparison.scene import Scene
 
 GRAMMAR = re.compile(r"(?:(?P<times>\d{1,6})\s*\*\s*)?K(?:\s*/\s*(?P<over>\d{1,6}))?")

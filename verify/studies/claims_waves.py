@@ -7,7 +7,7 @@ import sympy as sp
 
 from derive import mkdv_normal_form
 from solutions import Wave, closed_form, rational
-from verify.proof.facts import RationalFacts, rational_facts
+from verify.proof.rational_proofs import RationalFacts, rational_facts
 from verify.studies.claims_record import Claim, Measurement, ruling
 
 ORDERS = range(2, 9)

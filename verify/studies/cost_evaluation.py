@@ -18,11 +18,10 @@ import numpy as np
 import sympy as sp
 from flint import acb, ctx
 
-from solutions.special.mp import mp_module
-from solutions.straight_line import StraightLine
+from solutions.compile.straight_line import StraightLine
+from solutions.functions.multiprecision import mp_module
 from solutions.symbols import tau, xi
-from verify.proof.balls import BallEvaluator
-from verify.proof.jet import Shape
+from verify.proof.balls import BallEvaluator, Shape
 from verify.studies.evaluation_cases import Case
 from verify.studies.soliton_cases import SOLITON_VALUES
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from lattice.model import Model
 from lattice.schemes.scheme import Composition
-from solutions.jit import njit
-from solutions.special.doubledouble import add, multiply, scale, split, subtract
+from solutions.run.doubledouble import add, multiply, scale, split, subtract
+from solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 

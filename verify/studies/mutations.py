@@ -13,7 +13,7 @@ from solutions.record import ClosedForm
 from solutions.symbols import k
 from verify.mutation import COEFFICIENT_CHANGE, Mutant, mutants
 from verify.proof import form_domains, prove, prove_equal
-from verify.tree import replaced
+from verify.subexpressions import replaced
 from verify.verdict import Outcome
 
 

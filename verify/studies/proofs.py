@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from verify.check import NAMES, check, named_form
 from verify.proof import CertificateError, check_certificate
+from verify.proof.catalogue_proofs import NAMES, named_form, prove_named
 from verify.studies.mutations import MutationCount, count_mutants
 from verify.verdict import Outcome
 
@@ -45,7 +45,7 @@ def proof_record(name: str, *, mutations: bool = False) -> ProofRecord:
     >>> print(record.outcome, record.accepted)
     PROVED True
     """
-    verdict = check(name)
+    verdict = prove_named(name)
     text = verdict.certificate_text()
     accepted, seconds = (None, None) if text is None else _checked(text)
     return ProofRecord(

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -13,8 +13,7 @@ from solutions.special import (
     jacobi_zeta,
 )
 from verify.proof.balls import ball_value, residual_ball
-from verify.proof.domain import settled_domains
-from verify.proof.samples import sample
+from verify.proof.domains import sample, settled_domains
 
 x, t, m = sp.symbols("x t m", real=True)
 

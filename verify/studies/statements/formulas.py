@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions import special
+from solutions.functions import jacobi
 
 from .setting import Setting
 
@@ -70,8 +70,8 @@ def argument(setting: Setting, depth: int) -> sp.Expr:
 ENTIRE = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.sech, sp.atan)
 BOUNDED = (sp.sin, sp.cos, sp.atan)
 SINGULAR = (sp.tan, sp.cot, sp.sec, sp.csc, sp.coth, sp.csch)
-ELLIPTIC = (special.jacobi_sn, special.jacobi_cn, special.jacobi_dn)
-SECOND = (special.jacobi_zeta, special.jacobi_epsilon)
+ELLIPTIC = (jacobi.jacobi_sn, jacobi.jacobi_cn, jacobi.jacobi_dn)
+SECOND = (jacobi.jacobi_zeta, jacobi.jacobi_epsilon)
 
 
 def _entire(setting: Setting, depth: int) -> sp.Expr:

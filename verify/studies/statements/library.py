@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import sympy as sp
 
-from verify.tree import distinct_nodes
+from verify.subexpressions import distinct_nodes
 
 from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
 from .record import Statement

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions import special
-from verify.tree import distinct_nodes, replaced
+from solutions.functions import jacobi
+from verify.subexpressions import distinct_nodes, replaced
 
 Identity = Callable[[sp.Expr, random.Random], sp.Expr]
 
@@ -159,7 +159,7 @@ def _over_a_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
 def _jacobi_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
     z, m = node.args
     a, b = (z / 2, z / 2) if not z.is_Add else (z.args[0], sp.Add(*z.args[1:]))
-    sn, cn, dn = special.jacobi_sn, special.jacobi_cn, special.jacobi_dn
+    sn, cn, dn = jacobi.jacobi_sn, jacobi.jacobi_cn, jacobi.jacobi_dn
     s, c, d = (f(a, m) for f in (sn, cn, dn))
     s2, c2, d2 = (f(b, m) for f in (sn, cn, dn))
     above = {
@@ -172,7 +172,7 @@ def _jacobi_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
 
 def _zeta(node: sp.Expr, _: random.Random) -> sp.Expr:
     z, m = node.args
-    return special.jacobi_epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
+    return jacobi.jacobi_epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
 
 
 def _modulus(node: sp.Expr, _: random.Random) -> sp.Expr:
@@ -185,9 +185,9 @@ SQUARES: dict[type, Identity] = {
     sp.tanh: lambda base, _: 1 - sp.sech(base.args[0]) ** 2,
     sp.sech: lambda base, _: 1 - sp.tanh(base.args[0]) ** 2,
     sp.cosh: lambda base, _: 1 + sp.sinh(base.args[0]) ** 2,
-    special.jacobi_sn: lambda base, _: 1 - special.jacobi_cn(*base.args) ** 2,
-    special.jacobi_cn: lambda base, _: 1 - special.jacobi_sn(*base.args) ** 2,
-    special.jacobi_dn: lambda base, _: 1 - base.args[1] * special.jacobi_sn(*base.args) ** 2,
+    jacobi.jacobi_sn: lambda base, _: 1 - jacobi.jacobi_cn(*base.args) ** 2,
+    jacobi.jacobi_cn: lambda base, _: 1 - jacobi.jacobi_sn(*base.args) ** 2,
+    jacobi.jacobi_dn: lambda base, _: 1 - base.args[1] * jacobi.jacobi_sn(*base.args) ** 2,
 }
 
 IDENTITIES: dict[type, tuple[Identity, ...]] = {
@@ -205,8 +205,8 @@ IDENTITIES: dict[type, tuple[Identity, ...]] = {
     sp.Pow: (_square,),
     sp.Add: (_difference_of_squares, _over_a_sum),
     sp.Abs: (_modulus,),
-    special.jacobi_sn: (_jacobi_sum,),
-    special.jacobi_cn: (_jacobi_sum,),
-    special.jacobi_dn: (_jacobi_sum,),
-    special.jacobi_zeta: (_zeta,),
+    jacobi.jacobi_sn: (_jacobi_sum,),
+    jacobi.jacobi_cn: (_jacobi_sum,),
+    jacobi.jacobi_dn: (_jacobi_sum,),
+    jacobi.jacobi_zeta: (_zeta,),
 }

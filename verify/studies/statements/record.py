@@ -112,7 +112,7 @@ class Statement:
             [
                 f"# {self.kind}, {self.truth}: statement({self.seed}, {self.index})",
                 "from sympy import *",
-                "from solutions.special import *",
+                "from solutions.functions import *",
                 f"from verify.proof import {call}",
                 f"left = {sp.srepr(self.left)}",
                 f"right = {sp.srepr(self.right)}",

@@ -13,9 +13,9 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.special.function import JacobiFunction
-from solutions.special.mp import IMPLEMENTATIONS
-from verify.tree import distinct_nodes
+from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.multiprecision import IMPLEMENTATIONS
+from verify.subexpressions import distinct_nodes
 
 from .record import Statement
 

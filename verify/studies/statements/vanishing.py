@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from solutions import special
+from solutions.functions import jacobi
 
 from .equations import identity, true_equality, true_equation, with_source
 from .formulas import formula, phase, polynomial, positive
@@ -15,7 +15,7 @@ from .record import Statement, Truth
 from .setting import Setting
 
 Zero = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
-sn, cn = special.jacobi_sn, special.jacobi_cn
+sn, cn = jacobi.jacobi_sn, jacobi.jacobi_cn
 m = sp.Rational(1, 3)
 
 ZEROS: tuple[Zero, ...] = (

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from solutions import closed_form, special
+from solutions import closed_form
+from solutions.functions import jacobi
 from solutions.record import ClosedForm
 from solutions.symbols import tau, xi
 
@@ -99,7 +100,7 @@ def _textbook(
         (heat, x * sp.exp(-(x**2) / (4 * t)) / t ** sp.Rational(3, 2)),
         (heat, sp.exp(-(a**2) * t) * sp.sin(a * x + b)),
         (kdv, 2 * a**2 * sp.sech(a * (x - 4 * a**2 * t) + b) ** 2),
-        (kdv, 2 * m * special.jacobi_cn(x - (8 * m - 4) * t, m) ** 2),
+        (kdv, 2 * m * jacobi.jacobi_cn(x - (8 * m - 4) * t, m) ** 2),
         (kdv, x / (6 * t)),
         (kdv, -2 / x**2),
         (burgers, 2 * a * (1 - sp.tanh(a * (x - 2 * a * t)))),
