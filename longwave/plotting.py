@@ -20,10 +20,10 @@ from reports.figures.paper import snapshots
 from reports.figures.snapshots import draw_snapshot_panels, snapshot_height
 from reports.figures.space_time import MAP_HEIGHT, draw_space_time
 from reports.figures.style import TEXT_WIDTH, save, styled
-from verify.cli.run import find_scene
 from verify.comparison import Scene, load_run, run
 from verify.comparison.recording import Progress
-from verify.comparison.restart import scene_of
+from verify.comparison.saved_run import scene_of
+from verify.comparison.scene_catalogue import find_scene
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

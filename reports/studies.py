@@ -10,7 +10,7 @@ import xarray as xr
 from reports.jobs import Job
 from solutions import CATALOGUE
 from verify.comparison import load_scene, run
-from verify.comparison.scene_families import EPS, ORDERS
+from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.studies.cost_evaluation import EvaluationCost, evaluation_costs
 from verify.studies.cost_precision import PROBLEMS, CostPoint, work_precision
 from verify.studies.cost_scaling import ScalingPoint, at_eps, rk4_share, window_error

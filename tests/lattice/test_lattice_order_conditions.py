@@ -6,7 +6,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
 from lattice.schemes.catalogue import (
     BLANES_MOAN_6,
@@ -20,6 +19,7 @@ from lattice.schemes.catalogue import (
 )
 from lattice.schemes.order import check_order, nystroem_defect, phase_lag_defect
 from lattice.schemes.scheme import Composition, Scheme, Splitting
+from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
 COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
 

@@ -22,7 +22,7 @@ from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from verify.comparison.spectral_data import (
-    Ring,
+    RingPlace,
     first_density,
     first_step,
     ring_data,
@@ -30,8 +30,6 @@ from verify.comparison.spectral_data import (
     typical_number,
 )
 from verify.comparison.spectral_task import SpectralCost, SpectralRun, SpectralTask
-
-__all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
 
@@ -147,13 +145,13 @@ class SpectralEngine:
             task.compared,
             task.tolerance,
         )
-        steepness = self._steepness(self._data.extent.strain)
+        steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
             raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(task.wave, task.eps)
         self._started = task.t0
-        self._rings: dict[tuple[float, float, bool], Ring] = {}
-        self._states: dict[tuple[Ring, int], RingState] = {}
+        self._rings: dict[tuple[float, float, bool], RingPlace] = {}
+        self._states: dict[tuple[RingPlace, int], RingState] = {}
         self._alike = 0.0
         self._softened: list[float] = []
         self._soft: NotHyperbolicError | None = None
@@ -195,13 +193,13 @@ class SpectralEngine:
 
     def _apart(self, turns: float) -> float:
         """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
-        data, extent = self._data, self._data.extent
-        if self._steepness(extent.strain) <= SLENDER:
+        data, bounds = self._data, self._data.bounds
+        if self._steepness(bounds.strain) <= SLENDER:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
         spread = energy_spread(data.constants, state, data.seam(ring.circumference))
-        return (1.0 + turns) * spread * float(np.max(np.abs(extent.strain))) / data.eps
+        return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.eps
 
     def scout(self) -> Engine:
         """None: a ring must hold what it holds."""
@@ -293,10 +291,10 @@ class SpectralEngine:
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
         """The choices on a wider causal ring, if the strains met were too fast for this one."""
         data, constants = self._data, self._task.constants
-        strain = np.array([*met, *data.extent.strain])
+        strain = np.array([*met, *data.bounds.strain])
         if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
             return None
-        self._data = replace(data, extent=replace(data.extent, strain=strain))
+        self._data = replace(data, bounds=replace(data.bounds, strain=strain))
         self._rings.clear()
         return self._sized(choices, math.inf)
 
@@ -364,7 +362,7 @@ class SpectralEngine:
         yield t0, [t for t in times if t < began], choices.start
         yield began, [t for t in times if t >= began], choices.step
 
-    def _ring(self, choices: Choices) -> Ring:
+    def _ring(self, choices: Choices) -> RingPlace:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
             size = math.inf if choices.causal else choices.size

@@ -30,10 +30,10 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.record import FOCUSING_MKDV
 from solutions.forms.rational import rational_tau
-from solutions.symbols import tau, xi
 from solutions.forms.tau_polynomials import RationalTau
+from solutions.record import FOCUSING_MKDV
+from solutions.symbols import tau, xi
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import signed

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.schemes.catalogue import KAHAN_LI_8
-from verify.comparison.trust import ROUNDING, horizon
+from verify.comparison.trust import UNIT_ROUNDOFF, horizon
 from verify.studies.floquet import fastest_mode
 from verify.studies.hard_case import Measurement
 from verify.studies.travelling import TravellingWave, travelling_wave
@@ -52,7 +52,7 @@ def cn_horizon() -> Measurement:
     """Time until rounding alone has grown to 1e-4 eps, against the predicted horizon."""
     wave = travelling_wave(*CN)
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
-    predicted = horizon(rate, 1e-4, ROUNDING)
+    predicted = horizon(rate, 1e-4, UNIT_ROUNDOFF)
     n = np.arange(float(CN_WAVELENGTHS * wave.period))
     times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
     found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)

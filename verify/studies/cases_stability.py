@@ -10,7 +10,7 @@ from lattice.schemes.catalogue import KAHAN_LI_8, SCHEMES
 from lattice.schemes.scheme import Composition, Scheme, check_step, stability_limit
 from lattice.stepper import Stepper
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import Ring, Window
+from verify.comparison.domain import SiteRing, Window
 from verify.comparison.initial_data import build_wave
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.hard_case import Measurement
@@ -96,7 +96,7 @@ def soft_lattice() -> Measurement:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    state = Ring(scene, build_wave(scene)).start()
+    state = SiteRing(scene, build_wave(scene)).start()
     y, s = doubled(state.y), doubled(state.s)
     for step in range(1, round((scene.end - scene.t0) / scene.step) + 1):
         advance_doubled(KAHAN_LI_8, y, s, scene.step, 1, scene.constants)

@@ -3,7 +3,7 @@
 import math
 from itertools import pairwise
 
-from verify.comparison.trust import TOLERANCE, trust_in
+from verify.comparison.trust import USUAL_TOLERANCE, trust_in
 from verify.studies.claims_evidence import Evidence
 from verify.studies.claims_record import Claim, Measurement, ruling
 
@@ -66,7 +66,7 @@ def modulational_instability(evidence: Evidence) -> Claim:
     found = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]
-        growth = math.exp(trust_in(scene, TOLERANCE).rate * (scene.end - scene.t0))
+        growth = math.exp(trust_in(scene, USUAL_TOLERANCE).rate * (scene.end - scene.t0))
         found.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
     return Claim(
         "modulational_instability",

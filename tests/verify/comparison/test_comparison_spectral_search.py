@@ -12,7 +12,8 @@ from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
 from verify.comparison.initial_data import lattice_data
 from verify.comparison.spectral_data import ring_data
-from verify.comparison.spectral_search import SpectralTask, spectral_run
+from verify.comparison.spectral_search import spectral_run
+from verify.comparison.spectral_task import SpectralTask
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),
