@@ -6,7 +6,7 @@ from pathlib import Path
 from derive.command_line import fail, interrupted
 from longwave.plotting import plot
 from verify.cli.run import check_output, plain_console, progress_bar
-from verify.comparison.unfinished import UnfinishedRun
+from verify.comparison.recording import UnfinishedRun
 
 
 def draw(source: str, output: str | None, kind: str, program: str) -> int:

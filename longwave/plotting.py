@@ -29,10 +29,10 @@ from reports.figures.drawing import (
     styled,
 )
 from reports.figures.paper import snapshots
-from verify.cli.run import find_scene
 from verify.comparison import Scene, load_run, run
 from verify.comparison.recording import Progress
-from verify.comparison.restart import scene_of
+from verify.comparison.saved_run import scene_of
+from verify.comparison.scene_catalogue import find_scene
 
 SUFFIXES = (".png", ".pdf", ".svg")
 
