@@ -14,12 +14,21 @@ from matplotlib.figure import Figure, FigureBase
 
 from lattice.refine import Announce
 from longwave.plain_text import plain_text
-from reports.figures.crest import CREST_HEIGHT, draw_crest
-from reports.figures.errors import ERROR_HEIGHT, ErrorCurve, draw_error_panels
+from reports.figures.drawing import (
+    CREST_HEIGHT,
+    ERROR_HEIGHT,
+    MAP_HEIGHT,
+    TEXT_WIDTH,
+    ErrorCurve,
+    draw_crest,
+    draw_error_panels,
+    draw_snapshot_panels,
+    draw_space_time,
+    save,
+    snapshot_height,
+    styled,
+)
 from reports.figures.paper import snapshots
-from reports.figures.snapshots import draw_snapshot_panels, snapshot_height
-from reports.figures.space_time import MAP_HEIGHT, draw_space_time
-from reports.figures.style import TEXT_WIDTH, save, styled
 from verify.cli.run import find_scene
 from verify.comparison import Scene, load_run, run
 from verify.comparison.recording import Progress

@@ -8,7 +8,7 @@ from lattice.schemes.stability import stability_limit
 from paper_map import Holder, Row, paper_map
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.formulas import latex
-from reports.sections.solutions import domain_latex
+from reports.sections.theory import domain_latex
 from solutions import CATALOGUE, ClosedForm
 from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
 from verify.comparison.observables.table import ENTRIES

@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 from reports.formulas import Formula, broken, latex
-from reports.formulas.measure import nesting
+from reports.formulas.printing import nesting
 from reports.formulas.tidy import LINE, is_wide, tidied, width
 from solutions import CATALOGUE, ClosedForm
 from solutions.functions import jacobi_dn, jacobi_sn
