@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from longwave import drawing
+from longwave import plotting as drawing
 from longwave.__main__ import main
 from longwave.commands import PICTURES
 from longwave.plotting import ALL
