@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from verify.subexpressions import distinct_nodes, replaced
+from verify.subexpressions import abbreviated, distinct_nodes, replaced
 
 COEFFICIENT_CHANGE = sp.Rational(101, 100)
-DEPTH = 4
-"""Levels of a subexpression that a description shows."""
 
 
 @dataclass(frozen=True)
@@ -52,25 +50,6 @@ def mutants(expression: sp.Expr, modulus: sp.Symbol | None = None) -> Iterator[M
         if changed not in seen:
             seen.add(changed)
             yield Mutant(description, changed)
-
-
-def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:
-    """``expression`` as text, with dots for what lies deeper than ``depth``.
-
-    >>> x = sp.Symbol("x")
-    >>> abbreviated(sp.sin(1 + sp.cos(x**2 + 3)), depth=2)
-    'sin(... + 1)'
-    """
-    return str(_shallow(expression, depth))
-
-
-def _shallow(expression: sp.Expr, depth: int) -> sp.Expr:
-    if not expression.args:
-        return expression
-    if depth == 0:
-        return sp.Symbol("...")
-    arguments = (_shallow(argument, depth - 1) for argument in expression.args)
-    return expression.func(*arguments, evaluate=False)
 
 
 Change = tuple[str, sp.Expr, sp.Expr]
