@@ -6,13 +6,13 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
+from derive.algebra.exact_numbers import Number, parse_rational
 from derive.command_line import OneLineParser, fail, interrupted
 from derive.dispersion import agrees_with_reduction, dispersion_relation
-from derive.lattice import FPUT_STRAIN
-from derive.mkdv import initial_velocity, initial_velocity_latex
+from derive.models.lattices import FPUT_STRAIN
+from derive.models.mkdv import initial_velocity, initial_velocity_latex
 from derive.multiscale import DEFAULT_ORDERS, reduce
-from derive.notation import aligned, text_of
-from derive.rationals import Number, parse_rational
+from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 
 MOST_ORDERS = 13

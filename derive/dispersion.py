@@ -14,8 +14,9 @@ from functools import lru_cache
 
 from sympy import Expr, Integer, Symbol, chebyshevt, expand, factor, series, sin, sqrt
 
-from derive.lattice import FPUT_STRAIN, Lattice
-from derive.notation import latex_of
+from derive.lattice import Lattice
+from derive.models.lattices import FPUT_STRAIN
+from derive.output.notation import latex_of
 from derive.reduction import Reduction
 from derive.scaling import Scaling
 from derive.symbols import eps, k, ybar

@@ -1,18 +1,19 @@
-"""The equations of a reduction: one order in eps, a condition, the evolution equation."""
+"""The equations of a reduction: one order in eps, a condition, the evolution equation and its
+coefficients."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from sympy import Expr
-from sympy.polys.fields import FracElement
+from sympy import Expr, S
 
-from derive.differential import DifferentialPolynomial, Monomial
-from derive.notation import Notation, latex_of, terms, text_of
+from derive.algebra.jets import DifferentialPolynomial, Monomial
+from derive.output.notation import Displayed, Notation, latex_of, terms, text_of
 
 
-@dataclass(frozen=True)
-class OrderEquation:
+@dataclass(frozen=True, repr=False)
+class OrderEquation(Displayed):
     """``polynomial = 0``, the factor of ``eps^order`` in the lattice equation.
 
     ``polynomial`` keeps the sign of "acceleration minus force", so that the orders add up to the
@@ -37,8 +38,8 @@ class OrderEquation:
         return f"{self.notation.latex(self._printed)} = 0"
 
 
-@dataclass(frozen=True)
-class Condition:
+@dataclass(frozen=True, repr=False)
+class Condition(Displayed):
     """``expression = 0``, needed because the equation at ``order`` has no other solution."""
 
     order: int
@@ -59,8 +60,8 @@ class Condition:
         return f"{latex_of(self.expression)} = 0"
 
 
-@dataclass(frozen=True)
-class EvolutionEquation:
+@dataclass(frozen=True, repr=False)
+class EvolutionEquation(Displayed):
     """The reduced equation ``Y_T = flow``; coefficients are those of ``Y_T - flow = 0``."""
 
     flow: DifferentialPolynomial
@@ -94,25 +95,15 @@ class EvolutionEquation:
         return set(self.flow.terms) == {(Y, Y, Y_X), (Y_XXX,)}
 
     @property
-    def nonlinear_element(self) -> FracElement:
-        """The nonlinear coefficient in the field of constants."""
-        return self.polynomial.coefficient(*self.nonlinear_monomial)
-
-    @property
-    def dispersive_element(self) -> FracElement:
-        """The coefficient of Y_XXX in the field of constants."""
-        jet = (3, *(0,) * (len(self.notation.axes) - 1))
-        return self.polynomial.coefficient(jet)
-
-    @property
     def nonlinear_coefficient(self) -> Expr:
         """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV)."""
-        return self.nonlinear_element.as_expr()
+        return self.polynomial.coefficient(*self.nonlinear_monomial).as_expr()
 
     @property
     def dispersive_coefficient(self) -> Expr:
         """The coefficient of Y_XXX."""
-        return self.dispersive_element.as_expr()
+        jet = (3, *(0,) * (len(self.notation.axes) - 1))
+        return self.polynomial.coefficient(jet).as_expr()
 
     def text(self) -> str:
         """The equation in plain text."""
@@ -121,3 +112,31 @@ class EvolutionEquation:
     def latex(self) -> str:
         """The equation in LaTeX, without delimiters."""
         return f"{self.notation.latex(self.polynomial)} = 0"
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
+
+    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
+    """
+
+    c: Expr
+    terms: Mapping[str, Expr]
+    monomials: Mapping[str, Monomial] = field(repr=False)
+
+    @property
+    def nonlinear(self) -> Expr:
+        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
+        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
+        if len(found) != 1:
+            raise ValueError(
+                f"the equation must have one nonlinear term, got {len(found)} in "
+                f"{', '.join(self.terms)} (read the coefficients from .terms)"
+            )
+        return self.terms[found[0]]
+
+    @property
+    def dispersive(self) -> Expr:
+        """The coefficient of Y_XXX, 0 if the equation has no such term."""
+        return self.terms.get("Y_XXX", S.Zero)

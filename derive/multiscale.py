@@ -10,17 +10,16 @@ from __future__ import annotations
 
 from sympy.polys.fields import FracElement
 
-from derive.differential import DifferentialPolynomial, Jet
-from derive.elimination import solve_linear, vanishing_factor
+from derive.algebra.elimination import TimeElimination, solve_linear, vanishing_factor
+from derive.algebra.exact_numbers import integer
+from derive.algebra.jets import DifferentialPolynomial, Jet
+from derive.algebra.series import EpsSeries
 from derive.equations import Condition, EvolutionEquation, OrderEquation
 from derive.expansion import expand
 from derive.lattice import Lattice
-from derive.notation import Notation
-from derive.rationals import integer
+from derive.output.notation import Notation
 from derive.reduction import Reduction
 from derive.scaling import Scaling
-from derive.series import EpsSeries
-from derive.time_jets import TimeElimination
 
 DEFAULT_ORDERS = 7
 

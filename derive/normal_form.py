@@ -9,13 +9,11 @@ With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from sympy import Abs, Expr, S, sign, sqrt
+from sympy import Abs, Expr, latex, sign, sqrt
 
-from derive.differential import Monomial
-from derive.equations import EvolutionEquation
+from derive.algebra.exact_numbers import exact
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,8 @@ class NormalForm:
     """``Y(X, T) = U(a X, b T)`` with ``X = eps (n - c t)``, ``T = eps^3 t``; s = +-1.
 
     s = +1 is the focusing equation (K4 > 0), s = -1 the defocusing one.  All four are exact
-    SymPy expressions.
+    SymPy expressions; numbers are made so.  Raises ValueError for anything else, and for a
+    number s other than 1 and -1.
     """
 
     a: Expr
@@ -31,51 +30,33 @@ class NormalForm:
     s: Expr
     c: Expr
 
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "s", "c"):
+            object.__setattr__(self, name, exact(name, getattr(self, name)))
+        if self.s.is_number and self.s not in (1, -1):
+            raise ValueError(f"s must be 1 or -1, got {self.s} (1 is the focusing equation)")
 
-@dataclass(frozen=True)
-class Coefficients:
-    """Frame speed (negative for waves to the left) and the reduced equation's coefficients.
+    def _repr_latex_(self) -> str:
+        equation = r"U_\tau + 6 s U^2 U_\xi + U_{\xi\xi\xi} = 0,\quad Y(X, T) = U(a X, b T)"
+        values = [f"{name} = {latex(getattr(self, name))}" for name in ("a", "b", "s", "c")]
+        return rf"$\displaystyle {', '.join([equation, *values])}$"
 
-    ``terms`` holds the coefficient of each term of ``Y_T + ... = 0`` under the term's text.
-    """
+    @classmethod
+    def of_coefficients(cls, c: Expr, nonlinear: Expr, dispersive: Expr) -> NormalForm:
+        """The normal form at the frame speed, and the coefficients of Y^2 Y_X and Y_XXX.
 
-    c: Expr
-    terms: Mapping[str, Expr]
-    monomials: Mapping[str, Monomial] = field(repr=False)
+        Raises ValueError if one of the two coefficients is 0.
 
-    @property
-    def nonlinear(self) -> Expr:
-        """The coefficient of the one nonlinear term; ValueError unless there is exactly one."""
-        found = [name for name, monomial in self.monomials.items() if len(monomial) > 1]
-        if len(found) != 1:
-            raise ValueError(
-                f"the equation must have one nonlinear term, got {len(found)} in "
-                f"{', '.join(self.terms)} (read the coefficients from .terms)"
-            )
-        return self.terms[found[0]]
-
-    @property
-    def dispersive(self) -> Expr:
-        """The coefficient of Y_XXX, 0 if the equation has no such term."""
-        return self.terms.get("Y_XXX", S.Zero)
-
-
-def normal_form(pde: EvolutionEquation, values: Coefficients) -> NormalForm:
-    """The normal form of ``pde`` at the given values of its coefficients.
-
-    Raises ValueError unless the terms are Y^2 Y_X and Y_XXX and both coefficients are nonzero.
-    """
-    if not pde.is_mkdv:
-        raise ValueError(
-            f"the equation must have the terms Y^2 Y_X and Y_XXX alone, got {pde.text()} "
-            "(the normal form is that of mKdV)"
-        )
-    for name, value in (("nonlinear", values.nonlinear), ("dispersive", values.dispersive)):
-        if value.is_zero:
-            raise ValueError(
-                f"the {name} coefficient must not vanish, got 0 in {pde.text()} "
-                "(take a nonzero cubic stiffness and a dispersive lattice)"
-            )
-    ratio = values.nonlinear / (6 * values.dispersive)
-    a = sqrt(Abs(ratio))
-    return NormalForm(a=a, b=values.dispersive * a**3, s=sign(ratio), c=values.c)
+        >>> from sympy import Rational, S
+        >>> NormalForm.of_coefficients(S(2), Rational(3, 4), Rational(1, 12))
+        NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)
+        """
+        for name, value in (("nonlinear", nonlinear), ("dispersive", dispersive)):
+            if value.is_zero:
+                raise ValueError(
+                    f"the {name} coefficient must not vanish, got 0 "
+                    "(take a nonzero cubic stiffness and a dispersive lattice)"
+                )
+        ratio = nonlinear / (6 * dispersive)
+        a = sqrt(Abs(ratio))
+        return cls(a=a, b=dispersive * a**3, s=sign(ratio), c=c)

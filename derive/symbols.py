@@ -3,9 +3,18 @@
 ``K2`` (so that the sound speed is real), the frame speed ``c`` and the small parameter ``eps``
 are positive; everything else is real.  Lattice: site ``n``, time ``t``, strain about a uniform
 state ``ybar``, wavenumber ``k`` per site.  Slow variables: ``X = eps (n - c t)``, ``T = eps^3 t``.
+
+Lattices and scalings may declare constants of their own; what those may be made of and be called
+is checked here.
 """
 
-from sympy import Symbol
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sympy import Expr, Pow, Symbol, fraction, together
+
+from derive.algebra.exact_numbers import exact, shown
 
 K2 = Symbol("K2", positive=True)
 K3 = Symbol("K3", real=True)
@@ -22,4 +31,63 @@ k = Symbol("k", real=True)
 ybar = Symbol("ybar", real=True)
 x = Symbol("x", real=True)
 
-LATEX_NAMES = {ybar: r"\overline{y}", eps: r"\epsilon"}
+RESERVED = {str(symbol) for symbol in (T, X, eps, k, n, t, x)} | {"Y"}
+"""Names with a meaning of their own in the reduction."""
+
+
+def rational_function(name: str, value: Expr) -> Expr:
+    """``value``, exact: a rational function of symbols, and a polynomial in eps.
+
+    Raises ValueError, naming ``name``, for anything else.
+
+    >>> from derive.symbols import K2, K3
+    >>> rational_function("speed", K3**2 / K2 + 1)
+    1 + K3**2/K2
+    """
+    number = exact(name, value)
+    above, below = fraction(together(number))
+    symbols = number.free_symbols
+    if not (above.is_polynomial(*symbols) and below.is_polynomial(*symbols)) or below.has(eps):
+        raise _no_rational_function(name, number)
+    if any(not atom.is_Rational for atom in number.atoms() - symbols):
+        raise _no_rational_function(name, number)
+    if not all(power.exp.is_Integer for power in number.atoms(Pow)):
+        raise _no_rational_function(name, number)
+    return number
+
+
+def _no_rational_function(name: str, value: Expr) -> ValueError:
+    return ValueError(
+        f"{name} must be a rational function of symbols and a polynomial in eps, got "
+        f"{shown(value)} (put a symbol in the place of a root, and give its value to coefficients)"
+    )
+
+
+def check_constants(constants: Sequence[Symbol]) -> None:
+    """Raise ValueError if a constant has a reserved name or one that another constant has."""
+    names = [str(constant) for constant in constants]
+    for name in names:
+        if name in RESERVED:
+            raise ValueError(
+                f"constants must have names other than {', '.join(sorted(RESERVED))}, got {name} "
+                "(derive.symbols.x is the stretch and derive.symbols.eps the small parameter)"
+            )
+        if names.count(name) > 1:
+            raise ValueError(
+                f"constants must have different names, got {name} twice (symbols of one name with "
+                "other assumptions are other symbols: take those of derive.symbols)"
+            )
+
+
+def powers_of_eps(value: Expr) -> dict[int, Expr]:
+    """The coefficients of a polynomial in eps under their powers.
+
+    >>> from derive.symbols import K2, K3
+    >>> powers_of_eps(K2 + eps**2 * K3)
+    {0: K2, 2: K3}
+    """
+    if not value.has(eps):
+        return {0: value}
+    above, below = fraction(together(value))
+    terms = above.as_poly(eps).terms()
+    return {int(power): part / below for (power,), part in sorted(terms)}

@@ -262,7 +262,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
 @_json
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
     """Measure the evaluation of every wave."""
-    from verify.studies.evaluation_cli import accuracy_command
+    from verify.cli.accuracy import accuracy_command
 
     words = [f"--only={name}" for name in only]
     words += [f"--jobs={jobs}"] if jobs is not None else []
@@ -307,7 +307,7 @@ def plot(source: str, output: str | None, kind: str) -> int:
     of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
     error curves and the track of the crest: all that the run holds, or one kind.
     """
-    from longwave.drawing import draw
+    from longwave.plotting import draw
 
     return draw(source, output, kind, _program())
 

@@ -110,12 +110,12 @@ def _kernels() -> Finding:
         return Finding(part, "NUMBA_DISABLE_JIT is set", "costs", cost)
     import warnings
 
-    from solutions import pair_machine
-    from solutions.jit import cache_folder
+    from solutions.run import machine
+    from solutions.run.jit import cache_folder
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
-        folder = cache_folder(pair_machine.__name__)
+        folder = cache_folder(machine.__name__)
     if folder is None:
         cost = "every process compiles anew: set NUMBA_CACHE_DIR to a folder that can be written"
         return Finding(part, "no folder can be written", "costs", cost)

@@ -16,7 +16,7 @@ from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures,
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
-from verify.studies.claims_evidence import report_scenes
+from verify.studies.measured_runs import report_scenes
 
 FOLDER = Path("longwave-report")
 """Where the report is written: in the working folder, not where the package is."""

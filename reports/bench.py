@@ -9,8 +9,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from derive.command_line import OneLineParser, announce, fail, interrupted
 from reports.assemble import write_study_figures, write_study_tables
-from reports.jobs import Job, run_jobs
-from reports.studies import Key, Studies, studies, study_jobs
+from reports.work import Job, Key, Studies, run_jobs, studies, study_jobs
 
 FOLDER = Path("longwave-bench")
 

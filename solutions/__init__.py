@@ -11,10 +11,16 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from solutions.catalogue import CATALOGUE, closed_form
-    from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
+    from solutions.forms.rational import rational, rational_tau
     from solutions.parameter import Bound, Parameter
-    from solutions.rational_family import rational, rational_tau
-    from solutions.record import ClosedForm, FarFields, Reference
+    from solutions.record import (
+        DEFOCUSING_MKDV,
+        FOCUSING_MKDV,
+        ClosedForm,
+        Equation,
+        FarFields,
+        Reference,
+    )
     from solutions.wave import Side, Wave, WaveValues
 
 __all__ = [
@@ -37,10 +43,16 @@ __all__ = [
 
 _MODULES = {
     "catalogue": ("CATALOGUE", "closed_form"),
-    "record": ("ClosedForm", "FarFields", "Reference"),
-    "equation": ("DEFOCUSING_MKDV", "FOCUSING_MKDV", "Equation"),
+    "record": (
+        "DEFOCUSING_MKDV",
+        "FOCUSING_MKDV",
+        "ClosedForm",
+        "Equation",
+        "FarFields",
+        "Reference",
+    ),
     "parameter": ("Bound", "Parameter"),
-    "rational_family": ("rational", "rational_tau"),
+    "forms.rational": ("rational", "rational_tau"),
     "wave": ("Side", "Wave", "WaveValues"),
 }
 _MODULE_OF = {noun: module for module, nouns in _MODULES.items() for noun in nouns}

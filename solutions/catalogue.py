@@ -9,15 +9,12 @@ from solutions.forms.breather_sn import BREATHER_SN
 from solutions.forms.double_pole import DOUBLE_POLE
 from solutions.forms.kink import KINK
 from solutions.forms.kink_antikink import KINK_ANTIKINK
-from solutions.forms.rational_1 import RATIONAL_1
-from solutions.forms.rational_2 import RATIONAL_2
-from solutions.forms.rational_3 import RATIONAL_3
+from solutions.forms.rational import RATIONAL_1, RATIONAL_2, RATIONAL_3, rational
 from solutions.forms.rogue_cn import ROGUE_CN
 from solutions.forms.soliton_background import SOLITON_BACKGROUND
 from solutions.forms.soliton_dn import SOLITON_DN
 from solutions.forms.soliton_sech import SOLITON_SECH
 from solutions.forms.two_soliton import TWO_SOLITON
-from solutions.rational_family import rational
 from solutions.record import ClosedForm
 
 __all__ = ["CATALOGUE", "closed_form"]

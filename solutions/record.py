@@ -1,4 +1,4 @@
-"""The record of one closed-form solution."""
+"""The record of one closed-form solution, and the equation that it solves."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -7,10 +7,43 @@ from typing import Any
 
 import sympy as sp
 
-from solutions.equation import Equation
 from solutions.parameter import Parameter
+from solutions.symbols import tau, xi
 
-__all__ = ["ClosedForm", "FarFields", "Reference"]
+__all__ = [
+    "DEFOCUSING_MKDV",
+    "FOCUSING_MKDV",
+    "ClosedForm",
+    "Equation",
+    "FarFields",
+    "Reference",
+]
+
+
+@dataclass(frozen=True)
+class Equation:
+    """``U_tau + 6 s U**2 U_xi + U_xixixi = 0``, with ``s`` the sign of K4.
+
+    The paper's eq. (1) in its normal form.
+
+    >>> from sympy import tanh
+    >>> DEFOCUSING_MKDV.residual(tanh(xi + 2 * tau)).simplify()
+    0
+    """
+
+    name: str
+    s: int
+    xi: sp.Symbol = xi
+    tau: sp.Symbol = tau
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side of the equation at ``U``, unsimplified."""
+        transport = 6 * self.s * U**2 * sp.diff(U, self.xi)
+        return sp.diff(U, self.tau) + transport + sp.diff(U, self.xi, 3)
+
+
+FOCUSING_MKDV = Equation("focusing mKdV", +1)
+DEFOCUSING_MKDV = Equation("defocusing mKdV", -1)
 
 
 @dataclass(frozen=True)
@@ -41,7 +74,7 @@ class ClosedForm:
     period in ``xi``, None if it is constant. ``stabilise`` makes the form that is evaluated in
     floating point from the canonical one. ``evaluator`` makes, from exact parameters, what
     evaluates the form where that is not the stable expression
-    (``solutions.evaluator.PointEvaluator``).
+    (``solutions.run.evaluator.PointEvaluator``).
     """
 
     name: str

@@ -9,16 +9,15 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from derive.normal_form import NormalForm
-from solutions.evaluator import Evaluator, PointEvaluator
+from solutions.compile.program import Variables, long_number
 from solutions.exact import exact_number
-from solutions.linear_phase import LinearPhase
-from solutions.pair_machine import scale_rows
 from solutions.points import check_points, evaluate_points
-from solutions.program import long_number
 from solutions.record import ClosedForm
-from solutions.reference_evaluation import check_digits, evaluate_mp, exact_point
-from solutions.special.doubledouble import split
-from solutions.variables import Variables
+from solutions.run.doubledouble import split
+from solutions.run.evaluator import Evaluator, PointEvaluator
+from solutions.run.linear_phase import LinearPhase
+from solutions.run.machine import scale_rows
+from solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
 
 __all__ = ["Side", "Wave", "WaveValues"]
 

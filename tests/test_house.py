@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from solutions.source_digest import ROOMS as SOURCE_ROOMS
+from solutions.run.source_digest import ROOMS as SOURCE_ROOMS
 
 HOUSE = Path(__file__).parents[1]
 ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
@@ -94,7 +94,7 @@ def test_no_text_is_evaluated(path: Path) -> None:
 @pytest.mark.parametrize("path", SOURCES, ids=name_of)
 def test_kernels_are_compiled_through_the_cache_that_follows_sources(path: Path) -> None:
     """Numba's own ``cache=True`` serves old machine code after a change in another file."""
-    if path.relative_to(HOUSE) != Path("solutions", "jit.py"):
+    if path.relative_to(HOUSE) != Path("solutions", "run", "jit.py"):
         wrong = {"numba.njit", "numba.jit", "numba.vectorize", "numba.guvectorize", "numba.cfunc"}
         assert not set(imported_modules(path)) & {*wrong, "numba.np.ufunc"}
 

@@ -51,7 +51,7 @@ def run_command(argv: list[str]) -> int:
 
 def accuracy_command(argv: list[str]) -> int:
     """Print the worst evaluation errors per wave; numba is imported here and not for the table."""
-    from verify.studies.evaluation_cli import accuracy_command as measure
+    from verify.cli.accuracy import accuracy_command as measure
 
     return measure(argv)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 DEPTH = 4
-"""Levels of a subexpression that a description shows."""
+"""Levels of a subexpression that an abbreviation shows."""
 
 
 def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:

@@ -8,9 +8,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from derive.command_line import OneLineParser, fail, interrupted
+from reports.figures.drawing import save, snapshot_figure, styled
 from reports.figures.paper import snapshots
-from reports.figures.snapshots import snapshot_figure
-from reports.figures.style import save, styled
 from verify.comparison import load_scene, run
 
 SCENE = "rational_3_eps_0.05"

@@ -7,9 +7,14 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
-from reports.figures.errors import ErrorCurve, error_figure
-from reports.figures.snapshots import Snapshot, snapshot_figure
-from reports.figures.style import save, styled
+from reports.figures.drawing import (
+    ErrorCurve,
+    Snapshot,
+    error_figure,
+    save,
+    snapshot_figure,
+    styled,
+)
 from verify.comparison import Scene
 
 Runs = Mapping[str, xr.Dataset]

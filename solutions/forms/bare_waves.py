@@ -7,10 +7,9 @@ which take phase and wave from here.
 
 import sympy as sp
 
-from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV
 from solutions.forms.modulus import modulus
-from solutions.record import ClosedForm, FarFields, Reference
-from solutions.special import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
+from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
+from solutions.record import DEFOCUSING_MKDV, FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import k, tau, xi
 
 __all__ = [

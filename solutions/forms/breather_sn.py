@@ -8,12 +8,9 @@ the logarithm of one theta quotient, which shifts the phase eta.
 
 import sympy as sp
 
-from solutions.equation import DEFOCUSING_MKDV
 from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE
 from solutions.forms.modulus import modulus
-from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_eta,
@@ -21,6 +18,8 @@ from solutions.special import (
     jacobi_theta,
     jacobi_zeta,
 )
+from solutions.parameter import Bound, Parameter
+from solutions.record import DEFOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import X_0, alpha, k, tau, xi
 
 __all__ = ["BREATHER_SN", "inverse_width", "speed"]

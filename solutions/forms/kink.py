@@ -2,9 +2,8 @@
 
 import sympy as sp
 
-from solutions.equation import DEFOCUSING_MKDV
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
+from solutions.record import DEFOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import A, tau, xi
 
 __all__ = ["KINK"]

@@ -2,10 +2,9 @@
 
 import sympy as sp
 
-from solutions.equation import DEFOCUSING_MKDV
 from solutions.forms.half_phase import by_sech
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
+from solutions.record import DEFOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import A, kappa, tau, xi
 
 __all__ = ["KINK_ANTIKINK"]

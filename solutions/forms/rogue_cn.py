@@ -10,11 +10,10 @@ Likewise theta is evaluated without the poles of its integral, which cancel iden
 
 import sympy as sp
 
-from solutions.equation import FOCUSING_MKDV
 from solutions.forms.bare_waves import CN_PHASE, CN_WAVE, QUARTER_PERIOD, shifted_area
 from solutions.forms.modulus import modulus
-from solutions.record import ClosedForm, FarFields, Reference
-from solutions.special import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
+from solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import complementary_modulus, k, tau, xi
 
 __all__ = ["ROGUE_CN", "integral", "integrand", "theta"]

@@ -2,10 +2,9 @@
 
 import sympy as sp
 
-from solutions.equation import FOCUSING_MKDV
 from solutions.forms.half_phase import by_tanh
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import kappa, tau, xi
 
 __all__ = ["SOLITON_BACKGROUND"]

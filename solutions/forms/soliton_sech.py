@@ -2,9 +2,8 @@
 
 import sympy as sp
 
-from solutions.equation import FOCUSING_MKDV
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import A, tau, xi
 
 __all__ = ["SOLITON_SECH"]

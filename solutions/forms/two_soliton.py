@@ -6,10 +6,9 @@ solitons, J. Phys. Soc. Jpn. 33 (1972) 1456.
 
 import sympy as sp
 
-from solutions.equation import FOCUSING_MKDV
 from solutions.forms.arctangent import arctangent_slope
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, FarFields, Reference
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import X_0, tau, xi
 
 __all__ = ["TWO_SOLITON"]

@@ -13,7 +13,7 @@ COMMANDS = {
     "verify.cli.certificates": "certificate_command",
     "verify.cli.mutations": "mutations_command",
     "verify.cli.run": "run_command",
-    "verify.studies.evaluation_cli": "accuracy_command",
+    "verify.cli.accuracy": "accuracy_command",
     "reports.__main__": "main",
     "reports.bench": "main",
     "reports.figures.__main__": "main",

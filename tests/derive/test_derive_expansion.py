@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from derive import LATTICES, Scaling, reduce
-from derive.differential import DifferentialPolynomial
+from derive.algebra.jets import DifferentialPolynomial
 from derive.expansion import expand
 from derive.symbols import K2, K3, K4, T, X, c
 

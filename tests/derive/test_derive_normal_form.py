@@ -25,7 +25,7 @@ from sympy import (
 )
 
 from derive import LATTICES, Scaling, initial_velocity, mkdv_normal_form, mkdv_reduction, reduce
-from derive.rationals import exact, parse_rational
+from derive.algebra.exact_numbers import exact, parse_rational
 from derive.symbols import K2, K4, c, eps
 
 nonzero = st.fractions(min_value=-50, max_value=50, max_denominator=40).filter(bool)

@@ -9,9 +9,9 @@ import pytest
 
 from derive import LATTICES, Reduction, Scaling, reduce
 from derive.__main__ import main
-from derive.differential import DifferentialPolynomial
-from derive.notation import Notation
-from derive.serial import polynomial_from_data
+from derive.algebra.jets import DifferentialPolynomial
+from derive.output.notation import Notation
+from derive.output.report import polynomial_from_data
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 from sympy import Eq, Expr, Integer, Rational, Symbol, simplify, symbols
 
 from derive import LATTICES, Bond, Lattice, Reduction, ReductionError, Scaling, Stencil, reduce
-from derive.differential import DifferentialPolynomial, Monomial
+from derive.algebra.jets import DifferentialPolynomial, Monomial
 from derive.symbols import K2, K3, K4, c, x, ybar
 
 FPUT = LATTICES["fput_strain"]

@@ -15,10 +15,10 @@ import derive.__main__
 import longwave.commands as tree
 import longwave.inventory
 import reports.__main__
+import verify.cli.accuracy
 import verify.cli.mutations
 import verify.cli.run
 import verify.cli.verdicts
-import verify.studies.evaluation_cli
 from longwave.__main__ import main
 from verify.comparison import ENGINES, further_scenes, shipped_scenes
 
@@ -141,7 +141,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(verify.cli.mutations, "print_mutations", keep)
     monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
-    monkeypatch.setattr(verify.studies.evaluation_cli, "accuracy_command", keep)
+    monkeypatch.setattr(verify.cli.accuracy, "accuracy_command", keep)
     monkeypatch.setattr(reports.__main__, "write_report", keep)
     verdicts, runs, written = (
         verify.cli.verdicts.Options,

@@ -10,7 +10,7 @@ import pytest
 from llvmlite import binding  # type: ignore[import-untyped]
 
 import reports.engine
-import solutions.jit
+import solutions.run.jit
 from longwave import health
 from longwave.__main__ import main
 
@@ -71,9 +71,9 @@ def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(solutions.jit, "cache_folder", lambda _: None)
+    monkeypatch.setattr(solutions.run.jit, "cache_folder", lambda _: None)
     assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
-    monkeypatch.setattr(solutions.jit, "cache_folder", lambda _: tmp_path)
+    monkeypatch.setattr(solutions.run.jit, "cache_folder", lambda _: tmp_path)
     assert "the first run compiles" in found("compiled kernels").cost
     (tmp_path / "kernel.nbc").touch()
     assert found("compiled kernels").state == "good"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,

@@ -7,11 +7,10 @@ import xarray as xr
 
 from reports import __main__ as command_line
 from reports.engine import EngineMissingError
-from reports.studies import Studies
-from reports.work import Findings
-from verify.studies.claims_evidence import Evidence
-from verify.studies.hard_case import HardCase
-from verify.studies.mutations import MutationCount, Survivor
+from reports.work import Findings, Studies
+from verify.evidence.mutations import MutationCount, Survivor
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.measured_runs import MeasuredRuns
 from verify.studies.proofs import ProofRecord
 from verify.verdict import Outcome
 
@@ -22,9 +21,9 @@ def findings(
     """What a report found: one proof, one run, one count of misprints."""
     proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
-    hard = HardCase("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
+    hard = HardCaseResult("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})
-    evidence = Evidence({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
+    evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
     return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)
 
 

@@ -11,10 +11,10 @@ import pytest
 import sympy as sp
 
 from reports.formulas import Formula, broken, latex
-from reports.formulas.measure import nesting
+from reports.formulas.printing import nesting
 from reports.formulas.tidy import LINE, is_wide, tidied, width
 from solutions import CATALOGUE, ClosedForm
-from solutions.special import jacobi_dn, jacobi_sn
+from solutions.functions import jacobi_dn, jacobi_sn
 from solutions.symbols import k, tau, xi
 from tests.reports.latex_reader import Reader
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive import NormalForm, mkdv_normal_form
 from solutions import ClosedForm
-from solutions.special.mp import mp_module
+from solutions.functions.multiprecision import mp_module
 from solutions.symbols import tau, xi
 
 RANGES = {

@@ -9,8 +9,8 @@ from rich.table import Table
 
 from derive.command_line import announce, interrupted
 from solutions.catalogue import CATALOGUE
-from verify.cli.costs import MUTANTS
-from verify.cli.parser import (
+from verify.cli.console import (
+    MUTANTS,
     OneLineParser,
     add_only,
     fail,
@@ -19,8 +19,8 @@ from verify.cli.parser import (
     table_console,
     tracked,
 )
+from verify.evidence.mutations import MutationCount, count_mutants
 from verify.proof.catalogue_proofs import named_form
-from verify.studies.mutations import MutationCount, count_mutants
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")
 

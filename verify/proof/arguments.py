@@ -13,7 +13,7 @@ from math import lcm
 import sympy as sp
 from flint import fmpz_mat
 
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 
 
 class Dependence:

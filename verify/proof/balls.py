@@ -18,7 +18,7 @@ from operator import add, mul
 import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
-from solutions.special.function import JacobiFunction
+from solutions.functions.jacobi import JacobiFunction
 
 from . import taylor as functions
 from .domain_signs import Signs

@@ -22,8 +22,8 @@ import sympy as sp
 from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
+from solutions.forms.rational import rational, rational_tau
 from solutions.parameter import Bound
-from solutions.rational_family import rational, rational_tau
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
 

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 from flint import fmpq_mpoly
 
-from solutions import special
+from solutions import functions
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .checker.limits import FORMAT, digest
@@ -29,7 +29,7 @@ FUNCTIONS: dict[str, type] = {
         *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,
-        *(getattr(special, name) for name in special.__all__),
+        *(getattr(functions, name) for name in functions.__all__),
     )
 }
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}

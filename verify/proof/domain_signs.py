@@ -16,8 +16,8 @@ from fractions import Fraction
 
 import sympy as sp
 
-from solutions.special import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
-from solutions.special.function import JacobiFunction
+from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
+from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import abbreviated, distinct_nodes
 
 from .domains import INFINITY, Domain, Domains, Number, Range

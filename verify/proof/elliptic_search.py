@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from solutions.special import jacobi_epsilon
-from solutions.special.function import JacobiFunction
+from solutions.functions import jacobi_epsilon
+from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms

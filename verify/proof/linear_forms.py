@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import sympy as sp
 from flint import acb, ctx
 
-from solutions.special import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Arguments, Dependence

@@ -42,7 +42,7 @@ def prove(
 ) -> ProofVerdict:
     """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
 
-    ``equation`` is an object with a residual (as `solutions.equation.Equation`) or the left-hand
+    ``equation`` is an object with a residual (as `solutions.record.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
     ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational

@@ -34,10 +34,10 @@ from typing import Any
 import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.equation import FOCUSING_MKDV
-from solutions.rational_family import rational_tau
+from solutions.forms.rational import rational_tau
+from solutions.forms.tau_polynomials import RationalTau
+from solutions.record import FOCUSING_MKDV
 from solutions.symbols import tau, xi
-from solutions.tau_polynomials import RationalTau
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate_writer import Certificate, NodeTable, ProofWriter
@@ -160,7 +160,7 @@ def prove_bilinear(order: int, free: tuple[int, ...] = ()) -> ProofVerdict:
     """Decide the bilinear equations of the rational tau function of ``order``.
 
     ``free`` lists the shifts tau_5, tau_7, ... kept symbolic.  Raises ValueError as
-    `solutions.rational_family.rational_tau` does.
+    `solutions.forms.rational.rational_tau` does.
 
     >>> prove_bilinear(2).outcome
     <Outcome.PROVED: 'PROVED'>
@@ -294,7 +294,7 @@ class RationalFacts:
 
 
 def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
-    """The facts, each computed; raises ValueError as `solutions.rational_family.rational_tau` does.
+    """The facts, each computed; raises ValueError as `solutions.forms.rational.rational_tau` does.
 
     >>> rational_facts(2)
     RationalFacts(order=2, free=(), peak=Fraction(5, 1), background=Fraction(1, 1), degree=6,

@@ -15,12 +15,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from verify.processes import OutOfTime, time_limit
 from verify.proof import prove, prove_equal
 from verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
 from verify.studies.statements import Statement, Truth, statement
-from verify.studies.statements.labels import fails_at, label_fault
-from verify.studies.statements.values import ValueMissing
-from verify.studies.time_limit import OutOfTime, time_limit
+from verify.studies.statements.values import ValueMissing, fails_at, label_fault
 from verify.subexpressions import distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 

@@ -6,7 +6,7 @@ import pytest
 
 from verify.__main__ import main
 from verify.cli import mutations as command
-from verify.studies.mutations import MutationCount, Survivor
+from verify.evidence.mutations import MutationCount, Survivor
 from verify.verdict import Outcome
 
 Output = pytest.CaptureFixture[str]

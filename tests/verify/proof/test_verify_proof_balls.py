@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,

@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm
+from solutions.functions import jacobi_dn
 from solutions.parameter import Bound
-from solutions.special import jacobi_dn
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domains import settled_domains
 from verify.proof.problem import sample

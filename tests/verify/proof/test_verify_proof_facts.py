@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from solutions import closed_form, rational
-from solutions.rational_family import rational_tau
+from solutions.forms.rational import rational_tau
 from verify.proof import prove_equal, rational_facts
 from verify.proof.rational_proofs import coefficient_in_x, leading_in_x, limit, reflected
 from verify.verdict import Outcome

@@ -5,7 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solutions.special import (
+from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,

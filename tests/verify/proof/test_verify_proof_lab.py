@@ -8,7 +8,7 @@ import sympy as sp
 from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, c
 from solutions import closed_form, rational
-from solutions.equation import DEFOCUSING_MKDV
+from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import tau, xi
 from verify.proof import prove_form
 from verify.proof.catalogue_proofs import LabEquation, a, lab_frame

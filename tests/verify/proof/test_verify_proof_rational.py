@@ -2,7 +2,7 @@
 
 import pytest
 
-from solutions.rational_family import rational, rational_tau
+from solutions.forms.rational import rational, rational_tau
 from verify.proof import prove, prove_bilinear, prove_rational
 from verify.proof.rational_proofs import (
     SPACE,

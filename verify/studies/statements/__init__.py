@@ -3,7 +3,7 @@
 `statement` makes the one of a seed and an index; `verify.studies.verdicts` asks the prover.
 """
 
-from .library import KINDS, statement
-from .record import Range, Statement, Truth
+from verify.studies.statements.library import KINDS, statement
+from verify.studies.statements.statement import Range, Statement, Truth
 
 __all__ = ["KINDS", "Range", "Statement", "Truth", "statement"]

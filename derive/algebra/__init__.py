@@ -1,0 +1,1 @@
+"""Exact algebra: numbers, polynomials in jets, series in eps, elimination."""

@@ -1,0 +1,141 @@
+"""What comes from outside, checked: numbers made exact, no text evaluated, the wrong one named."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Integral, Real
+from numbers import Rational as RationalNumber
+from typing import Any, TypeAlias, TypeVar
+
+from sympy import Expr, Float, I, Rational, nan, oo, zoo
+from sympy.matrices.expressions.matexpr import MatrixExpr
+
+Kind = TypeVar("Kind")
+
+Number: TypeAlias = int | float | str | Fraction | Decimal | Expr
+
+LONGEST = 1000
+"""Characters of a number in text; more is a mistake and would only take time."""
+
+_DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+_RATIO = re.compile(r"[+-]?\d+/\d+", re.ASCII)
+
+
+def parse_rational(name: str, text: str) -> Rational:
+    """The exact rational that ``text`` spells as an integer, a decimal or ``p/q``.
+
+    ``name`` is the argument named in the ValueError for anything else.
+
+    >>> parse_rational("K4", "0.1"), parse_rational("K4", "-3/6")
+    (1/10, -1/2)
+    """
+    stripped = text.strip()
+    spelt = _DECIMAL.fullmatch(stripped) or _RATIO.fullmatch(stripped)
+    if not spelt or len(stripped) > LONGEST:
+        raise ValueError(
+            f"{name} must be a rational number, got {shown(text)} (write 4, 0.25, 1e-3 or 1/3)"
+        )
+    try:
+        value = Fraction(stripped)
+    except ZeroDivisionError:
+        raise ValueError(
+            f"{name} must have a nonzero denominator, got {shown(text)} (write 4, 0.25 or 1/3)"
+        ) from None
+    return Rational(value.numerator, value.denominator)
+
+
+def exact(name: str, value: Number) -> Expr:
+    """``value`` exactly: a float as the shortest decimal that denotes it, symbols unchanged.
+
+    Raises ValueError for text that is no rational, for NaN and infinity, for non-real numbers, and
+    for an expression with a float, NaN, infinity or I anywhere in it.
+
+    >>> exact("K2", 0.1), exact("K2", "1/3")
+    (1/10, 1/3)
+    """
+    if isinstance(value, str):
+        return parse_rational(name, value)
+    if isinstance(value, Expr) and not value.is_Float:
+        _check_expression(name, value)
+        return value
+    if isinstance(value, bool):
+        raise _not_real(name, value)
+    if isinstance(value, Integral):
+        return Rational(int(value))
+    if isinstance(value, Decimal) and value.is_finite():
+        return parse_rational(name, f"{value:e}")
+    if isinstance(value, RationalNumber):
+        return Rational(int(value.numerator), int(value.denominator))
+    if isinstance(value, (Real, Float)):
+        return parse_rational(name, _decimal(name, value))
+    raise _not_real(name, value)
+
+
+def _check_expression(name: str, value: Expr) -> None:
+    if value.has(Float):
+        raise ValueError(
+            f"{name} must be exact, got {shown(value)} with a float in it (write Rational(1, 10) "
+            "for 0.1)"
+        )
+    unreal = value.is_real is False or value.has(nan, oo, -oo, zoo, I)
+    if unreal or not value.is_commutative or isinstance(value, MatrixExpr):
+        raise _not_real(name, value)
+
+
+def _decimal(name: str, value: Any) -> str:
+    """The shortest decimal that is read as ``value``; ValueError if it is not found."""
+    texts = [repr(float(value))] if isinstance(value, float) else [str(value), repr(float(value))]
+    for text in texts:
+        with suppress(TypeError, ValueError):  # types that are not made from text
+            if _DECIMAL.fullmatch(text) and type(value)(text) == value:
+                return text
+    raise _not_real(name, value)
+
+
+def _not_real(name: str, value: object) -> ValueError:
+    return ValueError(
+        f"{name} must be a finite real number or a symbol, got {shown(value)} "
+        "(write 4, 0.25 or 1/3)"
+    )
+
+
+def shown(value: object) -> str:
+    """``value`` in one short line, for an error.
+
+    >>> shown("x" * 100)
+    "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx..."
+    """
+    line = " ".join(repr(value).split())
+    return line if len(line) <= 60 else f"{line[:60]}..."
+
+
+def integer(name: str, value: object, least: int, hint: str) -> int:
+    """``value`` as an int; ValueError, with ``hint`` as the remedy, unless it is one >= least."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise ValueError(f"{name} must be an integer >= {least}, got {shown(value)} ({hint})")
+    return int(value)
+
+
+def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
+    """``value``; ValueError, with the remedy, unless it is one of that kind.
+
+    >>> instance("name", 3, str, "such as 'chain'")
+    Traceback (most recent call last):
+    ...
+    ValueError: name must be a str, got 3 (such as 'chain')
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOaeio" else "a"
+        raise ValueError(f"{name} must be {article} {kind.__name__}, got {shown(value)} ({remedy})")
+    return value
+
+
+def tuple_of(name: str, value: object, kind: type[Kind], remedy: str) -> tuple[Kind, ...]:
+    """A tuple or list as a tuple; ValueError unless it holds that kind alone, and one at least."""
+    if not isinstance(value, tuple | list) or not value:
+        kinds = "" if kind is object else f" of {kind.__name__}"
+        raise ValueError(f"{name} must be a tuple{kinds}, got {shown(value)} ({remedy})")
+    return tuple(instance(f"each of {name}", entry, kind, remedy) for entry in value)

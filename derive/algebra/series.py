@@ -1,0 +1,95 @@
+"""Truncated power series in eps whose coefficients are differential polynomials.
+
+A first-order operator is data too: a tuple of ``(axis, exponent, factor)``, standing for the sum
+of ``factor eps^exponent d_axis``.  A lattice shift is the exponential of such an operator and the
+time derivative is such an operator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from sympy.polys.fields import FracElement, FracField
+
+from derive.algebra.jets import DifferentialPolynomial
+
+Operator = tuple[tuple[int, int, FracElement], ...]
+
+
+@dataclass(frozen=True)
+class EpsSeries:
+    """``{order: polynomial}`` with every order above ``limit`` cut off."""
+
+    field: FracField
+    limit: int
+    parts: Mapping[int, DifferentialPolynomial]
+
+    @classmethod
+    def collect(
+        cls, field: FracField, limit: int, items: Iterable[tuple[int, DifferentialPolynomial]]
+    ) -> EpsSeries:
+        """Sum the (order, polynomial) pairs up to ``limit``, dropping what cancels."""
+        total: dict[int, DifferentialPolynomial] = {}
+        for order, part in items:
+            if order <= limit:
+                total[order] = total[order] + part if order in total else part
+        return cls(field, limit, {order: total[order] for order in sorted(total) if total[order]})
+
+    def __add__(self, other: EpsSeries) -> EpsSeries:
+        return self.collect(self.field, self.limit, [*self.parts.items(), *other.parts.items()])
+
+    def __mul__(self, other: EpsSeries) -> EpsSeries:
+        return self.collect(
+            self.field,
+            self.limit,
+            (
+                (i + j, left * right)
+                for i, left in self.parts.items()
+                for j, right in other.parts.items()
+                if i + j <= self.limit
+            ),
+        )
+
+    def __rmul__(self, scalar: FracElement) -> EpsSeries:
+        return self.collect(
+            self.field, self.limit, ((i, scalar * part) for i, part in self.parts.items())
+        )
+
+    def apply(self, operator: Operator) -> EpsSeries:
+        """The first-order operator applied to every order."""
+        return self.collect(
+            self.field,
+            self.limit,
+            (
+                (order + exponent, factor * part.derivative(axis))
+                for order, part in self.parts.items()
+                for axis, exponent, factor in operator
+                if order + exponent <= self.limit
+            ),
+        )
+
+    def exponential(self, operator: Operator) -> EpsSeries:
+        """``exp(operator)`` applied: the sum of its powers over their factorials."""
+        total, power, count = self, self, 0
+        while power.parts and operator:
+            count += 1
+            power = (self.field.one / count) * power.apply(operator)
+            total = total + power
+        return total
+
+    def derivative(self, axis: int, times: int = 1) -> EpsSeries:
+        """``times`` derivatives along ``axis`` at unchanged order."""
+        result = self
+        for _ in range(times):
+            result = result.apply(((axis, 0, self.field.one),))
+        return result
+
+    def delayed(self, by: int) -> EpsSeries:
+        """The series times ``eps^by``."""
+        return self.collect(self.field, self.limit, ((i + by, p) for i, p in self.parts.items()))
+
+    def constant(self, value: FracElement) -> EpsSeries:
+        """The constant ``value`` as a series of the same kind."""
+        one = DifferentialPolynomial.monomial(self.field, ())
+        return self.collect(self.field, self.limit, [(0, value * one)])

@@ -1,0 +1,1 @@
+"""Lattices that ship, and the paper's reduction of one of them."""

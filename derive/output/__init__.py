@@ -1,0 +1,1 @@
+"""Reductions as text, LaTeX and JSON."""

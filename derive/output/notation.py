@@ -1,0 +1,238 @@
+"""Differential polynomials as text and LaTeX.
+
+Terms are grouped by degree and number of time derivatives; a group that is a total X-derivative
+of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_XX + 2 K3 Y_X^2``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TypeAlias
+
+from sympy import Expr, Symbol
+from sympy.polys.fields import FracElement
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.str import StrPrinter
+
+from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
+
+LONGEST_SUBSCRIPT = 4
+
+Printed: TypeAlias = Callable[[Expr], str]
+"""How a constant is written: `text_of` or `latex_of`."""
+
+LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
+
+
+@dataclass(frozen=True)
+class Term:
+    """``coefficient (monomial)_{outer}``: a monomial under ``outer`` further X-derivatives."""
+
+    coefficient: FracElement
+    monomial: Monomial
+    outer: int = 0
+
+    @property
+    def negative(self) -> bool:
+        """Whether the coefficient is printed behind a minus sign."""
+        return bool(self.coefficient.numer.LC < 0)
+
+    @property
+    def size(self) -> Expr:
+        """The coefficient without its sign."""
+        return (-self.coefficient if self.negative else self.coefficient).as_expr()
+
+
+def terms(polynomial: DifferentialPolynomial) -> list[Term]:
+    """The printable terms: time derivatives first, then by falling degree."""
+    ordered = sorted(polynomial.terms, key=_rank)
+    result: list[Term] = []
+    for _, group in groupby(ordered, key=lambda monomial: _rank(monomial)[:2]):
+        members = set(group)
+        result += _compact(polynomial.select(members.__contains__))
+    return result
+
+
+def _rank(monomial: Monomial) -> tuple[int, int, Monomial]:
+    return -sum(jet[-1] for jet in monomial), -len(monomial), monomial
+
+
+def _compact(part: DifferentialPolynomial) -> list[Term]:
+    """One term under outer derivatives if there is one, else the monomials themselves."""
+    inner, outer = part, 0
+    while len(next(iter(part.terms))) > 1 and (below := inner.antiderivative()) is not None:
+        inner, outer = below, outer + 1
+    if len(part.terms) > 1 and len(inner.terms) == 1:
+        [(monomial, value)] = inner.terms.items()
+        return [Term(value, monomial, outer)]
+    return [Term(part.terms[m], m) for m in sorted(part.terms, key=_rank)]
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How the unknown and the slow axes are called."""
+
+    axes: tuple[str, ...] = ("X", "T")
+    unknown: str = "Y"
+
+    def subscript(self, jet: Jet) -> str:
+        """``XXX``; from five derivatives on ``5X``.
+
+        >>> Notation().subscript((3, 1)), Notation().subscript((6, 0))
+        ('XXXT', '6X')
+        """
+        return "".join(
+            name * count if count <= LONGEST_SUBSCRIPT else f"{count}{name}"
+            for name, count in zip(self.axes, jet, strict=True)
+        )
+
+    def text(self, polynomial: DifferentialPolynomial) -> str:
+        """One line of plain text, ``0`` for the zero polynomial."""
+        return _joined(
+            (term.negative, _product(text_of(term.size), self._text_monomial(term)))
+            for term in terms(polynomial)
+        )
+
+    def latex(self, polynomial: DifferentialPolynomial) -> str:
+        """LaTeX without delimiters, ``0`` for the zero polynomial."""
+        return _joined(
+            (term.negative, _latex_product(term, self._latex_monomial(term)))
+            for term in terms(polynomial)
+        )
+
+    def monomial_text(self, monomial: Monomial) -> str:
+        """A product of jets in plain text, ``Y^2 Y_X``."""
+        return " ".join(self._factors(monomial, "", ""))
+
+    def monomial_latex(self, monomial: Monomial) -> str:
+        """A product of jets in LaTeX."""
+        return " ".join(self._factors(monomial, "{", "}"))
+
+    def _factors(self, monomial: Monomial, opening: str, closing: str) -> Iterator[str]:
+        for jet, repeated in groupby(monomial):
+            power = len(list(repeated))
+            below = self.subscript(jet)
+            name = f"{self.unknown}_{opening}{below}{closing}" if below else self.unknown
+            yield name if power == 1 else f"{name}^{opening}{power}{closing}"
+
+    def _outer(self, term: Term) -> str:
+        return self.subscript((term.outer, *(0,) * (len(self.axes) - 1)))
+
+    def _text_monomial(self, term: Term) -> str:
+        product = self.monomial_text(term.monomial)
+        return f"({product})_{self._outer(term)}" if term.outer else product
+
+    def _latex_monomial(self, term: Term) -> str:
+        product = self.monomial_latex(term.monomial)
+        if not term.outer:
+            return product
+        return rf"\left({product}\right)_{{{self._outer(term)}}}"
+
+
+class Displayed:
+    """What says itself in text and LaTeX: one line as its repr, a formula in notebooks."""
+
+    def text(self) -> str:
+        """Plain text in one line."""
+        raise NotImplementedError
+
+    def latex(self) -> str:
+        """LaTeX without delimiters."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.text()})"
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle {self.latex()}$"
+
+
+class _TextPrinter(StrPrinter):
+    """Sums in their natural order, ``c^2 - K2``."""
+
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+class _LatexPrinter(LatexPrinter):
+    """Sums in their natural order, symbols under the project's names."""
+
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        return LATEX_NAMES.get(str(expr)) or str(super()._print_Symbol(expr, style))
+
+    def _print_Add(self, expr: Expr, order: str | None = None) -> str:
+        return str(super()._print_Add(expr, order="none"))
+
+
+def text_of(expression: Expr) -> str:
+    """A constant in plain text.
+
+    >>> from derive.symbols import K4, c
+    >>> text_of(3 * K4 / (2 * c))
+    '3 K4/(2 c)'
+    """
+    return str(_TextPrinter().doprint(expression)).replace("**", "^").replace("*", " ")
+
+
+def latex_of(expression: Expr) -> str:
+    """A constant in LaTeX, with the project's names."""
+    return str(_LatexPrinter().doprint(expression))
+
+
+def _joined(signed: Iterable[tuple[bool, str]]) -> str:
+    result = ""
+    for negative, body in signed:
+        if result:
+            result += f" {'-' if negative else '+'} {body}"
+        else:
+            result = f"-{body}" if negative else body
+    return result or "0"
+
+
+def weighted_sum(parts: Iterable[tuple[int, str]]) -> str:
+    """Bodies with integer weights, in text as in LaTeX.
+
+    >>> weighted_sum([(-2, "x"), (1, "y"), (-1, "z")])
+    '-2 x + y - z'
+    """
+    return _joined(
+        (weight < 0, body if abs(weight) == 1 else f"{abs(weight)} {body}")
+        for weight, body in parts
+    )
+
+
+def power_of(symbol: Symbol, exponent: int, printed: Printed) -> str:
+    """A power as a factor, with the space behind it; nothing for the exponent 0.
+
+    >>> power_of(Symbol("eps"), 3, latex_of) + "Y", power_of(Symbol("eps"), 0, text_of) + "Y"
+    ('\\\\epsilon^{3} Y', 'Y')
+    """
+    return f"{printed(symbol**exponent)} " if exponent else ""
+
+
+def bracketed(expression: Expr, printed: Printed) -> str:
+    """A constant as a factor: a sum in brackets."""
+    text = printed(expression)
+    return f"({text})" if expression.is_Add else text
+
+
+def _product(number: str, monomial: str) -> str:
+    if not monomial or number == "1":
+        return monomial or number
+    compound = any(mark in number for mark in "/+-")
+    return f"({number}) {monomial}" if compound else f"{number} {monomial}"
+
+
+def _latex_product(term: Term, monomial: str) -> str:
+    number = latex_of(term.size)
+    if not monomial or number == "1":
+        return monomial or number
+    return rf"\left({number}\right) {monomial}" if term.size.is_Add else f"{number} {monomial}"
+
+
+def aligned(rows: Sequence[tuple[str, str]]) -> str:
+    """A LaTeX ``aligned`` block of (label, equation) rows, the label before the ampersand."""
+    body = " \\\\\n".join(f"{label}&\\quad {equation}" for label, equation in rows)
+    return f"\\begin{{aligned}}\n{body}\n\\end{{aligned}}"

@@ -1,0 +1,162 @@
+"""The polynomials A and B of the rational solutions, from their generating function.
+
+With ``x = xi - 6 tau``, ``t = tau`` the generating function (Ankiewicz and Akhmediev's family,
+written as a Schur-type determinant) is::
+
+    P(z) = exp[z x - 4 z**3 t + sum_{odd k} tau_k z**k - (i/2) arctan z] = sum_n p_n z**n
+
+``f_j = det[p_{2m-1-r}]`` (rows m = 1..j, columns r = 0..j-1) is a real constant times
+``A + i B`` with real polynomials A and B. Everything here is exact, on python-flint's polynomials
+over the rationals.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+
+import sympy as sp
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from solutions.symbols import shift_symbol
+
+__all__ = ["SPACE_TIME", "RationalTau", "rational_tau"]
+
+
+@dataclass(frozen=True)
+class GaussianPolynomial:
+    """``re + i im`` with real polynomial parts."""
+
+    re: fmpq_mpoly
+    im: fmpq_mpoly
+
+    def __add__(self, other: "GaussianPolynomial") -> "GaussianPolynomial":
+        return GaussianPolynomial(self.re + other.re, self.im + other.im)
+
+    def __mul__(self, other: "GaussianPolynomial") -> "GaussianPolynomial":
+        return GaussianPolynomial(
+            self.re * other.re - self.im * other.im, self.re * other.im + self.im * other.re
+        )
+
+    def scaled(self, factor: fmpq) -> "GaussianPolynomial":
+        """The product with a rational number."""
+        return GaussianPolynomial(self.re * factor, self.im * factor)
+
+
+SPACE_TIME: tuple[sp.Symbol, sp.Symbol] = (
+    sp.Symbol("x", real=True),
+    sp.Symbol("t", real=True),
+)
+"""The polynomials' first generators: ``xi - 6 tau`` and ``tau``."""
+
+
+@dataclass(frozen=True)
+class RationalTau:
+    """Real and imaginary part of ``f_j`` as integer polynomials without common content.
+
+    ``A`` and ``B`` are python-flint polynomials in the generators ``("x", "t", "tau_5", ...)``;
+    the leading coefficient of ``A`` in x is positive.
+    """
+
+    order: int
+    free: tuple[int, ...]
+    A: fmpq_mpoly
+    B: fmpq_mpoly
+
+    @property
+    def symbols(self) -> tuple[sp.Symbol, ...]:
+        """The SymPy symbols of the generators, ``x`` and ``t`` first."""
+        return (*SPACE_TIME, *(shift_symbol(index) for index in self.free))
+
+
+@lru_cache(maxsize=32, typed=True)
+def rational_tau(order: int, free: tuple[int, ...] = ()) -> RationalTau:
+    """``A`` and ``B`` of order ``order``; ``free`` lists the shifts tau_5, tau_7, ... kept.
+
+    Raises ValueError if ``order`` is no positive integer or a shift does not occur at it.
+
+    >>> first = rational_tau(1)
+    >>> print(first.A, first.B)
+    2*x -1
+    """
+    _check_order(order, free)
+    names = ("x", "t", *(f"tau_{index}" for index in free))
+    context = fmpq_mpoly_ctx.get(names, Ordering.lex)
+    coefficients = _generating_coefficients(2 * order, _exponents(context, 2 * order, free))
+    f = _determinant(coefficients, order)
+    content = _content(f, order)
+    return RationalTau(order, free, f.re / content, f.im / content)
+
+
+def _check_order(order: int, free: tuple[int, ...]) -> None:
+    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+        raise ValueError(f"order must be a positive integer, got {order!r} (1 is rational_1)")
+    for index in free:
+        if index % 2 == 0 or not 5 <= index <= 2 * order - 1:
+            raise ValueError(
+                f"free shifts must be odd with 5 <= index <= {2 * order - 1}, got {index} "
+                f"(tau_1 and tau_3 are translations in xi and tau)"
+            )
+
+
+def _exponents(
+    context: fmpq_mpoly_ctx, count: int, free: tuple[int, ...]
+) -> dict[int, GaussianPolynomial]:
+    """The odd coefficients ``e_k`` of the exponent of P."""
+    generators = context.gens()
+    real = {index: generators[2 + place] for place, index in enumerate(free)}
+    real |= {1: generators[0], 3: -4 * generators[1]}
+    zero = context.constant(0)
+    exponents = {}
+    for index in range(1, count, 2):
+        sign = (-1) ** ((index - 1) // 2)
+        im = context.constant(fmpq(-sign, 2 * index))
+        exponents[index] = GaussianPolynomial(real.get(index, zero), im)
+    return exponents
+
+
+def _generating_coefficients(
+    count: int, exponents: dict[int, GaussianPolynomial]
+) -> list[GaussianPolynomial]:
+    """``p_0 .. p_{count-1}`` by ``n p_n = sum k e_k p_{n-k}``."""
+    one = exponents[1].re.context().constant(1)
+    p = [GaussianPolynomial(one, 0 * one)]
+    for n in range(1, count):
+        total = p[0].scaled(fmpq(0))
+        for index in range(1, n + 1, 2):
+            total = total + (exponents[index] * p[n - index]).scaled(fmpq(index, n))
+        p.append(total)
+    return p
+
+
+def _determinant(p: list[GaussianPolynomial], order: int) -> GaussianPolynomial:
+    """``det[p_{2m-1-r}]`` by minors: row after row, keyed by the set of columns used."""
+    zero = p[0].scaled(fmpq(0))
+    minors = {0: p[0]}
+    for row in range(1, order + 1):
+        extended: dict[int, GaussianPolynomial] = {}
+        for used, minor in minors.items():
+            for column in range(min(order, 2 * row)):
+                if used >> column & 1:
+                    continue
+                swaps = (used >> column).bit_count()
+                term = (minor * p[2 * row - 1 - column]).scaled(fmpq((-1) ** swaps))
+                target = used | 1 << column
+                extended[target] = extended.get(target, zero) + term
+        minors = extended
+    return minors[(1 << order) - 1]
+
+
+def _content(f: GaussianPolynomial, order: int) -> fmpq:
+    """The common rational content of both parts, with the sign of A's leading x power."""
+    values = [Fraction(int(c.p), int(c.q)) for part in (f.re, f.im) for c in part.coeffs()]
+    content = values[0]
+    for value in values[1:]:
+        content = _gcd(content, value)
+    leading = max(f.re.terms(), key=lambda term: term[0])[1]
+    sign = 1 if leading > 0 else -1
+    return fmpq(sign * content.numerator, content.denominator)
+
+
+def _gcd(left: Fraction, right: Fraction) -> Fraction:
+    numerator = sp.igcd(left.numerator * right.denominator, right.numerator * left.denominator)
+    return Fraction(int(numerator), left.denominator * right.denominator)

@@ -1,0 +1,25 @@
+"""Special functions SymPy lacks, as SymPy functions of (z, m) with m = k**2.
+
+Their values: `solutions.functions.multiprecision` (any precision), `solutions.run.jacobi_pairs`
+(NumPy arrays, about 30 digits) and `solutions.numpy_function` (NumPy, as `lambdify` finds them).
+"""
+
+from solutions.functions.jacobi import (
+    jacobi_cn,
+    jacobi_dn,
+    jacobi_epsilon,
+    jacobi_eta,
+    jacobi_sn,
+    jacobi_theta,
+    jacobi_zeta,
+)
+
+__all__ = [
+    "jacobi_cn",
+    "jacobi_dn",
+    "jacobi_epsilon",
+    "jacobi_eta",
+    "jacobi_sn",
+    "jacobi_theta",
+    "jacobi_zeta",
+]

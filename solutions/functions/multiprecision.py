@@ -1,0 +1,168 @@
+"""Jacobi functions of (z, m) to any precision, in an mpmath context that the caller passes.
+
+The parameter is `m = k**2` (mpmath's order of arguments).  Every function works at the context's
+precision, takes complex arguments, and raises the working precision inside for large `z` and for
+`m` near 0 and 1; the global mpmath context is never touched.
+
+>>> from mpmath import MPContext
+>>> ctx = MPContext()
+>>> ctx.dps = 30
+>>> print(sn(ctx, 1, ctx.mpf(1) / 4))
+0.822635578...
+>>> print(dn(ctx, 1, 0.25) ** 2 + sn(ctx, 1, 0.25) ** 2 / 4)
+1.0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import lru_cache, partial
+from typing import Any
+
+Number = Any
+"""An `mpf` or `mpc` of some context, or anything its `convert` takes."""
+
+_GUARD_BITS = 20
+_KEPT = 512
+
+
+@contextmanager
+def _guarded(ctx: Any, z: Number, m: Number) -> Iterator[tuple[Number, Number]]:
+    """Raise the precision by what a large `z`, a small `m` or a small `1 - m` costs."""
+    z, m = ctx.convert(z), ctx.convert(m)
+    m1 = ctx.one - m
+    extra = _GUARD_BITS + (max(0, ctx.mag(z)) if z else 0)
+    extra += sum(max(0, -ctx.mag(x)) for x in (m, m1) if x)
+    with ctx.workprec(ctx.prec + extra):
+        yield z, m
+
+
+def _theta_argument(ctx: Any, z: Number, m: Number) -> tuple[Number, Number]:
+    """Return `(v, q)` with `v = pi z / (2 K)` and the nome `q`."""
+    if m == 1:
+        raise ValueError(
+            "m must satisfy m != 1, got 1 (H and Theta have no limit there; use m < 1)"
+        )
+    K, q = _integral_and_nome(ctx, ctx.prec, m)
+    return ctx.pi * z / (2 * K), q
+
+
+@lru_cache(maxsize=_KEPT)
+def _integral_and_nome(ctx: Any, precision: int, m: Number) -> tuple[Number, Number]:
+    """Return K and the nome at the context's precision."""
+    return ctx.ellipk(m), ctx.qfrom(m=m)
+
+
+@lru_cache(maxsize=_KEPT)
+def _theta(ctx: Any, precision: int, n: int, v: Number, q: Number, derivative: int = 0) -> Number:
+    """Return a theta function at the context's precision.
+
+    A wave takes sn, cn, dn and epsilon of one phase, and of the same constants at every point.
+    """
+    return ctx.jtheta(n, v, q, derivative)
+
+
+def _ellipfun(ctx: Any, kind: str, z: Number, m: Number) -> Number:
+    """Return theta_a(0)/theta_b(0) theta_c(v)/theta_4(v), DLMF 22.2."""
+    a, b, c = {"sn": (3, 2, 1), "cn": (4, 2, 2), "dn": (4, 3, 3)}[kind]
+    with _guarded(ctx, z, m) as (z, m):
+        if m in (0, 1):
+            value = ctx.ellipfun(kind, z, m=m)
+        else:
+            v, q = _theta_argument(ctx, z, m)
+            at = partial(_theta, ctx, ctx.prec)
+            value = at(a, ctx.zero, q) / at(b, ctx.zero, q) * at(c, v, q) / at(4, v, q)
+    return +value
+
+
+def sn(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's sn(z | m)."""
+    return _ellipfun(ctx, "sn", z, m) if z else ctx.zero
+
+
+def cn(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's cn(z | m)."""
+    return _ellipfun(ctx, "cn", z, m)
+
+
+def dn(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's dn(z | m)."""
+    return _ellipfun(ctx, "dn", z, m)
+
+
+def _zeta(ctx: Any, z: Number, m: Number) -> Number:
+    if m == 1:
+        return ctx.tanh(z)
+    v, q = _theta_argument(ctx, z, m)
+    slope = ctx.pi / (2 * _integral_and_nome(ctx, ctx.prec, m)[0])
+    return slope * _theta(ctx, ctx.prec, 4, v, q, 1) / _theta(ctx, ctx.prec, 4, v, q)
+
+
+def zeta(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's zeta function Z(z | m) = Theta'(z) / Theta(z), of period 2 K."""
+    with _guarded(ctx, z, m) as (z, m):
+        value = _zeta(ctx, z, m)
+    return +value
+
+
+def epsilon(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's epsilon function, the integral of dn^2 from 0 to z, as Z(z) + z E / K."""
+    with _guarded(ctx, z, m) as (z, m):
+        slope = 0 if m == 1 else ctx.ellipe(m) / _integral_and_nome(ctx, ctx.prec, m)[0]
+        value = _zeta(ctx, z, m) + slope * z
+    return +value
+
+
+def eta(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's H(z | m) = theta_1(pi z / (2 K), q).
+
+    Raises:
+        ValueError: at m = 1, where the nome is 1.
+    """
+    with _guarded(ctx, z, m) as (z, m):
+        value = _theta(ctx, ctx.prec, 1, *_theta_argument(ctx, z, m)) if z else ctx.zero
+    return +value
+
+
+def theta(ctx: Any, z: Number, m: Number) -> Number:
+    """Jacobi's Theta(z | m) = theta_4(pi z / (2 K), q).
+
+    Raises:
+        ValueError: at m = 1, where the nome is 1.
+    """
+    with _guarded(ctx, z, m) as (z, m):
+        value = _theta(ctx, ctx.prec, 4, *_theta_argument(ctx, z, m))
+    return +value
+
+
+IMPLEMENTATIONS: dict[str, Callable[[Any, Number, Number], Number]] = {
+    "jacobi_sn": sn,
+    "jacobi_cn": cn,
+    "jacobi_dn": dn,
+    "jacobi_epsilon": epsilon,
+    "jacobi_zeta": zeta,
+    "jacobi_eta": eta,
+    "jacobi_theta": theta,
+}
+"""Name of the SymPy function class -> implementation(ctx, z, m)."""
+
+
+def mp_module(ctx: Any) -> dict[str, Any]:
+    """Return the names SymPy's mpmath printer may emit, all bound to `ctx`.
+
+    Pass it before "mpmath" to `lambdify`; the name "mpmath" then only selects the printer.
+
+    >>> from mpmath import MPContext
+    >>> from sympy import Rational, symbols, sqrt, lambdify
+    >>> from solutions.functions import jacobi_sn
+    >>> ctx = MPContext()
+    >>> ctx.dps = 40
+    >>> z = symbols("z")
+    >>> f = lambdify(z, sqrt(z) * jacobi_sn(z, Rational(1, 3)), [mp_module(ctx), "mpmath"])
+    >>> print(f(ctx.mpf(2)))
+    1.380710253...
+    """
+    names = {name: getattr(ctx, name) for name in dir(ctx) if not name.startswith("_")}
+    names |= {"elliptic_k": ctx.ellipk, "elliptic_e": ctx.ellipe, "I": ctx.j}
+    return names | {name: partial(f, ctx) for name, f in IMPLEMENTATIONS.items()}

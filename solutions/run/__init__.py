@@ -1,0 +1,1 @@
+"""The double-double machine: arithmetic with bounds, Jacobi functions, compiled kernels."""

@@ -1,0 +1,77 @@
+"""One expression with numbers in: value and derivatives at arrays of (x, t)."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from solutions.compile.program import Variables, compile_program
+from solutions.run.bounded import PARTS
+from solutions.run.doubledouble import check_range, split
+from solutions.run.elliptic_parameter import EllipticParameter, exact_parameter
+from solutions.run.jacobi_pairs import evaluate_pairs
+from solutions.run.linear_phase import LinearPhase, as_pairs
+from solutions.run.machine import run_pairs
+
+__all__ = ["Evaluator", "PointEvaluator"]
+
+Array = NDArray[np.float64]
+
+
+class PointEvaluator(Protocol):
+    """What a wave asks of an evaluator: phases, and the value with its derivatives."""
+
+    def phases(self, variables: Variables) -> list[LinearPhase]:
+        """The phases in the caller's variables."""
+
+    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points).
+
+        The second axis is high part, low part and bound of the error.
+        """
+
+
+class Evaluator:
+    """The value and its xi and tau derivatives of an expression at given parameters.
+
+    ``parameters`` maps symbols to exact numbers. The result is scaled by nothing: the caller
+    multiplies by the normal form's rates. Raises OverflowError for a constant of the expression
+    beyond 1e-250 .. 1e250.
+    """
+
+    def __init__(self, expression: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr]) -> None:
+        self._program = compile_program(expression, tuple(parameters))
+        numbers = self._program.numbers(tuple(parameters.values()))
+        self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
+            -1, 2
+        )
+        self._coefficients = numbers.coefficients
+        self._moduli = [_elliptic_parameter(m) for m in numbers.moduli]
+
+    def phases(self, variables: Variables) -> list[LinearPhase]:
+        """The program's phases in the caller's variables."""
+        return [variables.phase(*coefficients) for coefficients in self._coefficients]
+
+    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
+        program = self._program
+        found = [phase(x, t) for phase in phases]
+        arguments = dict(zip((ph.symbol for ph in program.phases), found, strict=True))
+        rows = [as_pairs(phase) for phase in found]
+        for call, modulus, thetas in zip(
+            program.calls, self._moduli, program.uses_theta, strict=True
+        ):
+            *parts, bound = arguments[call.phase]
+            values = evaluate_pairs(modulus, *parts, bound=bound, theta=thetas)
+            theta = values.dn if values.theta is None else values.theta
+            rows += [values.sn, values.cn, values.dn, values.zeta, theta]
+        out = np.empty((3, PARTS, x.size))
+        inputs = np.array(rows).reshape(len(rows), PARTS, x.size)
+        run_pairs(program.bytecode, self._constants, inputs, out)
+        return out
+
+
+def _elliptic_parameter(m: Any) -> EllipticParameter:
+    return exact_parameter(check_range(m), check_range(1 - m))

@@ -1,0 +1,95 @@
+"""Linear phases ``p x + q t + r`` as sums of three floats, at arrays of points.
+
+The coefficients are sums of three floats, too. ``p x`` and ``q t`` may be 10^15 and cancel: the sum
+still has the precision of double-double. And a phase of 10^25, as at late times under a strong
+force, still has the digits that say where in its period it is.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
+from solutions.run.jit import njit
+
+__all__ = ["LinearPhase", "as_pairs"]
+
+Array = NDArray[np.float64]
+
+OF_TERMS = 2.0**-150
+"""Bound of the error relative to the largest term."""
+
+
+@njit(error_model="numpy")
+def _three(c: Three, x: float) -> Three:
+    """``c x`` as three floats."""
+    high, e = two_prod(c[0], x)
+    middle, f = two_prod(c[1], x)
+    middle, e = two_sum(middle, e)
+    return high, middle, c[2] * x + (e + f)
+
+
+@njit(error_model="numpy")
+def _plus(a: Three, b: Three) -> Three:
+    high, e = two_sum(a[0], b[0])
+    middle, f = two_sum(a[1], b[1])
+    middle, g = two_sum(middle, e)
+    return high, middle, a[2] + b[2] + (f + g)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
+    for i in range(x.size):
+        moving, drifting = _three(p, x[i]), _three(q, t[i])
+        high, middle, low = _plus(_plus(moving, drifting), r)
+        high, middle = two_sum(high, middle)
+        middle, low = two_sum(middle, low)
+        out[0, i], middle = two_sum(high, middle)
+        out[1, i], out[2, i] = two_sum(middle, low)
+        out[3, i] = OF_TERMS * (abs(moving[0]) + abs(drifting[0]) + abs(r[0]))
+
+
+def as_pairs(phase: Array) -> Array:
+    """High part, low part and bound of the error of what a phase returned: (3, points).
+
+    >>> as_pairs(np.array([[1.0], [2.0**-54], [-(2.0**-108)], [0.0]]))[2] == 2.0**-108
+    array([ True])
+    """
+    return np.stack([phase[0], phase[1], np.abs(phase[2]) + phase[3]])
+
+
+class LinearPhase:
+    """``p x + q t + r`` with coefficients made from exact or long numbers.
+
+    Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
+
+    >>> from fractions import Fraction
+    >>> phase = LinearPhase(Fraction(1, 3), Fraction(-1, 3), 0)
+    >>> high, middle, low, bound = phase(np.array([1e6]), np.array([1e6]))
+    >>> print(high[0], middle[0], low[0], bound[0] < 1e-38)
+    0.0 0.0 0.0 True
+    """
+
+    def __init__(self, p: Any, q: Any, r: Any) -> None:
+        p, q, r = (split_three(check_range(coefficient)) for coefficient in (p, q, r))
+        self._coefficients: tuple[Three, Three, Three] = p, q, r
+
+    def zero(self, t: float) -> float | None:
+        """The x at which the phase vanishes at time t, None if it does not depend on x.
+
+        >>> LinearPhase(2, -6, 3).zero(1.0)
+        1.5
+        """
+        p, q, r = (coefficient[0] for coefficient in self._coefficients)
+        return None if p == 0 else -(q * t + r) / p
+
+    def __call__(self, x: Array, t: Array) -> Array:
+        """The phase at the points (x, t), flat and of one size: (4, points).
+
+        Rows are three floats, each below the rounding of the one before, and a bound of the error
+        of their sum.
+        """
+        out = np.empty((4, x.size))
+        _fill(*self._coefficients, x, t, out)
+        return out

@@ -1,0 +1,190 @@
+"""A digest of all that a module's compiled kernels are built from.
+
+It covers the module and every module of the project that it imports, directly or through others:
+their text, and what of them is in memory.  The text alone would not do: Python runs old byte code
+where a file changed and kept time and size, and a file may change after it was imported.  What is
+in memory alone would not do either: an intrinsic may reach its helpers in any way it likes.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Any
+
+import numpy as np
+
+__all__ = ["ROOMS", "Sources", "imported_sources", "source_digest"]
+
+ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
+"""The project's own packages; of all others the version counts."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What a module is built from, directly or through others.
+
+    ``files``: the project's modules with their files.  ``loaded``: those of them that are imported
+    along with the module, and not later, inside a function.  ``packages``: all others.
+    """
+
+    files: Mapping[str, Path]
+    loaded: Set[str]
+    packages: Set[str]
+
+
+@lru_cache
+def source_digest(module: str) -> str:
+    """The digest (hexadecimal) of what the kernels of the imported ``module`` are built from.
+
+    >>> source_digest("solutions.run.linear_phase") == source_digest("solutions.run.source_digest")
+    False
+    """
+    sources = imported_sources(module)
+    total = hashlib.sha256()
+    for name in sorted(sources.files):
+        total.update(_text_digest(sources.files[name]))
+    for name in sorted(sources.loaded):
+        total.update(_memory_digest(name))
+    versions = [f"{name} {_version(name)}" for name in sorted(sources.packages)]
+    total.update("\n".join(versions).encode())
+    return total.hexdigest()
+
+
+@lru_cache
+def _text_digest(path: Path) -> bytes:
+    return hashlib.sha256(path.read_bytes()).digest()
+
+
+@lru_cache
+def _memory_digest(module: str) -> bytes:
+    facts = "\n".join(_facts_of_module(sys.modules[module]))
+    return hashlib.sha256(f"{module}\n{facts}".encode()).digest()
+
+
+def imported_sources(module: str) -> Sources:
+    """The sources of the imported ``module``.
+
+    >>> sources = imported_sources("solutions.run.linear_phase")
+    >>> "solutions.run.doubledouble" in sources.loaded, "mpmath" in sources.packages
+    (True, True)
+    """
+    start = Path(str(sys.modules[module].__file__)).resolve()
+    root = start.parents[len(_package(module, start))]
+    files: dict[str, Path] = {}
+    loaded: set[str] = set()
+    packages = {"numba", "llvmlite", "numpy"}
+    waiting = [(module, start, True)]
+    while waiting:
+        name, path, early = waiting.pop()
+        if name in loaded or (name in files and not early):
+            continue
+        files[name] = path
+        loaded |= {name} if early else set()
+        for stem, inner, at_once in _imports(path):
+            above = _absolute(stem, _package(name, path))
+            names = (f"{above}.{inner}", above) if inner else (above,)
+            found = next(((n, f) for n in names if (f := _file(root, n)) is not None), None)
+            if found is not None:
+                waiting.append((*found, early and at_once))
+            elif early and at_once:
+                packages.add(above.split(".")[0])
+    return Sources(files, loaded, packages)
+
+
+@cache
+def _imports(path: Path) -> tuple[tuple[str, str, bool], ...]:
+    """What a file imports: the module (with dots if relative), a name in it, and if at once."""
+    tree = ast.parse(path.read_bytes())
+    found = []
+    for node in ast.walk(tree):
+        at_once = node in tree.body
+        if isinstance(node, ast.Import):
+            found += [(alias.name, "", at_once) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            stem = "." * node.level + (node.module or "")
+            found += [(stem, alias.name, at_once) for alias in node.names]
+    return tuple(found)
+
+
+def _absolute(stem: str, package: list[str]) -> str:
+    name = stem.lstrip(".")
+    level = len(stem) - len(name)
+    above = package[: len(package) - level + 1] if level else []
+    return ".".join([*above, *([name] if name else [])])
+
+
+def _package(module: str, path: Path) -> list[str]:
+    parts = module.split(".")
+    return parts if path.name == "__init__.py" else parts[:-1]
+
+
+@cache
+def _file(root: Path, module: str) -> Path | None:
+    """The file of a module of the project, None for any other name."""
+    if module.split(".")[0] not in ROOMS:
+        return None
+    stem = root.joinpath(*module.split("."))
+    files = (stem.with_name(f"{stem.name}.py"), stem / "__init__.py")
+    return next((path for path in files if path.is_file()), None)
+
+
+def _version(package: str) -> str:
+    return str(getattr(sys.modules.get(package), "__version__", ""))
+
+
+def _facts_of_module(module: ModuleType) -> Iterator[str]:
+    """Byte code and constants of a module, one text each."""
+    for name, value in sorted(vars(module).items()):
+        if not (name.startswith("__") and name.endswith("__")):
+            yield from (f"{name}: {fact}" for fact in _facts(value))
+
+
+def _facts(value: Any) -> Iterator[str]:
+    """What numba could build into a kernel of a module's value."""
+    code = _code(value)
+    if code is not None:
+        yield from _code_facts(code)
+    elif isinstance(value, type):
+        for name, member in sorted(vars(value).items()):
+            inner = _code(getattr(member, "__func__", member))
+            if inner is not None:
+                yield from (f"{name}: {fact}" for fact in _code_facts(inner))
+    elif isinstance(value, np.ndarray | np.generic):
+        yield f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    elif isinstance(value, tuple):
+        yield from (fact for item in value for fact in _facts(item))
+    elif isinstance(value, bool | int | float | complex | str | bytes):
+        yield repr(value)
+
+
+def _code(value: Any) -> CodeType | None:
+    """The code of a function, of numba's dispatcher or intrinsic about one, or of a property."""
+    for name in ("py_func", "_defn", "fget", "__wrapped__"):
+        inner = getattr(value, name, None) if not isinstance(value, type) else None
+        value = inner if hasattr(inner, "__code__") else value
+    code = getattr(value, "__code__", None)
+    return code if isinstance(code, CodeType) else None
+
+
+def _code_facts(code: CodeType) -> Iterator[str]:
+    yield f"{code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars}"
+    yield from _constant_facts(code.co_consts)
+
+
+def _constant_facts(constants: Iterable[Any]) -> Iterator[str]:
+    for constant in constants:
+        if isinstance(constant, CodeType):
+            yield from _code_facts(constant)
+        elif isinstance(constant, frozenset):
+            yield repr(sorted(map(repr, constant)))
+        elif isinstance(constant, tuple):
+            yield from _constant_facts(constant)
+        else:
+            yield repr(constant)

@@ -1,0 +1,40 @@
+"""The theta integrals in closed form equal the printed ones."""
+
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from solutions.forms import rogue_cn, soliton_dn
+from solutions.functions.multiprecision import mp_module
+from solutions.symbols import k
+
+u = sp.Symbol("u", real=True)
+UPPER_LIMITS = ["7.3", "-2.6"]
+
+
+def quadrature(ctx: Any, integrand: sp.Expr, modulus: Any, upper: Any) -> Any:
+    function = sp.lambdify([u, k], integrand, [mp_module(ctx), "mpmath"])
+    pieces = [upper * j / 6 for j in range(7)]
+    return ctx.quad(lambda y: function(y, modulus), pieces)
+
+
+@pytest.mark.parametrize("upper", UPPER_LIMITS)
+@pytest.mark.parametrize("modulus", ["0.3", "0.9"])
+def test_dn_integral(upper: str, modulus: str, ctx: Any) -> None:
+    ctx.dps = 25
+    value, K = ctx.mpf(upper), ctx.mpf(modulus)
+    closed = sp.lambdify([u, k], soliton_dn.integral(u), [mp_module(ctx), "mpmath"])(value, K)
+    assert abs(quadrature(ctx, soliton_dn.integrand(u), K, value) - closed) < 1e-20
+
+
+@pytest.mark.parametrize("upper", UPPER_LIMITS)
+@pytest.mark.parametrize("modulus", ["0.3", "0.9"])
+def test_cn_integral(upper: str, modulus: str, ctx: Any) -> None:
+    ctx.dps = 25
+    value, K = ctx.mpf(upper), ctx.mpf(modulus)
+    modules = [mp_module(ctx), "mpmath"]
+    real, imaginary = sp.lambdify([u, k], rogue_cn.integral(u), modules)(value, K)
+    printed = quadrature(ctx, rogue_cn.integrand(u), K, value)
+    assert abs(printed.real - real) < 1e-20
+    assert abs(printed.imag - imaginary) < 1e-20
