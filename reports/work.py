@@ -12,12 +12,12 @@ import xarray as xr
 
 from derive.command_line import announce
 from solutions import CATALOGUE, closed_form
-from verify.check import NAMES
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.scene_families import EPS, ORDERS
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import check_residual
 from verify.processes import ignore_interrupt, stopping
+from verify.proof.catalogue_proofs import NAMES
 from verify.studies.estimates import Judged, judge
 from verify.studies.evaluation_accuracy import (
     Accuracy,

@@ -16,7 +16,7 @@ from rich.progress import track
 
 from derive.command_line import OneLineParser, fail
 from solutions.catalogue import CATALOGUE
-from verify.check import higher_order
+from verify.proof.catalogue_proofs import higher_order
 
 __all__ = [
     "OneLineParser",

@@ -9,7 +9,6 @@ from rich.table import Table
 
 from derive.command_line import announce, interrupted
 from solutions.catalogue import CATALOGUE
-from verify.check import named_form
 from verify.cli.console import (
     MUTANTS,
     OneLineParser,
@@ -21,6 +20,7 @@ from verify.cli.console import (
     tracked,
 )
 from verify.evidence.mutations import MutationCount, count_mutants
+from verify.proof.catalogue_proofs import named_form
 
 COLUMNS = ("mutants", "refuted", "proved", "undecided")
 

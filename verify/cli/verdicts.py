@@ -13,7 +13,6 @@ from pathlib import Path
 from rich.table import Table
 
 from derive.command_line import announce, interrupted
-from verify.check import NAMES, check_all, named_form
 from verify.cli.console import (
     PROOF,
     RESIDUAL,
@@ -29,6 +28,7 @@ from verify.cli.console import (
 )
 from verify.evidence.residual import DIGITS, POINTS, Sampling, check_residual, scientific
 from verify.proof import ProofVerdict, prove_stable
+from verify.proof.catalogue_proofs import NAMES, named_form, prove_all
 from verify.verdict import Outcome, Verdict
 
 RESIDUAL_OPTIONS = ("digits", "points", "seed")
@@ -162,7 +162,7 @@ def _verdicts(names: Sequence[str], options: Options) -> Iterator[Verdict]:
     if options.stable:
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
-        return check_all(names)
+        return prove_all(names)
     given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
     sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
     return (check_residual(named_form(name), sampling) for name in names)

@@ -17,7 +17,7 @@ import sympy as sp
 from solutions.record import ClosedForm
 from solutions.symbols import k
 from verify.proof import form_domains, prove, prove_equal
-from verify.tree import abbreviated, distinct_nodes, replaced
+from verify.subexpressions import abbreviated, distinct_nodes, replaced
 from verify.verdict import Outcome
 
 COEFFICIENT_CHANGE = sp.Rational(101, 100)

@@ -1,4 +1,10 @@
-"""The certificate of a proof: its statement as plain data, and hints for `checker`."""
+"""The certificate of a proof: its statement as plain data, and hints for `checker`.
+
+An equality is proved part by part where that can be done.  If a sum in one formula has the value of
+another sum in the other formula at a point, the two may be the same function.  Where that is
+proved, one generator of which nothing is known takes the place of both; if the formulas are equal
+with it, they are equal.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +13,22 @@ from itertools import product
 from typing import Any
 
 import sympy as sp
-from flint import ctx
+from flint import acb, ctx
 
-from .balls import BallEvaluator, Point
+from verify.subexpressions import distinct_nodes, replaced
+
+from .arguments import Dependence
+from .balls import BallEvaluator, Shape
+from .certificate_writer import Data, NodeTable, Unsupported
 from .checker.check import FORMAT, digest
 from .checker.limits import JETS
-from .domain import Domains
 from .domain_signs import Signs
-from .draft import Data, Unsupported
-from .independent import BITS
-from .jet import Shape
-from .plan import Plan
+from .domains import Domains, Point
+from .generator_search import GeneratorSearch
+from .linear_forms import BITS
 from .problem import Problem, coefficients, terms_in
-from .radicals import with_radicals
-from .rewriting import Rewriting
-from .tree import NodeTable
+from .simplification import Rewriting
+from .square_roots import with_radicals
 
 
 def equation_certificate(problem: Problem) -> Data:
@@ -43,9 +50,9 @@ def equation_certificate(problem: Problem) -> Data:
         "domain": domain_data(problem.domains, table),
     }
     expressions = [problem.expression, *known]
-    plan = Plan(table, expressions, problem.variables, _simpler(problem, expressions))
+    search = GeneratorSearch(table, expressions, problem.variables, _simpler(problem, expressions))
     point = regular_point(expressions, problem.points)
-    proof = with_radicals(table, statement, plan.proof(point))
+    proof = with_radicals(table, statement, search.proof(point))
     return signed(problem.name, table, statement, proof)
 
 
@@ -70,13 +77,13 @@ def equality_certificate(
         "domain": domain_data(problem.domains, table),
     }
     point, values = regular_point([left, right], problem.points), _simpler(problem, [left, right])
-    plan = Plan(table, [left, right], variables, values, moving=False)
+    search = GeneratorSearch(table, [left, right], variables, values, moving=False)
     for own, other in parts:
-        proof = Plan(table, [own, other], variables, values, moving=False).proof(point)
+        proof = GeneratorSearch(table, [own, other], variables, values, moving=False).proof(point)
         proof = with_radicals(table, statement, proof)
-        plan.equal_part(own, other, proof)
+        search.equal_part(own, other, proof)
     return signed(
-        problem.name, table, statement, with_radicals(table, statement, plan.proof(point))
+        problem.name, table, statement, with_radicals(table, statement, search.proof(point))
     )
 
 
@@ -175,3 +182,53 @@ def _unknown_name(name: str, domains: Domains) -> str:
     while name in taken:
         name += "_"
     return name
+
+
+LEMMA_BITS = 320
+
+Pair = tuple[sp.Expr, sp.Expr]
+"""A sum of either formula."""
+
+
+def find_lemmas(
+    left: sp.Expr, right: sp.Expr, variables: Sequence[sp.Symbol], point: Point
+) -> list[Pair]:
+    """The largest proper sums that differ as formulas and agree at ``point``.
+
+    None lies in another; a sum is passed over for a smaller one that it holds and that stands
+    elsewhere too.
+    """
+    with ctx.workprec(LEMMA_BITS):
+        balls = BallEvaluator(Shape([(0,)]), (), point)
+        sums = [_values(formula, variables, balls) for formula in (left, right)]
+        pairs = [
+            (own, other)
+            for own, value in sums[0].items()
+            for other, image in sums[1].items()
+            if own not in sums[1] and other not in sums[0] and (value - image).contains(0)
+        ]
+    lemmas: list[Pair] = []
+    for own, other in sorted(pairs, key=lambda pair: -len(distinct_nodes(pair[0]))):
+        symbol = sp.Dummy()
+        shorter = (replaced(left, own, symbol), replaced(right, other, symbol))
+        if shorter[0] == left or shorter[1] == right:
+            continue
+        inner = [pair for pair in pairs if pair[0] != own and pair[0] in distinct_nodes(own)]
+        if not _occurs(inner, *map(distinct_nodes, shorter)):
+            lemmas.append((own, other))
+            left, right = shorter
+    return lemmas
+
+
+def _values(
+    formula: sp.Expr, variables: Sequence[sp.Symbol], balls: BallEvaluator
+) -> dict[sp.Expr, acb]:
+    """The values of the proper sums in ``formula`` that contain a variable."""
+    dependence = Dependence(variables)
+    sums = [node for node in distinct_nodes(formula)[1:] if node.is_Add and dependence.moves(node)]
+    values = {node: balls.jet(node).value for node in sums}
+    return {node: value for node, value in values.items() if value.is_finite()}
+
+
+def _occurs(pairs: Sequence[Pair], left: Sequence[sp.Expr], right: Sequence[sp.Expr]) -> bool:
+    return any(own in left or other in right for own, other in pairs)

@@ -12,9 +12,7 @@ from sympy.core.function import AppliedUndef
 from solutions.exact import shown
 from verify.terms import FieldEquation
 
-from .balls import Point
-from .domain import Domain, Domains, settled_domains
-from .samples import sample
+from .domains import Domain, Domains, Point, sample, settled_domains
 
 POINTS = 8
 """Points at which a formula is looked at before anything is proved."""

@@ -18,7 +18,7 @@ import sympy as sp
 from derive import mkdv_normal_form
 from solutions import Wave, closed_form, rational
 from verify.comparison.trust import TOLERANCE, trust_in
-from verify.proof.facts import RationalFacts, rational_facts
+from verify.proof.rational_proofs import RationalFacts, rational_facts
 from verify.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
 
 

@@ -21,8 +21,7 @@ from flint import acb, ctx
 from solutions.compile.straight_line import StraightLine
 from solutions.functions.multiprecision import mp_module
 from solutions.symbols import tau, xi
-from verify.proof.balls import BallEvaluator
-from verify.proof.jet import Shape
+from verify.proof.balls import BallEvaluator, Shape
 from verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
 
 __all__ = ["ARITHMETICS", "Arithmetic", "EvaluationCost", "evaluation_costs", "ordinary_case"]

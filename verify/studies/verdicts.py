@@ -17,12 +17,11 @@ import sympy as sp
 
 from verify.processes import OutOfTime, time_limit
 from verify.proof import prove, prove_equal
-from verify.proof.tree import CONSTANTS, FUNCTIONS
-from verify.proof.verdict import ProofVerdict
+from verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
 from verify.studies.statements import Statement, Truth, statement
 from verify.studies.statements.values import ValueMissing, fails_at, label_fault
-from verify.tree import distinct_nodes
-from verify.verdict import Outcome
+from verify.subexpressions import distinct_nodes
+from verify.verdict import Outcome, ProofVerdict
 
 LIMIT = 10.0
 """Seconds of processor time that a verdict may take."""

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-import verify.check
+import verify.proof.catalogue_proofs
 from solutions.catalogue import CATALOGUE, closed_form
 from verify.__main__ import main
-from verify.check import NAMES
 from verify.cli import verdicts as command
 from verify.proof import prove_form
+from verify.proof.catalogue_proofs import NAMES
 from verify.verdict import Verdict
 
 QUICK = ["--digits", "20,40", "--points", "2"]
@@ -82,7 +82,7 @@ def test_a_wrong_form_gives_status_1_and_its_witness(
     def spoiled(names: object) -> Iterator[Verdict]:
         yield prove_form(replace(right, expression=right.expression + 1))
 
-    monkeypatch.setattr(command, "check_all", spoiled)
+    monkeypatch.setattr(command, "prove_all", spoiled)
     assert main(["--only", name]) == 1
     output = capsys.readouterr().out
     assert "REFUTED" in output
@@ -135,7 +135,7 @@ def test_a_file_that_cannot_be_written_is_told_before_anything_is_proved(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: Output
 ) -> None:
     monkeypatch.setattr(
-        command, "check_all", lambda names: (pytest.fail("proved first") for _ in names)
+        command, "prove_all", lambda names: (pytest.fail("proved first") for _ in names)
     )
     assert status(["--certificate", str(tmp_path / "none" / "x.json")]) == 2
     assert "No such file" in capsys.readouterr().err
@@ -167,5 +167,5 @@ def test_output_to_a_pipe_fits_one_row_a_form(capsys: Output) -> None:
 
 
 def test_every_proof_has_a_certificate() -> None:
-    assert verify.check.check("rational_4").certificate is not None
-    assert verify.check.check("kink").certificate is not None
+    assert verify.proof.catalogue_proofs.prove_named("rational_4").certificate is not None
+    assert verify.proof.catalogue_proofs.prove_named("kink").certificate is not None

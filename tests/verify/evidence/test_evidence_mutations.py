@@ -13,7 +13,7 @@ from solutions.symbols import X_0, k, tau, xi
 from verify.evidence.mutations import Mutant, mutants
 from verify.evidence.residual import Sampling, check_residual
 from verify.proof import prove
-from verify.tree import replaced
+from verify.subexpressions import replaced
 from verify.verdict import Outcome
 
 QUICK = Sampling(digits=(30, 50), points=2, seed=7)

@@ -5,10 +5,9 @@ import sympy as sp
 from solutions import closed_form
 from verify.evidence.residual import sample_points
 from verify.proof import prove_equal
-from verify.proof.certificate import equality_certificate
+from verify.proof.certificate import equality_certificate, find_lemmas
 from verify.proof.checker import check_certificate
-from verify.proof.domain import form_domains
-from verify.proof.lemmas import find_lemmas
+from verify.proof.domains import form_domains
 from verify.proof.problem import make_equality
 from verify.verdict import Outcome
 

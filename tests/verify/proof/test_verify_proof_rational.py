@@ -4,13 +4,14 @@ import pytest
 
 from solutions.forms.rational import rational, rational_tau
 from verify.proof import prove, prove_bilinear, prove_rational
-from verify.proof.bilinear import (
+from verify.proof.rational_proofs import (
     bilinear_verdict,
     nonzero_point,
+    rational_verdict,
+    residual_at,
     space_residual,
     time_residual,
 )
-from verify.proof.rational_orders import rational_verdict, residual_at
 from verify.verdict import Outcome
 
 

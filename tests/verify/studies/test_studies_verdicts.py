@@ -7,11 +7,10 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.proof.verdict import ProofVerdict
 from verify.studies import verdicts
 from verify.studies.statements import Range, Statement, Truth, statement
 from verify.studies.verdicts import HEADINGS, Judgement, Mark, judge, judgements, tallies
-from verify.verdict import Outcome
+from verify.verdict import Outcome, ProofVerdict
 
 x = sp.Symbol("x", real=True)
 u = sp.Function("u")(x)

@@ -8,23 +8,45 @@ by an axiom whose premises are checked here, by exact arithmetic on images.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
-from .exponentials import Exponentials
-from .generators import Form, Generator, Hints, solved
-from .images import Images
-from .jacobi import Jacobi
+from .derivations import Generator, Slopes
+from .functions import Exponentials, Jacobi, absolute_value, root
+from .images import BELOW_ONE, Hints, Images, Signs
 from .limits import CertificateError
-from .nodes import Nodes, children
-from .points import Balls, value_at
-from .principal import absolute_value, root
+from .nodes import Balls, Nodes, children, value_at
+from .premises import StatedSigns, is_clean
 from .ring import Element
-from .signs import BELOW_ONE, Signs
-from .slopes import Slopes
-from .smoothness import is_clean
-from .stated import StatedSigns
+
+
+@dataclass(frozen=True)
+class Form:
+    """``factors`` of primitives, and what is added."""
+
+    factors: tuple[int, ...]
+    shift: int
+
+
+def solved(table: list[list[Element]]) -> list[Element]:
+    """The solution of linear equations, each row with its right-hand side; by elimination."""
+    size = len(table)
+    for column in range(size):
+        pivot = next((i for i in range(column, size) if not table[i][column].is_zero), None)
+        if pivot is None:
+            raise CertificateError("linear forms must be independent")
+        table[column], table[pivot] = table[pivot], table[column]
+        unit = table[column][column].inverse()
+        table[column] = [entry * unit for entry in table[column]]
+        for i in range(size):
+            factor = table[i][column]
+            if i != column and not factor.is_zero:
+                pairs = zip(table[i], table[column], strict=True)
+                table[i] = [entry - factor * other for entry, other in pairs]
+    return [row[-1] for row in table]
+
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")

@@ -13,7 +13,7 @@ import sympy as sp
 
 from solutions.functions import jacobi
 from verify.studies.statements.statement import Setting
-from verify.tree import distinct_nodes, replaced
+from verify.subexpressions import distinct_nodes, replaced
 
 SMALL = (-3, -2, -1, 1, 2, 3)
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from verify.studies.statements import branches, perturbed, solvable
 from verify.studies.statements.statement import Setting, Statement, random_setting
-from verify.tree import distinct_nodes
+from verify.subexpressions import distinct_nodes
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""

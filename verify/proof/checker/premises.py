@@ -1,4 +1,4 @@
-"""Signs that a domain states of formulas, beyond what their structure shows."""
+"""What the use of an axiom rests on: signs that a domain states, formulas without poles."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from collections.abc import Mapping
 
 from flint import fmpq
 
-from .images import Images
+from .images import ANY, BELOW_ONE, NOT_NEGATIVE, POSITIVE, Images, Sign
 from .limits import CertificateError
-from .points import Balls
+from .nodes import Balls
 from .ring import Element
-from .signs import ANY, NOT_NEGATIVE, POSITIVE, Sign
 
 HALF_PI = fmpq(15707963, 10**7)
 """A little less than pi/2."""
@@ -82,3 +81,48 @@ def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
     if not gap.is_constant():
         return None
     return ratio, fmpq(0) if gap.is_zero() else gap.leading_coefficient()
+
+
+UNBOUNDED = ("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign")
+"""Functions with poles or jumps at real arguments."""
+
+CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
+"""Analytic functions, besides those of Jacobi."""
+
+
+def is_clean(images: Images, node: int) -> bool:
+    """Whether a formula is analytic on the whole domain but for isolated poles."""
+    for inner in images.nodes.below([node]):
+        name = images.nodes.all[inner][0]
+        if name == "Pow":
+            base, exponent = images.nodes.all[inner][1:]
+            if exponent.q != 1 and not (images.signs.positive(base) and is_bounded(images, base)):
+                return False
+        elif name in BELOW_ONE:
+            if not is_bounded(images, images.nodes.all[inner][-1]):
+                return False
+        elif name not in CLEAN and not name.startswith("jacobi_"):
+            return False
+    return True
+
+
+def is_bounded(images: Images, node: int) -> bool:
+    """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
+
+    Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
+    """
+    todo, seen = [node], set()
+    while todo:
+        for inner in images.nodes.below([todo.pop()]):
+            if inner in seen:
+                continue
+            seen.add(inner)
+            name, *arguments = images.nodes.all[inner]
+            if name == "Pow" and arguments[1] < 0 and 0 in images.signs.sign(arguments[0]):
+                return False
+            complex_jacobi = name.startswith("jacobi_") and not images.signs.is_real(inner)
+            if complex_jacobi or name in (*UNBOUNDED, *BELOW_ONE):
+                return False
+            if inner in images.hints.signs:
+                todo.append(images.hints.signs[inner])
+    return True

@@ -11,14 +11,13 @@ from collections import Counter
 import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
+from .certificate_writer import Data, NodeTable
 from .checker.check import registered
 from .checker.field import Field
 from .checker.limits import CertificateError
 from .checker.nodes import Nodes
 from .checker.ring import Element
 from .checker.statement import read_statement
-from .draft import Data
-from .tree import NodeTable
 
 Key = tuple[str, int]
 """A prime or -1, or the place of a factor in the ring's list."""

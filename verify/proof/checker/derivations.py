@@ -3,13 +3,88 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from .generators import Generator
+from flint import fmpq_mpoly
+
+from .functions import Jacobi
 from .images import Images
-from .jacobi import Jacobi
 from .limits import CertificateError
 from .nodes import ELLIPTIC
-from .ring import Element
+from .ring import Element, Ring, common
+
+
+@dataclass(frozen=True)
+class Generator:
+    """What a generator stands for: ``scale * node / below``, or a sum of products and a shift."""
+
+    node: int
+    scale: fmpq_mpoly | None = None
+    below: int | None = None
+    form: tuple[tuple[int, int], ...] = ()
+    shift: int = 0
+
+    @property
+    def nodes(self) -> list[int]:
+        """The nodes whose values make the generator's."""
+        if self.form:
+            return [self.shift, *(node for pair in self.form for node in pair)]
+        return [self.node] if self.below is None else [self.node, self.below]
+
+
+class Derivation:
+    """The derivation of the ring that takes each generator to its slope."""
+
+    def __init__(self, ring: Ring, slopes: Mapping[int, Element]) -> None:
+        self.ring = ring
+        self.slopes = {i: slope for i, slope in slopes.items() if not slope.is_zero}
+        self.below = common(self.slopes.values())
+        self._steps = {i: slope.over(self.below) for i, slope in self.slopes.items()}
+        self._moved: dict[int, tuple[fmpq_mpoly, bool]] = {}
+
+    def along(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """The derivative of a polynomial times the common denominator of the slopes."""
+        total = self.ring.context.constant(0)
+        for place, step in self._steps.items():
+            partial = polynomial.derivative(self.ring.names[place])
+            if not partial.is_zero():
+                total += self.ring.product(partial, step)
+        return total
+
+    def __call__(self, element: Element) -> Element:
+        """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
+        ring, numerator = self.ring, element.numerator
+        result = self.along(numerator)
+        raised = []
+        for place, power in element.powers.items():
+            slope, divides = self._factor_slope(place)
+            if divides:
+                result -= ring.product(power * slope, numerator)
+            else:
+                raised.append((place, power, slope))
+        for place, _, _ in raised:
+            result = ring.product(result, ring.factors[place])
+        for place, power, slope in raised:
+            term = ring.product(power * slope, numerator)
+            for other, _, _ in raised:
+                term = ring.product(term, ring.factors[other]) if other != place else term
+            result -= term
+        powers = dict(element.powers)
+        for place, _, _ in raised:
+            powers[place] += 1
+        for place, power in self.below.items():
+            powers[place] = powers.get(place, 0) + power
+        return Element(ring, result, powers).cancelled()
+
+    def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
+        """The derivative of a factor (times the common denominator), over it where that goes."""
+        if place not in self._moved:
+            factor = self.ring.factors[place]
+            slope = self.along(factor)
+            quotient = self.ring.quotient(slope, factor)
+            self._moved[place] = (slope, False) if quotient is None else (quotient, True)
+        return self._moved[place]
+
 
 AXIOMS = ("symbol", "exp", "log", "atan", *(f"jacobi_{name}" for name in ELLIPTIC if name != "eta"))
 """Functions whose derivatives are taken from an axiom also where they are no generators."""

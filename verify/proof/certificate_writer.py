@@ -1,7 +1,8 @@
-"""SymPy expressions as a table of nodes, for certificates.
+"""A certificate that is being written: SymPy expressions as nodes, a proof's generators and hints.
 
 A node is ``[name, ...]``: a number, a symbol, a constant, or a function with the places of its
-arguments, which stand earlier in the table.  Equal subexpressions share one node.
+arguments, which stand earlier in the table.  Equal subexpressions share one node.  Generators and
+hints are places in the table.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from flint import fmpq_mpoly
 
 from solutions import functions
 
-from .kernels import HYPERBOLIC, TRIGONOMETRIC
+from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .domains import Point
 
 Node = list[Any]
 
@@ -82,3 +84,38 @@ class NodeTable:
         """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
         return self.made("poly", terms, *places)
+
+
+Data = dict[str, Any]
+
+
+class Unsupported(ValueError):
+    """A formula contains something that no axiom speaks of."""
+
+
+class ProofWriter:
+    """The generators so far, the hints by kind, and the witnesses of signs."""
+
+    def __init__(self, table: NodeTable) -> None:
+        self.table = table
+        self.generators: list[list[Any]] = []
+        self.registered: set[int] = set()
+        self.hints: dict[str, dict[int, Any]] = {n: {} for n in ("sums", "values", "logs")}
+        self.signs: dict[int, int] = {}
+        self.parts: list[list[Any]] = []
+
+    def atom(self, place: int, *rest: Any) -> None:
+        """A generator for the node at ``place``, unless it has one; ``rest`` if it is no atom."""
+        if place not in self.registered:
+            self.registered.add(place)
+            self.generators.append([*(rest or ("atom", place))])
+
+    def data(self, point: Point) -> Data:
+        """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        return {
+            "generators": self.generators,
+            **{name: [[z, v] for z, v in hints.items()] for name, hints in self.hints.items()},
+            "signs": [[node, other] for node, other in self.signs.items()],
+            "point": [[self.table.place(s), str(value)] for s, value in point.items()],
+            "parts": self.parts,
+        }

@@ -16,14 +16,14 @@ from solutions.functions import (
     jacobi_zeta,
 )
 
-from .draft import Draft, Unsupported
-from .kernels import Kernels
+from .arguments import Arguments
+from .certificate_writer import ProofWriter, Unsupported
 
 TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
 
 
-class EllipticPlan:
-    """Generators and hints for Jacobi functions, by their arguments' lattices.
+class EllipticSearch:
+    """Generators and hints for Jacobi functions, by the combinations that their arguments are.
 
     ``need`` provides for the image of any other formula, ``begin_forms`` for the linear forms if
     its argument is a primitive of them.  With ``moving`` the derivatives of the generators are
@@ -32,15 +32,15 @@ class EllipticPlan:
 
     def __init__(
         self,
-        draft: Draft,
-        kernels: Kernels,
+        writer: ProofWriter,
+        arguments: Arguments,
         need: Callable[[sp.Expr], None],
         begin_forms: Callable[[sp.Basic], bool],
         *,
         moving: bool,
         epsilon: bool,
     ) -> None:
-        self._draft, self._table, self._kernels = draft, draft.table, kernels
+        self._writer, self._table, self._arguments = writer, writer.table, arguments
         self._need, self._begin_forms = need, begin_forms
         self._moving, self._epsilon = moving, epsilon
 
@@ -50,7 +50,7 @@ class EllipticPlan:
         rest = self._table.made("Add", one, self._table.made("Mul", minus, self._table.place(m)))
         other = self._table.place(sp.factor(1 - m))
         if other != rest:
-            self._draft.signs[rest] = other
+            self._writer.signs[rest] = other
 
     def provide(self, node: sp.Expr) -> None:
         """Provide for the image of a Jacobi function."""
@@ -76,19 +76,19 @@ class EllipticPlan:
         self._need(root)
         place = self._table.made("Pow", self._table.place(base), exponent)
         if place != self._table.place(root):
-            self._draft.hints["values"][place] = self._table.place(root)
+            self._writer.hints["values"][place] = self._table.place(root)
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
         """The Jacobi functions of the arguments whose combination is ``z``."""
-        variable, constant = self._kernels.parts(z)
+        variable, constant = self._arguments.parts(z)
         found = []
-        for lattice, part in (
-            (self._kernels.moving(m), variable),
-            (self._kernels.fixed(m), constant),
+        for combinations, part in (
+            (self._arguments.moving(m), variable),
+            (self._arguments.fixed(m), constant),
         ):
             if part == 0:
                 continue
-            for u, n in zip(lattice.basis, lattice.coordinates(part), strict=True):
+            for u, n in zip(combinations.basis, combinations.coordinates(part), strict=True):
                 if n:
                     side = -1 if u.could_extract_minus_sign() else 1
                     self._argument(side * u, m, second)
@@ -96,7 +96,7 @@ class EllipticPlan:
         place = self._table.place(z)
         if found != [["1", place]]:
             sine = self._table.made("jacobi_sn", place, self._table.place(m))
-            self._draft.hints["sums"][sine] = found
+            self._writer.hints["sums"][sine] = found
 
     def _argument(self, u: sp.Expr, m: sp.Expr, second: type | None) -> None:
         self._need(u)
@@ -107,17 +107,17 @@ class EllipticPlan:
             self._need(sp.sqrt(1 - m))
             node = self._table.made("Pow", rest, "1/2")
             if node != self._table.place(sp.sqrt(1 - m)):
-                self._draft.hints["values"][node] = self._table.place(sp.sqrt(1 - m))
+                self._writer.hints["values"][node] = self._table.place(sp.sqrt(1 - m))
             if second is jacobi_epsilon:
                 self._need(sp.elliptic_e(m))
             return
         modulus = sp.sqrt(m)
-        for function in sorted(TRIPLE, key=lambda f: -self._kernels.count[f, m]):
+        for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
             own = self._table.made(function.__name__, place, parameter)
             if modulus.is_Symbol and function is not jacobi_dn:
-                self._draft.atom(own, "scaled", own, self._table.place(modulus))
+                self._writer.atom(own, "scaled", own, self._table.place(modulus))
             else:
-                self._draft.atom(own)
+                self._writer.atom(own)
         if second is not None:
             self._second(second, u, m)
 
@@ -129,31 +129,31 @@ class EllipticPlan:
         own = self._table.made(kind.__name__, self._table.place(u), self._table.place(m))
         if kind is jacobi_epsilon:
             self._begin_forms(sp.Tuple(u, m))
-        self._draft.atom(own)
+        self._writer.atom(own)
 
     def _moves(self, node: sp.Expr) -> bool:
-        return self._moving and self._kernels.dependence.moves(node)
+        return self._moving and self._arguments.dependence.moves(node)
 
     def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
-        variable, constant = self._kernels.parts(z)
+        variable, constant = self._arguments.parts(z)
         if variable == 0:
-            self._draft.atom(self._table.place(jacobi_theta(constant, m)))
+            self._writer.atom(self._table.place(jacobi_theta(constant, m)))
             return
-        basis = self._kernels.moving(m).basis
+        basis = self._arguments.moving(m).basis
         if -variable in basis:
             variable, constant = -variable, -constant
         if variable not in basis:
             raise Unsupported(f"theta of a multiple of another argument: theta({z})")
         here = self._table.place(jacobi_theta(variable, m))
         self._slope_of_theta(variable, m)
-        self._draft.atom(here)
+        self._writer.atom(here)
         if constant == 0:
             return
         shift = -constant if constant.could_extract_minus_sign() else constant
         self._quotient(variable, shift, m, here)
         if shift != constant:
             for part in (jacobi_theta(shift, m), jacobi_theta(0, m)):
-                self._draft.atom(self._table.place(part))
+                self._writer.atom(self._table.place(part))
             for argument in (variable, shift):
                 self._need(argument)
                 self._station(argument, m, None)
@@ -162,7 +162,7 @@ class EllipticPlan:
                 ends.reverse()
             pair = [["1", ends[0]], ["-1", ends[1]]]
             node = self._table.made("jacobi_theta", self._table.place(z), self._table.place(m))
-            self._draft.hints["sums"][node] = pair
+            self._writer.hints["sums"][node] = pair
 
     def _slope_of_theta(self, u: sp.Expr, m: sp.Expr) -> None:
         if self._moves(u):
@@ -171,7 +171,7 @@ class EllipticPlan:
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
         total = self._table.made("Add", self._table.place(u), self._table.place(d))
         ahead = self._table.made("jacobi_theta", total, self._table.place(m))
-        if ahead in self._draft.registered:
+        if ahead in self._writer.registered:
             return
         self._need(u)
         self._need(d)
@@ -180,5 +180,5 @@ class EllipticPlan:
             self._station(d, m, jacobi_zeta)
             pair = [["1", self._table.place(u)], ["1", self._table.place(d)]]
             sine = self._table.made("jacobi_sn", total, self._table.place(m))
-            self._draft.hints["sums"][sine] = pair
-        self._draft.atom(ahead, "quotient", ahead, here)
+            self._writer.hints["sums"][sine] = pair
+        self._writer.atom(ahead, "quotient", ahead, here)

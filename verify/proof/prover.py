@@ -1,27 +1,33 @@
-"""The prover: PROVED, REFUTED or UNDECIDED, and never one for another."""
+"""The prover: PROVED, REFUTED or UNDECIDED, and never one for another.
+
+A witness against a formula is a point at which ball arithmetic shows that its residual is not 0.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import sympy as sp
+from flint import acb
 
 from verify.terms import FieldEquation
-from verify.verdict import Outcome
+from verify.verdict import Outcome, ProofVerdict
 
-from .balls import Point
+from .balls import ball_value, residual_ball
 from .certificate import (
     equality_certificate,
     equation_certificate,
+    find_lemmas,
     generator_count,
     point_text,
     regular_point,
 )
+from .certificate_writer import Data
 from .checker import check_certificate
-from .draft import Data
-from .lemmas import find_lemmas
+from .domain_signs import Signs, singularities
+from .domains import Point
 from .problem import (
     Problem,
     Stated,
@@ -32,9 +38,8 @@ from .problem import (
     more_points,
     real_symbols,
 )
-from .singularities import singularities
-from .verdict import METHOD, ProofVerdict
-from .witness import LONG_BITS, QUICK_BITS, Witness, find_witness
+
+METHOD = "differential algebra"
 
 
 def prove(
@@ -207,3 +212,51 @@ def _refuted(problem: Problem, witness: Witness) -> ProofVerdict:
 
 def _undecided(problem: Problem, reason: str) -> ProofVerdict:
     return ProofVerdict(problem.name, problem.equation_name, METHOD, Outcome.UNDECIDED, reason)
+
+
+QUICK_BITS = (160,)
+LONG_BITS = (2560,)
+BITS = (160, 640, 2560)
+LONG, LONG_POINTS = 640, 8
+"""Beyond so many bits a residual is evaluated at so many points only."""
+
+SHOWN_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point, and the ball of the residual there, which does not contain 0."""
+
+    point: Point
+    ball: acb
+
+    def coordinates(self) -> dict[str, str]:
+        """The point as text."""
+        return {str(symbol): str(value) for symbol, value in self.point.items()}
+
+    def text(self) -> str:
+        """The ball on one line."""
+        return f"residual {self.ball.str(SHOWN_DIGITS)} excludes 0"
+
+
+def find_witness(
+    problem: Problem, points: Sequence[Point], bits: Sequence[int] = BITS
+) -> Witness | None:
+    """A witness among ``points`` against the equation, or against the equality of a problem."""
+    signs = Signs(problem.domains)
+    for precision in bits:
+        for point in points[:LONG_POINTS] if precision > LONG else points:
+            try:
+                ball = _residual(problem, point, precision, signs)
+            except (ValueError, ZeroDivisionError, RecursionError):
+                continue
+            if ball.is_finite() and not ball.contains(0):
+                return Witness(point, ball)
+    return None
+
+
+def _residual(problem: Problem, point: Point, bits: int, signs: Signs) -> acb:
+    if problem.unknown == 0:
+        return ball_value(problem.expression, point, bits, signs)
+    left, unknown, expression = problem.left, problem.unknown, problem.expression
+    return residual_ball(left, unknown, expression, point, bits, signs)

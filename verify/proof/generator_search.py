@@ -11,18 +11,16 @@ import sympy as sp
 
 from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
-from verify.tree import distinct_nodes
+from verify.subexpressions import distinct_nodes
 
-from .balls import Point
-from .draft import Data, Draft, Unsupported
-from .elliptic_plan import EllipticPlan
-from .independent import independent_forms, visible
-from .kernels import HYPERBOLIC, TRIGONOMETRIC, Kernels
-from .lattice import without_logarithms
-from .tree import NodeTable
+from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms
+from .certificate_writer import Data, NodeTable, ProofWriter, Unsupported
+from .domains import Point
+from .elliptic_search import EllipticSearch
+from .linear_forms import independent_forms, visible
 
 
-class Plan:
+class GeneratorSearch:
     """The generators and hints with which a checker can find the images of ``expressions``.
 
     ``values`` are the simpler forms of roots and absolute values that a domain allows; with
@@ -38,7 +36,7 @@ class Plan:
         *,
         moving: bool = True,
     ) -> None:
-        self._table, self._draft = table, Draft(table)
+        self._table, self._writer = table, ProofWriter(table)
         self._variables, self._expressions = tuple(variables), list(expressions)
         self._values, self._moving = dict(values or {}), moving
         self._done: set[sp.Expr] = set()
@@ -48,29 +46,29 @@ class Plan:
 
     def equal_part(self, left: sp.Expr, right: sp.Expr, proof: Data) -> None:
         """Take one generator for two formulas that ``proof`` shows to be equal."""
-        place = len(self._draft.parts)
-        self._draft.parts.append([self._table.place(left), self._table.place(right), proof])
-        self._draft.generators.append(["part", place, place])
+        place = len(self._writer.parts)
+        self._writer.parts.append([self._table.place(left), self._table.place(right), proof])
+        self._writer.generators.append(["part", place, place])
         self._done |= {left, right}
 
     def proof(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = visible(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
-        self._kernels = Kernels([*shown, *values], self._variables)
-        self._elliptic = EllipticPlan(
-            self._draft,
-            self._kernels,
+        self._arguments = Arguments([*shown, *values], self._variables)
+        self._elliptic = EllipticSearch(
+            self._writer,
+            self._arguments,
             self.need,
             self._begin_forms,
             moving=self._moving,
             epsilon=self._has_epsilon,
         )
-        found = independent_forms(self._expressions, self._kernels, self._done, point)
+        found = independent_forms(self._expressions, self._arguments, self._done, point)
         self._pivots, self._others, self._rows = found
         for expression in self._expressions:
             self.need(expression)
-        return self._draft.data(point)
+        return self._writer.data(point)
 
     @staticmethod
     def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
@@ -90,7 +88,7 @@ class Plan:
             return
         if node in self._values and not _follows_from_others(node):
             value = self._values[node]
-            self._draft.hints["values"][self._table.place(node)] = self._table.place(value)
+            self._writer.hints["values"][self._table.place(node)] = self._table.place(value)
             self.need(value)
             self.need(node.args[0])
             return
@@ -112,10 +110,10 @@ class Plan:
         """A symbol or a constant."""
         if self._begin_forms(node):
             return
-        if node in self._kernels.circles:
+        if node in self._arguments.circles:
             other = self._table.place(sp.sqrt(1 - node**2))
-            self._draft.atom(other, "circle", other, self._table.place(node))
-        self._draft.atom(self._table.place(node))
+            self._writer.atom(other, "circle", other, self._table.place(node))
+        self._writer.atom(self._table.place(node))
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
         """Register the linear forms at the first of their primitives that is needed."""
@@ -134,9 +132,9 @@ class Plan:
             if isinstance(pivot, sp.Tuple):
                 self.need(pivot[1])
         places = [self._primitive_place(pivot) for pivot in pivots]
-        self._draft.registered |= set(places)
+        self._writer.registered |= set(places)
         self._done |= {pivot for pivot in pivots if isinstance(pivot, sp.Symbol)}
-        self._draft.generators.append(["forms", places, rows])
+        self._writer.generators.append(["forms", places, rows])
         return True
 
     def _primitive_place(self, primitive: sp.Basic) -> int:
@@ -159,9 +157,9 @@ class Plan:
             self.need(root)
         place = self._table.made("Pow", self._table.place(base), f"1/{exponent.q}")
         if not root.is_Pow or root.base != base:
-            self._draft.hints["values"][place] = self._table.place(root)
+            self._writer.hints["values"][place] = self._table.place(root)
         elif root not in self._values:
-            self._draft.atom(place)
+            self._writer.atom(place)
 
     def _show_sign_of_roots(self, expression: sp.Expr) -> None:
         for node in distinct_nodes(expression):
@@ -172,7 +170,7 @@ class Plan:
         """Offer the factors of ``node`` as witness of its sign."""
         other = sp.factor(node)
         if other != node:
-            self._draft.signs[self._table.place(node)] = self._table.place(other)
+            self._writer.signs[self._table.place(node)] = self._table.place(other)
 
     def _function(self, node: sp.Expr) -> None:
         if isinstance(node, JacobiFunction):
@@ -188,21 +186,21 @@ class Plan:
             self._exponential(sp.I * z, place)
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
-            self._draft.atom(self._table.place(node))
+            self._writer.atom(self._table.place(node))
         elif isinstance(node, sp.log):
-            self._draft.atom(self._table.place(node))
+            self._writer.atom(self._table.place(node))
         elif isinstance(node, sp.atan):
             if isinstance(z, sp.tan):
-                self._draft.hints["values"][self._table.place(node)] = self._table.place(z.args[0])
+                self._writer.hints["values"][self._table.place(node)] = self._table.place(z.args[0])
                 self.need(z.args[0])
             else:
-                self._draft.atom(self._table.place(node))
+                self._writer.atom(self._table.place(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
         elif isinstance(node, sp.Abs):
-            self._draft.atom(self._table.place(node))
+            self._writer.atom(self._table.place(node))
         elif isinstance(node, sp.sign):
             self.need(sp.Abs(z))
         else:
@@ -219,23 +217,23 @@ class Plan:
             self.need(rest)
             self.need(sp.Pow(factor, q))
             found.append([str(q), self._table.place(factor)])
-        self._draft.hints["logs"][self._table.place(node)] = found
+        self._writer.hints["logs"][self._table.place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = without_logarithms(z)
-        lattice = self._kernels.exponents
+        combinations = self._arguments.exponents
         found = []
-        for basis, n in zip(lattice.basis, lattice.coordinates(rest), strict=True):
+        for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):
             if n:
                 self.need(basis)
-                self._draft.atom(self._table.made("exp", self._table.place(basis)))
+                self._writer.atom(self._table.made("exp", self._table.place(basis)))
                 found.append([str(n), self._table.place(basis)])
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
             self.need(logarithm)
             found.append([str(q), self._table.place(logarithm)])
-        self._draft.hints["sums"][self._table.made("exp", place)] = found
+        self._writer.hints["sums"][self._table.made("exp", place)] = found
 
 
 def _follows_from_others(node: sp.Expr) -> bool:

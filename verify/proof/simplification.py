@@ -17,9 +17,9 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, Signs
 from .factors import Quotients, TooLong, factored
-from .kernels import HYPERBOLIC, TRIGONOMETRIC
 
 DIGITS, LARGEST = 40, 10**6
 """Decimals of a number whose cube root is sought, and its largest denominator."""

@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import sympy as sp
-from flint import acb
+from flint import acb, ctx
 
 from solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
-from verify.tree import distinct_nodes, replaced
+from verify.subexpressions import distinct_nodes, replaced
 
-from .dependence import Dependence
+from .arguments import Arguments, Dependence
+from .balls import ball_value
+from .checker.check import FORMS
+from .domains import Point
 
 Form = dict[sp.Expr, sp.Expr]
 """The constant coefficients of primitives."""
@@ -108,3 +111,58 @@ def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:
             table[i] = [a - ratio * b for a, b in zip(table[i], table[place], strict=True)]
         pivots.append(column)
     return pivots
+
+
+BITS = 160
+
+
+def visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
+    """The expressions with what one generator stands for left out."""
+    names = {node: sp.Dummy() for node in hidden}
+    return [expression.xreplace(names) for expression in expressions]
+
+
+def independent_forms(
+    expressions: Sequence[sp.Expr], arguments: Arguments, hidden: set[sp.Expr], point: Point
+) -> tuple[list[sp.Basic], list[sp.Expr], list[list[sp.Expr]]]:
+    """Pivots, other primitives, and independent linear forms: rows of factors of all of them.
+
+    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is that of
+    balls at ``point``: any choice makes generators.
+    """
+    written = with_one_integral(visible(expressions, hidden), arguments.dependence)
+    forms = [_by_argument(f, arguments) for f in linear_forms(written, arguments.dependence)]
+    primitives = sorted(
+        {p for form in forms for p in form}, key=lambda p: (not isinstance(p, sp.Tuple), str(p))
+    )
+    rows: list[list[sp.Expr]] = []
+    balls: list[list[acb]] = []
+    with ctx.workprec(BITS):
+        for form in forms:
+            row = [form.get(p, sp.S.Zero) for p in primitives]
+            values = [ball_value(value, point, BITS) for value in row]
+            if len(pivot_columns([*balls, values])) > len(rows):
+                rows.append(row)
+                balls.append(values)
+        pivots = pivot_columns(balls)
+    if len(rows) == len(primitives) or len(rows) > FORMS:
+        return [], [], []
+    own = [primitives[i] for i in pivots]
+    others = [p for p in primitives if p not in own]
+    if any(isinstance(p, sp.Tuple) for p in others):
+        return [], [], []
+    order = [*pivots, *(primitives.index(p) for p in others)]
+    return own, others, [[row[i] for i in order] for row in rows]
+
+
+def _by_argument(form: Form, arguments: Arguments) -> dict[sp.Basic, sp.Expr]:
+    """A linear form with the pairs (u, m) for epsilon(u) up to the sign of u."""
+    found: dict[sp.Basic, sp.Expr] = {}
+    for primitive, value in form.items():
+        key: sp.Basic = primitive
+        if isinstance(primitive, jacobi_epsilon):
+            u, m = arguments.parts(primitive.args[0])[0], primitive.args[1]
+            side = -1 if u.could_extract_minus_sign() else 1
+            key, value = sp.Tuple(side * u, m), side * value
+        found[key] = found.get(key, sp.S.Zero) + value
+    return found
