@@ -1,12 +1,12 @@
-"""Reductions as JSON.
+"""A reduction as text, LaTeX and JSON.
 
-A polynomial is ``{"text": ..., "terms": [...]}``; a term holds its jets and its coefficient as
-numerator and denominator, each a list of [exponents, "p/q"] over the document's ``generators``.
+In JSON a polynomial is ``{"text": ..., "terms": [...]}``; a term holds its jets and its coefficient
+as numerator and denominator, each a list of [exponents, "p/q"] over the document's ``generators``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +16,71 @@ from sympy.polys.rings import PolyElement
 
 from derive.algebra.exact_numbers import Number, parse_rational
 from derive.algebra.jets import DifferentialPolynomial
-from derive.output.notation import Notation, text_of
+from derive.output.notation import Notation, aligned, latex_of, text_of
 
 if TYPE_CHECKING:
     from derive.reduction import Reduction
 
 Data = dict[str, Any]
+
+
+def text_report(reduction: Reduction) -> str:
+    """Ansatz, orders, conditions, reduced equation, corrections, one a line."""
+    return "\n".join(_lines(reduction))
+
+
+def _lines(reduction: Reduction) -> Iterator[str]:
+    yield reduction.lattice.title
+    yield from (f"  {line}" for line in reduction.lattice.equations())
+    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0])}"
+    yield ""
+    yield "orders of the lattice equation:"
+    for order in range(min(reduction.orders), reduction.highest_order + 1):
+        equation = reduction.orders.get(order)
+        yield f"  eps^{order}: {equation.text() if equation else '0 = 0'}"
+    yield ""
+    sound = reduction.sound_condition
+    yield f"sound condition: {text_of(sound.lhs)} = {text_of(sound.rhs)}"
+    yield from (f"condition: {condition.text()}" for condition in reduction.conditions)
+    yield f"reduced equation (order eps^{reduction.scaling.leading_order}):"
+    yield f"  {reduction.pde.text()}"
+    yield from _beyond(reduction)
+
+
+def _beyond(reduction: Reduction) -> Iterator[str]:
+    notation = reduction.notation
+    for order, part in reduction.remainders.items():
+        yield f"left in the lattice equation at eps^{order} by an exact solution of it:"
+        yield f"  R{order} = {notation.text(part)}"
+    for power, part in reduction.corrections.items():
+        yield f"correction of the reduced equation, Y_T = ... + eps^{power} F{power}:"
+        yield f"  F{power} = {notation.text(part)}"
+    if reduction.obstruction:
+        power, part = reduction.obstruction
+        yield f"no local correction at eps^{power}: this is not an X-derivative:"
+        yield f"  {notation.text(part)}"
+
+
+def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
+    """Orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
+    rows = [
+        (rf"\epsilon^{{{order}}}:", equation.latex())
+        for order, equation in reduction.orders.items()
+    ]
+    rows.append((r"\text{sound}:", latex_of(reduction.sound_condition)))
+    rows += [(r"\text{condition}:", condition.latex()) for condition in reduction.conditions]
+    rows.append((r"\text{reduced}:", reduction.pde.latex()))
+    rows += [("", reduction.latex_remainder(order)) for order in reduction.remainders]
+    rows += [("", reduction.latex_correction(power)) for power in reduction.corrections]
+    values = reduction.coefficients(**constants)
+    rows += [("", f"{latex_of(reduction.scaling.speed)} = {latex_of(values.c)}")]
+    if constants:
+        named = ((reduction.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
+        rows += [(rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named]
+    if reduction.pde.is_mkdv:
+        form = reduction.normal_form(**constants)
+        rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
+    return aligned(rows)
 
 
 def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None = None) -> Data:
