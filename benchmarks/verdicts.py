@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from verify.studies.statements import statement
+from verify.studies.statements.library import statement
 from verify.studies.verdicts import HEADINGS, Judgement, Mark, judgements, tallies
 
 COUNT = 100_000

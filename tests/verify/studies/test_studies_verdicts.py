@@ -8,7 +8,8 @@ import pytest
 import sympy as sp
 
 from verify.studies import verdicts
-from verify.studies.statements import Range, Statement, Truth, statement
+from verify.studies.statements.library import statement
+from verify.studies.statements.statement import Range, Statement, Truth
 from verify.studies.verdicts import HEADINGS, Judgement, Mark, judge, judgements, tallies
 from verify.verdict import Outcome, ProofVerdict
 
