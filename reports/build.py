@@ -10,7 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from derive.command_line import fail, interrupted
 from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures, write_source
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.work import find
 from verify.studies.measured_runs import report_scenes
 

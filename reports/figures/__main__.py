@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from derive.command_line import called_by, fail, interrupted, run_words
 from reports.figures.drawing import save, snapshot_figure, styled
-from reports.figures.paper import snapshots
+from reports.figures.paper_figures import snapshots
 from verify.comparison import load_scene, run
 
 SCENE = "rational_3_eps_0.05"
