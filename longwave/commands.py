@@ -112,7 +112,7 @@ def plot(source: str, output: str | None, kind: str) -> int:
     of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
     error curves and the track of the crest: all that the run holds, or one kind.
     """
-    from longwave.drawing import draw
+    from longwave.plotting import draw
 
     return draw(source, output, kind, called_by())
 

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from longwave import drawing
+from longwave import plotting as drawing
 from longwave.__main__ import main
 from longwave.commands import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
-from verify.comparison.unfinished import UnfinishedRun
+from verify.comparison.recording import UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 
