@@ -6,11 +6,10 @@
 ('breather_sn', 0.05, (-100.0, 0.0, 100.0))
 """
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import SCHEMES, scheme_named
-from lattice.schemes.scheme import Composition, RungeKutta, Scheme
-from lattice.schemes.stability import stability_limit
-from lattice.sites.blow_up import BlowUp
+from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
+from lattice.state import BlowUp
 from verify.comparison.observables import OBSERVABLES
 from verify.comparison.run import run
 from verify.comparison.saved_run import load_run, resume, save_run
@@ -29,8 +28,8 @@ __all__ = [
     "SCHEMES",
     "BlowUp",
     "Composition",
-    "Constants",
     "Discretisation",
+    "Model",
     "RungeKutta",
     "Scene",
     "Scheme",

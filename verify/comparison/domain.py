@@ -11,11 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.sites.blow_up import BlowUp
-from lattice.sites.inflow_check import WATCHED, FeedMonitor
-from lattice.sites.seam import DEPTH, Fading, fade_at_seam, negate_at_seam
-from lattice.sites.state import State, empty_state
-from lattice.sites.stepper import Domain
+from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
+from lattice.state import WATCHED, BlowUp, InflowCheck, State, empty_state
+from lattice.stepper import Domain
 from solutions import Wave
 from verify.comparison.initial_data import Tail, initial_data
 from verify.comparison.observables import observable_named
@@ -116,7 +114,7 @@ class SiteRing:
             return None
         speed = speed_held(scene, scene.discretisation.sites - seam_room(wave, scene.eps))
         level = scene.eps * (wave.constant_background or 0.0)
-        depth = max(float(DEPTH), (wave.wavelength or 0.0) / scene.eps)
+        depth = max(float(FADING_DEPTH), (wave.wavelength or 0.0) / scene.eps)
         return Fading(scene.t0, speed, level, depth)
 
     def _data(self, state: State) -> tuple[Array, Array]:
@@ -186,7 +184,7 @@ class Window:
                 f"domain must be 'ring' for {self.scene.wave_name}, got 'window' "
                 "(its background is not constant)"
             )
-        self.monitor = FeedMonitor(self.scene.eps)
+        self.monitor = InflowCheck(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.moves = frozenset(window_moves(self.scene))
         least, sites = least_window(self.scene.compared), self.scene.discretisation.sites

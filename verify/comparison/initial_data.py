@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 import derive
-from lattice.sites.state import Sites
+from lattice.state import Sites
 from solutions import ClosedForm, Wave, WaveValues, closed_form
 from solutions.exact import exact_number
 from solutions.run.jit import njit

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from lattice.sites.state import ring_energy
+from lattice.state import ring_energy
 from verify.comparison.view import Array, View
 
 MAP_CELLS = 256

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from lattice.schemes.stability import check_step
-from lattice.sites.state import State
-from lattice.sites.stepper import March
+from lattice.schemes.scheme import check_step
+from lattice.state import State
+from lattice.stepper import Stepper
 from solutions import Wave
 from verify.comparison.domain import build_domain
 from verify.comparison.observables import (
@@ -178,13 +178,13 @@ class Recording:
     ``stopped`` if Ctrl-C ended it.
     """
 
-    march: March
+    march: Stepper
     step_limit: float
     seconds: float
     stopped: bool = False
 
 
-def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[March, float]:
+def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Stepper, float]:
     """The march of a scene, kernels compiled, and the largest stable step.
 
     It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
@@ -198,7 +198,7 @@ def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Mar
     scheme.advance(initial.y, initial.s, step, 0, scene.constants)
     state = initial if restart is None else restart
     amplitude = float(np.max(np.abs(initial.y)))
-    return March(state, scheme, scene.constants, domain, step, amplitude), limit
+    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
 
 
 def record(

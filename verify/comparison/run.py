@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 
 import xarray as xr
 
-from lattice.estimate import Estimate
 from lattice.refine import Announce
+from lattice.trial import Estimate
 from solutions import Wave
 from verify.comparison.checks import shown
 from verify.comparison.initial_data import build_wave

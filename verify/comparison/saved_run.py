@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from lattice.sites.state import State
+from lattice.state import State
 from solutions import ClosedForm
 from verify.comparison.recording import Progress
 from verify.comparison.scene import Scene

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme
 from solutions import ClosedForm
@@ -233,9 +233,9 @@ class Scene:
         )
 
     @cached_property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
-        return Constants(self.K2, self.K3, self.K4)
+        return Model(self.K2, self.K3, self.K4)
 
     @property
     def end(self) -> float:

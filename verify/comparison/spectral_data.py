@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.seam import REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
+from lattice.model import Model
+from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
 from lattice.spectral.ring import RingState, backward, forward
 from solutions import Wave
 from verify.comparison.initial_data import lattice_data
@@ -63,7 +63,7 @@ class RingData:
     at all times. A run that takes the time ``duration`` needs no ring wider than the causal one.
     """
 
-    constants: Constants
+    constants: Model
     wave: Wave
     eps: float
     t0: float
@@ -159,7 +159,7 @@ class RingData:
             crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
             return RingState(self.t0, left, length, y, s)
-        width = self.seam(length) / REACH
+        width = self.seam(length) / BLEND_REACH
         y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
         return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
 
@@ -202,7 +202,7 @@ class RingData:
 
 
 def ring_data(
-    constants: Constants,
+    constants: Model,
     wave: Wave,
     eps: float,
     times: Sequence[float],
@@ -240,7 +240,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     return min(longest, turning, 24.0 / (speed * k**3))
 
 
-def turning_time(constants: Constants, state: RingState, k: float) -> float:
+def turning_time(constants: Model, state: RingState, k: float) -> float:
     """The time in which the nonlinear part turns the phase of a wave of number ``k`` by one.
 
     About a strain y it runs ahead of the mean by (V''(y) - mean)/(2 c) k.

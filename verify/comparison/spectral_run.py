@@ -12,12 +12,11 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.estimate import Estimate
 from lattice.refine import Announce, StoppedSearch, TooDearError
-from lattice.sites.blow_up import BlowUp, find_blow_up
-from lattice.sites.state import empty_state
 from lattice.spectral.exponential import ORDER
-from lattice.spectral.sublattices import ALIKE, telling_step
+from lattice.spectral.ring import ALIKE, telling_step
+from lattice.state import BlowUp, empty_state, find_blow_up
+from lattice.trial import Estimate
 from solutions import Wave
 from verify.comparison.recording import (
     LONG,

@@ -15,23 +15,12 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.estimate import Estimate, clock_error, rounding_error
-from lattice.refine import (
-    NUDGE,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    Progress,
-    StoppedTrial,
-    Trial,
-    refine,
-)
-from lattice.spectral.absorber import STRENGTH
+from lattice.refine import Announce, Engine, Kind, Progress, refine
+from lattice.spectral.absorber import ABSORBER_STRENGTH
 from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from lattice.spectral.exponential import ORDER
-from lattice.spectral.ring import RingState
-from lattice.spectral.sublattices import ALIKE, DENSITY, energy_spread, telling_step
+from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from verify.comparison.spectral_data import (
     RingPlace,
     first_density,
@@ -187,7 +176,7 @@ class SpectralEngine:
         start = START * length if STARTED * length < self._duration else 0.0
         if not start:
             step = min(step, START * length)
-        absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
+        absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
         self._started = self._task.t0 + STARTED * length
         return replace(choices, step=step, absorber=absorber, start=start)
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.sites.state import State
+from lattice.state import State
 from solutions import Wave
 from verify.comparison.domain import Array
 from verify.comparison.initial_data import build_wave

@@ -8,22 +8,10 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.estimate import Estimate, clock_error, rounding_error
-from lattice.refine import (
-    NUDGE,
-    SAFETY,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    StoppedSearch,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
 from lattice.schemes.catalogue import scheme_named
-from lattice.schemes.scheme import Scheme
-from lattice.schemes.stability import stability_limit
+from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from solutions import Wave
 from verify.comparison.domain import Array, creeping, least_ring, least_window, window_moves
 from verify.comparison.observables import observable_named

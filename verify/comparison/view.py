@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.state import Sites, State
+from lattice.model import Model
+from lattice.state import Sites, State
 from solutions import Wave, WaveValues
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class View:
         return np.where(np.arange(left.size) < self.scene.compared, left, right)
 
     @property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
         return self.scene.constants
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
+from lattice.model import Model
 from solutions import Wave
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ class WaveBounds:
 
 
 def find_bounds(
-    constants: Constants,
+    constants: Model,
     wave: Wave,
     eps: float,
     times: Sequence[float],
@@ -86,7 +86,7 @@ def find_bounds(
 
 @lru_cache(maxsize=4)
 def _wave_at_all_times(
-    constants: Constants, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
+    constants: Model, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
 ) -> tuple[tuple[float, float], Array]:
     """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
 
@@ -115,7 +115,7 @@ def _watched(times: Sequence[float]) -> list[float]:
     return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
 
 
-def _places(constants: Constants, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
+def _places(constants: Model, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
     """Positions relative to c t in order, the deviation from the far fields there, and Y."""
     origin = constants.sound_speed() * t
     unit = 1.0 / (float(wave.normal_form.a) * eps)

@@ -4,17 +4,16 @@
 two formulas are one function; `prove_form` takes a closed form of the catalogue with its lattice
 constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove_bilinear` and
 `rational_facts` take the rational solutions of any order.  A proof's certificate is repeated by
-`check_certificate`.  A new function is one entry in `table.TABLE`.
+`check_certificate`.
 """
 
-from .bilinear import prove_bilinear
+from verify.verdict import ProofVerdict
+
+from .catalogue_proofs import check_certificate, form_domains, prove_form, prove_stable
 from .checker import CertificateError
-from .closed_forms import check_certificate, prove_form, prove_stable
-from .domain import Domain, form_domains
-from .facts import RationalFacts, rational_facts
-from .proof import prove, prove_equal
-from .rational_orders import prove_rational
-from .verdict import ProofVerdict
+from .domains import Domain
+from .prover import prove, prove_equal
+from .rational_proofs import RationalFacts, prove_bilinear, prove_rational, rational_facts
 
 __all__ = [
     "CertificateError",

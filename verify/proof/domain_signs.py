@@ -1,22 +1,26 @@
-"""What the domains say of the sign of a formula: exact ranges, by simple rules.
+"""What the domains say of a formula: the range of its values, its sign, where it may not be smooth.
 
 A range holds every value that the formula takes on the domains; it may be wider than that.  None
 says that the formula is not known to be real.
+
+A verdict speaks of the points at which a formula is smooth.  What `singularities` names is not
+shown to be smooth everywhere: a denominator not shown to be different from 0, a root or logarithm
+of what is not shown to be positive, an absolute value or a sign of what is not shown to be
+different from 0, an inverse function at an end of its cuts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 import sympy as sp
 
 from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
 from solutions.functions.jacobi import JacobiFunction
-from verify.tree import distinct_nodes
+from verify.subexpressions import abbreviated, distinct_nodes
 
-from .domain import Domain, Domains
-from .ranges import INFINITY, Number, Range
+from .domains import INFINITY, Domain, Domains, Number, Range
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
@@ -309,3 +313,59 @@ def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
     if low == -sp.oo:
         return sp.S.Zero if high == sp.oo else high - 1
     return low + 1 if high == sp.oo else (low + high) / 2
+
+
+POLES = {sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin}
+HYPERBOLIC_POLES = (sp.coth, sp.csch)
+DEPTH = 3
+"""Levels of a subexpression that a line shows."""
+
+
+def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str, ...]:
+    """One line for each place where ``expressions`` may fail to be smooth on ``domains``.
+
+    >>> x = sp.Symbol("x", real=True)
+    >>> singularities([sp.sqrt(x) / (1 + x**2)], {})
+    ('branch point where x is not positive',)
+    """
+    signs = Signs(domains)
+    nodes = (node for expression in expressions for node in distinct_nodes(expression))
+    found = (line for node in nodes for line in _lines(node, signs))
+    return tuple(dict.fromkeys(found))
+
+
+def _lines(node: sp.Expr, signs: Signs) -> list[str]:
+    if not node.free_symbols:
+        return []
+    lines = []
+    if node.is_Pow and node.exp.could_extract_minus_sign() and not signs.is_nonzero(node.base):
+        lines.append(f"pole where {_short(node.base)} = 0")
+    is_root = node.is_Pow and not node.exp.is_Integer
+    if (is_root or isinstance(node, sp.log)) and not signs.is_positive(node.args[0]):
+        lines.append(f"branch point where {_short(node.args[0])} is not positive")
+    if isinstance(node, sp.Abs | sp.sign) and not signs.is_nonzero(node.args[0]):
+        lines.append(f"jump or corner where {_short(node.args[0])} = 0")
+    if node.func in POLES:
+        lines.append(f"pole where {_short(POLES[node.func](node.args[0]))} = 0")
+    if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
+        lines.append(f"pole where {_short(sp.sinh(node.args[0]))} = 0")
+    if isinstance(node, sp.asin | sp.acos | sp.atanh | sp.acosh) and not _is_inside(node, signs):
+        lines.append(f"branch point of {_short(node)}")
+    if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
+        lines.append(f"branch point of {_short(node)}")
+    return lines
+
+
+def _is_inside(node: sp.Expr, signs: Signs) -> bool:
+    """Whether the argument is shown to be off the ends of the cuts."""
+    inner = signs.range(node.args[0])
+    if inner is None:
+        return False
+    one = signs.range(sp.S.One) or Range()
+    if isinstance(node, sp.acosh):
+        return (inner + -one).is_positive
+    return (one + inner).is_positive and (one + -inner).is_positive
+
+
+def _short(expression: sp.Expr) -> str:
+    return abbreviated(expression, DEPTH)

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from verify.check import NAMES, check, named_form
+from verify.evidence.mutations import MutationCount, count_mutants
 from verify.proof import CertificateError, check_certificate
-from verify.studies.mutations import MutationCount, count_mutants
+from verify.proof.catalogue_proofs import NAMES, named_form, prove_named
 from verify.verdict import Outcome
 
 
@@ -39,13 +39,13 @@ class ProofRecord:
 
 
 def proof_record(name: str, *, mutations: bool = False) -> ProofRecord:
-    """Prove the form called ``name`` and check its certificate; raises ValueError as `check`.
+    """Prove the form called ``name`` and check its certificate; raises ValueError as `prove_named`.
 
     >>> record = proof_record("kink")
     >>> print(record.outcome, record.accepted)
     PROVED True
     """
-    verdict = check(name)
+    verdict = prove_named(name)
     text = verdict.certificate_text()
     accepted, seconds = (None, None) if text is None else _checked(text)
     return ProofRecord(

@@ -10,7 +10,7 @@ import pytest
 
 from lattice.schemes.catalogue import SCHEMES
 from lattice.schemes.scheme import Composition
-from lattice.sites.state import State, empty_state
+from lattice.state import State, empty_state
 from solutions import Wave
 from verify.comparison import Scene, load_scene, run
 from verify.comparison import measures as conserved

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from lattice.sites.blow_up import BlowUp
+from lattice.state import BlowUp
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import SiteRing, build_domain
 from verify.comparison.initial_data import build_wave, initial_data

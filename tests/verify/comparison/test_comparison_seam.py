@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import derive
-from lattice.model import Constants
-from lattice.sites.seam import blend_seam, close_circumference, fade_at_seam
+from lattice.model import Model
+from lattice.seam import blend_seam, close_circumference, fade_at_seam
 from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
 from verify.comparison.initial_data import lattice_data
@@ -18,7 +18,7 @@ from verify.comparison.spectral_data import RingData, RingPlace, ring_data
 def _data(name: str, t0: float, **parameters: object) -> RingData:
     K4 = closed_form(name).equation.s
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, K4), **parameters)
-    return ring_data(Constants(1.0, 0.0, float(K4)), wave, 0.05, (t0, -t0), 100, 1e-4)
+    return ring_data(Model(1.0, 0.0, float(K4)), wave, 0.05, (t0, -t0), 100, 1e-4)
 
 
 def test_closing_finds_the_phase_jump() -> None:
@@ -31,7 +31,7 @@ def test_a_background_that_hardly_varies_is_closed_near_the_length_asked_for() -
     """Without a bound the best length was -8e-6, where both ends are one place."""
     wave = Wave(closed_form("soliton_dn"), derive.mkdv_normal_form(1, 0.7619), k=0.001429)
     times = (-263566.18773534265, -261313.0594428259)
-    data = ring_data(Constants(1.0, 0.0, 0.7619), wave, 0.03595, times, 115, 6e-6)
+    data = ring_data(Model(1.0, 0.0, 0.7619), wave, 0.03595, times, 115, 6e-6)
     assert data.causal is not None
     ahead, length = data.causal.ahead, 120.0 * data.unit
     assert abs(data._closed(length, ahead) - length) <= 0.52 * data.unit
@@ -94,7 +94,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
 
 def _rational(t0: float) -> RingData:
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
-    return ring_data(Constants(4.0, 0.0, 1.0), wave, 0.1, (t0, -t0), 100, 1e-4)
+    return ring_data(Model(4.0, 0.0, 1.0), wave, 0.1, (t0, -t0), 100, 1e-4)
 
 
 @pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])

@@ -6,7 +6,7 @@ import sympy as sp
 from solutions import closed_form, rational
 from solutions.forms.rational import rational_tau
 from verify.proof import prove_equal, rational_facts
-from verify.proof.facts import coefficient_in_x, leading_in_x, limit, reflected
+from verify.proof.rational_proofs import coefficient_in_x, leading_in_x, limit, reflected
 from verify.verdict import Outcome
 
 

@@ -11,7 +11,7 @@ from solutions import closed_form, rational
 from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import tau, xi
 from verify.proof import prove_form
-from verify.proof.lab import LabEquation, a, lab_frame
+from verify.proof.catalogue_proofs import LabEquation, a, lab_frame
 from verify.verdict import Outcome
 
 PRINTED = ["rational_1", "rational_2", "rational_3"]

@@ -8,7 +8,7 @@ import pytest
 
 HOUSE = Path(__file__).parents[3]
 CHECKER = sorted((HOUSE / "verify" / "proof" / "checker").glob("*.py"))
-BALLS = HOUSE / "verify" / "proof" / "ballfunctions.py"
+BALLS = HOUSE / "verify" / "proof" / "taylor.py"
 STANDARD = {
     *("__future__", "abc", "collections", "dataclasses", "functools", "fractions", "hashlib"),
     *("itertools", "json", "math", "operator", "re", "typing"),
@@ -32,7 +32,7 @@ def test_the_checker_uses_nothing_of_the_prover_and_no_sympy(path: Path) -> None
     own = {f".{other.stem}" for other in CHECKER}
     for name in imports(path):
         outside = name.split(".")[0] in {*STANDARD, "flint"}
-        assert outside or name in own or name == "verify.proof.ballfunctions", name
+        assert outside or name in own or name == "verify.proof.taylor", name
 
 
 def test_the_page_on_trust_counts_the_lines() -> None:

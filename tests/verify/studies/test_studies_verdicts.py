@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.proof.verdict import ProofVerdict
-from verify.studies import verdicts
-from verify.studies.statements import Range, Statement, Truth, statement
-from verify.studies.verdicts import HEADINGS, Judgement, Mark, judge, judgements, tallies
-from verify.verdict import Outcome
+from verify.studies import verdict_search as verdicts
+from verify.studies.statements.library import statement
+from verify.studies.statements.random_statement import Range, Statement, Truth
+from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judge, judgements, tallies
+from verify.verdict import Outcome, ProofVerdict
 
 x = sp.Symbol("x", real=True)
 u = sp.Function("u")(x)

@@ -12,19 +12,32 @@ from collections.abc import Callable, Mapping, Sequence
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
-from .exponentials import Exponentials
-from .generators import Form, Generator, Hints, solved
-from .images import Images
-from .jacobi import Jacobi
+from .derivations import Slopes
+from .functions import Jacobi, absolute_value, arctangent, exponential, logarithm, root
+from .images import Form, Generator, Hints, Images
 from .limits import CertificateError
-from .nodes import Nodes, children
-from .points import Balls, value_at
-from .principal import absolute_value, root
+from .nodes import Balls, Nodes, children, value_at
 from .ring import Element
-from .signs import BELOW_ONE, Signs
-from .slopes import Slopes
-from .smoothness import is_clean
-from .stated import StatedSigns
+from .signs import BELOW_ONE
+
+
+def solved(table: list[list[Element]]) -> list[Element]:
+    """The solution of linear equations, each row with its right-hand side; by elimination."""
+    size = len(table)
+    for column in range(size):
+        pivot = next((i for i in range(column, size) if not table[i][column].is_zero), None)
+        if pivot is None:
+            raise CertificateError("linear forms must be independent")
+        table[column], table[pivot] = table[pivot], table[column]
+        unit = table[column][column].inverse()
+        table[column] = [entry * unit for entry in table[column]]
+        for i in range(size):
+            factor = table[i][column]
+            if i != column and not factor.is_zero:
+                pairs = zip(table[i], table[column], strict=True)
+                table[i] = [entry - factor * other for entry, other in pairs]
+    return [row[-1] for row in table]
+
 
 FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
@@ -45,13 +58,9 @@ class Field(Images):
         positive: Mapping[int, bool],
         hints: Hints,
     ) -> None:
-        super().__init__(nodes, count, variables, hints)
-        stated = StatedSigns(self, positive)
-        self.signs = Signs(nodes, stated.sign, stated.witness)
-        self.generators: list[Generator] = []
+        super().__init__(nodes, count, variables, positive, hints)
         self._circles: dict[int, int] = {}
-        self._exponentials, self._jacobi = Exponentials(self, stated), Jacobi(self)
-        self._slopes = Slopes(self, self._jacobi, self.generators, self._circles)
+        self._jacobi, self._slopes = Jacobi(self), Slopes(self, self._circles)
 
     def register(self, node: int) -> None:
         """The next generator stands for ``node``, a function or a symbol.
@@ -88,7 +97,7 @@ class Field(Images):
     def register_scaled(self, node: int, scale: int) -> None:
         """The next generator stands for ``scale`` times a Jacobi function."""
         match self.nodes.all[node]:
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if is_clean(self, scale):
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self.signs.is_clean(scale):
                 self._register_jacobi(node, z, m, self.image(scale))
             case _:
                 raise CertificateError("what is scaled must be a Jacobi function")
@@ -126,15 +135,15 @@ class Field(Images):
                 self._jacobi.need_parameter(name, self.nodes.all[node][-1])
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
-        for place, form in zip(places, rows, strict=True):
-            if not all(is_clean(self, node) for node in (*form.factors, form.shift)):
+        for place, (factors, shift) in zip(places, rows, strict=True):
+            if not all(self.signs.is_clean(node) for node in (*factors, shift)):
                 raise CertificateError("a linear form must be analytic on the domain")
-            if any(map(self.moves, form.factors)):
+            if any(map(self.moves, factors)):
                 raise CertificateError("the factors of a linear form must be constant")
-            rest = self.ring.generator(place) - self.image(form.shift)
-            table.append([*map(self.image, form.factors), rest])
-            pairs = tuple(zip(form.factors, primitives, strict=True))
-            self.generators.append(Generator(0, form=pairs, shift=form.shift))
+            rest = self.ring.generator(place) - self.image(shift)
+            table.append([*map(self.image, factors), rest])
+            pairs = tuple(zip(factors, primitives, strict=True))
+            self.generators.append(Generator(0, form=pairs, shift=shift))
         for node, value in zip(primitives, solved(table), strict=True):
             self._images[node] = value
             self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
@@ -225,12 +234,12 @@ class Field(Images):
             e = self.made("exp", self.nodes.made("Mul", i, first))
             return axioms.TRIGONOMETRIC[name](e, self.one, self.image(i))
         rules: dict[str, Callable[[], Element]] = {
-            "exp": lambda: self._exponentials.exponential(first),
-            "log": lambda: self._exponentials.logarithm(node, first),
-            "atan": lambda: self._exponentials.arctangent(node, first),
+            "exp": lambda: exponential(self, first),
+            "log": lambda: logarithm(self, node, first),
+            "atan": lambda: arctangent(self, node, first),
             "Abs": lambda: absolute_value(self, node, first),
             "sign": lambda: self.image(first) / self.made("Abs", first),
-            "conjugate": lambda: self.image(self.conjugate(first)),
+            "conjugate": lambda: self.image(self.signs.conjugate(first)),
             "re": lambda: self._half(first, +1) * self.ring.number(fmpq(1, 2)),
             "im": lambda: (
                 self._half(first, -1)
@@ -245,7 +254,7 @@ class Field(Images):
         raise CertificateError(f"there is no generator for a {name}")
 
     def _half(self, inner: int, sign: int) -> Element:
-        other = self.image(self.conjugate(inner))
+        other = self.image(self.signs.conjugate(inner))
         return self.image(inner) + other if sign > 0 else self.image(inner) - other
 
 

@@ -7,26 +7,73 @@ function is, a subclass says.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
-from .conjugates import conjugate
-from .generators import Hints, Sum
 from .limits import EXPONENT, CertificateError, within
 from .nodes import Nodes, children
 from .ring import Element, Ring
 from .signs import Signs
 
+Sum = tuple[tuple[fmpq, int], ...]
+"""Coefficients and nodes."""
+
+Form = tuple[tuple[int, ...], int]
+"""The factors of some primitives, and what is added."""
+
+
+@dataclass(frozen=True)
+class Hints:
+    """Which axiom instances to use: nothing of this is believed, all of it is checked.
+
+    ``sums[f(z)]`` writes the argument of exp, sn or theta as a combination of others,
+    ``values[f]`` names what a root or an absolute value is, ``logs[log f]`` the factors of f,
+    ``signs[f]`` a formula with the same image whose structure shows its sign.
+    """
+
+    sums: Mapping[int, Sum]
+    values: Mapping[int, int]
+    logs: Mapping[int, Sum]
+    signs: Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Generator:
+    """What a generator stands for: ``scale * node / below``, or a sum of products and a shift."""
+
+    node: int
+    scale: fmpq_mpoly | None = None
+    below: int | None = None
+    form: tuple[tuple[int, int], ...] = ()
+    shift: int = 0
+
+    @property
+    def nodes(self) -> list[int]:
+        """The nodes whose values make the generator's."""
+        if self.form:
+            return [self.shift, *(node for pair in self.form for node in pair)]
+        return [self.node] if self.below is None else [self.node, self.below]
+
 
 class Images(ABC):
-    """The nodes of a certificate as elements of a ring."""
+    """The nodes of a certificate as elements of a ring.
 
-    signs: Signs
+    ``positive`` are the nodes that the domain states to be positive (True: or 0).
+    """
 
-    def __init__(self, nodes: Nodes, count: int, variables: Sequence[int], hints: Hints) -> None:
+    def __init__(
+        self,
+        nodes: Nodes,
+        count: int,
+        variables: Sequence[int],
+        positive: Mapping[int, bool],
+        hints: Hints,
+    ) -> None:
         self.nodes, self.ring, self.hints = nodes, Ring(count), hints
-        self.variables = variables
+        self.variables, self.generators = variables, list[Generator]()
+        self.signs = Signs(nodes, self.image, positive, hints.signs)
         self.one = self.ring.number(1)
         self.zero = self.ring.number(0)
         self._images: dict[int, Element] = {}
@@ -112,13 +159,9 @@ class Images(ABC):
             raise CertificateError(f"there is no generator for a {self.nodes.all[node][0]}")
         return self.hints.values[node]
 
-    def conjugate(self, node: int) -> int:
-        """The complex conjugate of a node as a node."""
-        return conjugate(self.nodes, self.signs, node)
-
     def squared(self, inner: int) -> Element:
         """abs(f)**2 = f conj(f)."""
-        return self.image(inner) * self.image(self.conjugate(inner))
+        return self.image(inner) * self.image(self.signs.conjugate(inner))
 
     def _image(self, node: int) -> Element:
         match self.nodes.all[node]:
@@ -158,6 +201,10 @@ class Images(ABC):
         if inner[0] == "Abs" and p % 2 == 0:
             return self.squared(inner[1]) ** (p // 2)
         return self.image(base) ** p
+
+    @abstractmethod
+    def slope(self, place: int, variable: int) -> Element:
+        """The derivative of a generator."""
 
     @abstractmethod
     def _root(self, node: int, base: int, q: int) -> Element:

@@ -1,4 +1,4 @@
-"""Polynomials in the generators over the rationals, modulo relations; fractions and derivations.
+"""Polynomials in the generators over the rationals, modulo relations, and their fractions.
 
 A relation ``g**n = value`` has only earlier generators in its value, so that dividing by the
 relations, the last one first, gives a normal form.  A relation holds at every point, whether or
@@ -15,7 +15,14 @@ from dataclasses import dataclass, field
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
-from .limits import DEGREE, FACTOR_DEGREE, FACTOR_TERMS, WORK, CertificateError, within
+from .limits import (
+    DEGREE,
+    FACTOR_DEGREE,
+    FACTOR_TERMS,
+    WORK,
+    CertificateError,
+    within,
+)
 
 Powers = Mapping[int, int]
 
@@ -215,57 +222,3 @@ def total(ring: Ring, elements: Sequence[Element]) -> Element:
     for element in elements:
         numerator += element.over(below)
     return Element(ring, numerator, below)
-
-
-class Derivation:
-    """The derivation of the ring that takes each generator to its slope."""
-
-    def __init__(self, ring: Ring, slopes: Mapping[int, Element]) -> None:
-        self.ring = ring
-        self.slopes = {i: slope for i, slope in slopes.items() if not slope.is_zero}
-        self.below = common(self.slopes.values())
-        self._steps = {i: slope.over(self.below) for i, slope in self.slopes.items()}
-        self._moved: dict[int, tuple[fmpq_mpoly, bool]] = {}
-
-    def along(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """The derivative of a polynomial times the common denominator of the slopes."""
-        total = self.ring.context.constant(0)
-        for place, step in self._steps.items():
-            partial = polynomial.derivative(self.ring.names[place])
-            if not partial.is_zero():
-                total += self.ring.product(partial, step)
-        return total
-
-    def __call__(self, element: Element) -> Element:
-        """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
-        ring, numerator = self.ring, element.numerator
-        result = self.along(numerator)
-        raised = []
-        for place, power in element.powers.items():
-            slope, divides = self._factor_slope(place)
-            if divides:
-                result -= ring.product(power * slope, numerator)
-            else:
-                raised.append((place, power, slope))
-        for place, _, _ in raised:
-            result = ring.product(result, ring.factors[place])
-        for place, power, slope in raised:
-            term = ring.product(power * slope, numerator)
-            for other, _, _ in raised:
-                term = ring.product(term, ring.factors[other]) if other != place else term
-            result -= term
-        powers = dict(element.powers)
-        for place, _, _ in raised:
-            powers[place] += 1
-        for place, power in self.below.items():
-            powers[place] = powers.get(place, 0) + power
-        return Element(ring, result, powers).cancelled()
-
-    def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
-        """The derivative of a factor (times the common denominator), over it where that goes."""
-        if place not in self._moved:
-            factor = self.ring.factors[place]
-            slope = self.along(factor)
-            quotient = self.ring.quotient(slope, factor)
-            self._moved[place] = (slope, False) if quotient is None else (quotient, True)
-        return self._moved[place]

@@ -1,16 +1,21 @@
-"""Signs of real formulas, derived from a domain by their structure alone.
+"""What a domain shows of formulas: signs, conjugates, smoothness.
 
-A sign is a set of the values -1, 0, 1 that a formula may have the sign of.  What a domain says is
-used through `Signs.stated`; an expression such as 1 - k**2 is decided by a witness: a formula with
-the same image, (1 - k)(1 + k), whose structure shows the sign.
+Signs are derived from the structure of formulas and the inequalities of the domain.  A sign is a
+set of the values -1, 0, 1 that a formula may have the sign of.  An expression such as 1 - k**2 is
+decided by a witness: a formula with the same image, (1 - k)(1 + k), whose structure shows the sign.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import product
 
-from .nodes import Nodes
+from flint import fmpq
+
+from . import axioms
+from .limits import CertificateError
+from .nodes import Balls, Nodes
+from .ring import Element
 
 Sign = frozenset[int]
 
@@ -34,18 +39,35 @@ REAL = (
 )
 """Real where their arguments are real."""
 
+UNBOUNDED = ("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", *BELOW_ONE)
+"""Functions with poles or jumps at real arguments, or for m > 1."""
+
+CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
+"""Analytic functions, besides those of Jacobi."""
+
+THROUGH = ("exp", *axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC)
+"""Functions that take conjugates to conjugates."""
+
+HALF_PI = fmpq(15707963, 10**7)
+"""A little less than pi/2."""
+
 
 class Signs:
     """What a domain tells of the nodes of a table.
 
-    ``stated(node)`` is the sign that a domain's inequality gives directly; ``witnesses`` maps a
-    node to another with the same image.
+    ``positive`` are the nodes that it states to be positive (True: or 0).  ``witnesses`` maps a
+    node to another with the same ``image``.
     """
 
     def __init__(
-        self, nodes: Nodes, stated: Callable[[int], Sign], witness: Callable[[int], int | None]
+        self,
+        nodes: Nodes,
+        image: Callable[[int], Element],
+        positive: Mapping[int, bool],
+        witnesses: Mapping[int, int],
     ) -> None:
-        self._nodes, self._stated, self._witness = nodes, stated, witness
+        self._nodes, self._image = nodes, image
+        self._positive, self._witnesses = positive, witnesses
         self._signs: dict[int, Sign] = {}
         self._real: dict[int, bool] = {}
 
@@ -63,8 +85,9 @@ class Signs:
         if node not in self._signs:
             self._signs[node] = ANY
             found = self._sign(node) & self._stated(node)
-            other = None if len(found) == 1 else self._witness(node)
-            self._signs[node] = found if other is None else found & self.sign(other)
+            if len(found) != 1 and node in self._witnesses:
+                found &= self.sign(self._witness(node))
+            self._signs[node] = found
         return self._signs[node]
 
     def positive(self, node: int) -> bool:
@@ -80,6 +103,73 @@ class Signs:
         made = self._nodes.made
         negative = made("Mul", self._nodes.rational(-1), m)
         return self.positive(made("Add", self._nodes.rational(1), negative))
+
+    def is_between(self, node: int, low: fmpq, high: fmpq) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers."""
+        made, number = self._nodes.made, self._nodes.rational
+        negative = made("Mul", number(-1), node)
+        above = made("Add", node, number(-int(low.p), int(low.q)))
+        below = made("Add", negative, number(int(high.p), int(high.q)))
+        return self.not_negative(above) and self.not_negative(below)
+
+    def conjugate(self, node: int) -> int:
+        """The complex conjugate of a node as a node."""
+        made, inside = self._nodes.made, self.conjugate
+        if self.is_real(node):
+            return node
+        match self._nodes.all[node]:
+            case ("I",):
+                return made("Mul", self._nodes.rational(-1), node)
+            case (("Add" | "Mul") as name, *parts):
+                return made(name, *map(inside, parts))
+            case ("Pow", base, exponent) if exponent.q == 1:
+                return made("Pow", inside(base), exponent)
+            case ("poly", terms, *parts):
+                return made("poly", terms, *map(inside, parts))
+            case ("conjugate", inner):
+                return int(inner)
+            case (str(name), inner) if name in THROUGH:
+                return made(name, inside(inner))
+            case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.is_real(m):
+                return made(name, inside(z), m)
+        name = self._nodes.all[node][0]
+        raise CertificateError(f"the conjugate of {name} does not follow from the domain")
+
+    def is_clean(self, node: int) -> bool:
+        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        for inner in self._nodes.below([node]):
+            name = self._nodes.all[inner][0]
+            if name == "Pow":
+                base, exponent = self._nodes.all[inner][1:]
+                if exponent.q != 1 and not (self.positive(base) and self.is_bounded(base)):
+                    return False
+            elif name in BELOW_ONE:
+                if not self.is_bounded(self._nodes.all[inner][-1]):
+                    return False
+            elif name not in CLEAN and not name.startswith("jacobi_"):
+                return False
+        return True
+
+    def is_bounded(self, node: int) -> bool:
+        """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
+
+        Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
+        """
+        todo, seen = [node], set()
+        while todo:
+            for inner in self._nodes.below([todo.pop()]):
+                if inner in seen:
+                    continue
+                seen.add(inner)
+                name, *arguments = self._nodes.all[inner]
+                if name == "Pow" and arguments[1] < 0 and 0 in self.sign(arguments[0]):
+                    return False
+                complex_jacobi = name.startswith("jacobi_") and not self.is_real(inner)
+                if complex_jacobi or name in UNBOUNDED:
+                    return False
+                if inner in self._witnesses:
+                    todo.append(self._witnesses[inner])
+        return True
 
     def _is_real(self, node: int) -> bool:
         match self._nodes.all[node]:
@@ -133,6 +223,39 @@ class Signs:
             return base & NOT_NEGATIVE
         return Sign(s ** (2 - p % 2) if s else int(p == 0) for s in base)
 
+    def _stated(self, node: int) -> Sign:
+        """The sign that an inequality of the domain gives a node with the same image."""
+        if node in self._positive:
+            return Sign((0, 1)) if self._positive[node] else Sign((1,))
+        match self._nodes.all[node]:
+            case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
+                return POSITIVE
+            case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
+                return POSITIVE if self.positive(z) else NOT_NEGATIVE
+        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol"):
+            return ANY
+        if all(self._nodes.all[inner][0] != "symbol" for inner in self._nodes.below([node])):
+            value = Balls(self._nodes, {}).ball(node).real
+            return Sign((1 if value > 0 else -1,)) if value > 0 or value < 0 else ANY
+        for bound, weak in self._positive.items():
+            try:
+                found = _multiple(self._image(node), self._image(bound))
+            except CertificateError:  # a formula of the domain that the proof has no generator for
+                continue
+            if found is not None:
+                ratio, gap = found
+                side = 1 if ratio > 0 else -1
+                if gap * side >= 0:
+                    return Sign((0, side)) if weak and gap == 0 else Sign((side,))
+        return ANY
+
+    def _witness(self, node: int) -> int:
+        """The formula with the same image that a hint names, checked."""
+        other = self._witnesses[node]
+        if node != other and not (self._image(node) - self._image(other)).is_zero:
+            raise CertificateError("the witness of a sign has another image")
+        return other
+
 
 def _combined(rule: Callable[[int, int], int], parts: list[Sign]) -> Sign:
     """The signs of a sum or product of two parts, one after the other.
@@ -148,4 +271,13 @@ def _combined(rule: Callable[[int, int], int], parts: list[Sign]) -> Sign:
     return found
 
 
-__all__ = ["ANY", "NOT_NEGATIVE", "POSITIVE", "Sign", "Signs"]
+def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:
+    """Rational r, not 0, and c with ``element = r * other + c``."""
+    above, below = element.numerator, other.numerator
+    if element.powers or other.powers or above.is_constant() or below.is_constant():
+        return None
+    ratio = above.leading_coefficient() / below.leading_coefficient()
+    gap = above - ratio * below
+    if not gap.is_constant():
+        return None
+    return ratio, fmpq(0) if gap.is_zero() else gap.leading_coefficient()

@@ -1,0 +1,260 @@
+"""The arguments of the functions in an expression, found before any generator is made.
+
+They are split into parts that depend on the variables and parts that do not, and written as integer
+combinations of a few: sn(2 x) and sn(3 x + K) follow from sn(x) and sn(K).
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from math import lcm
+
+import sympy as sp
+from flint import fmpz_mat
+
+from solutions.functions.jacobi import JacobiFunction
+
+
+class Dependence:
+    """Tells constants (free of ``variables``) from the rest.
+
+    >>> x, a = sp.symbols("x a")
+    >>> Dependence([x]).factors(a * sp.sin(a) * x**2)
+    (a*sin(a), x**2)
+    """
+
+    def __init__(self, variables: Sequence[sp.Symbol]) -> None:
+        self.variables = tuple(variables)
+        self._moves: dict[sp.Basic, bool] = dict.fromkeys(variables, True)
+
+    def moves(self, node: sp.Basic) -> bool:
+        """Whether ``node`` contains a variable."""
+        if node not in self._moves:
+            self._moves[node] = any(self.moves(inner) for inner in node.args)
+        return self._moves[node]
+
+    def factors(self, product: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+        """The constant and the variable factor of ``product``."""
+        return self._parts(product, sp.Mul)
+
+    def summands(self, total: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+        """The constant and the variable part of a sum."""
+        return self._parts(total, sp.Add)
+
+    def _parts(self, whole: sp.Expr, kind: type[sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+        parts = whole.args if isinstance(whole, kind) else (whole,)
+        moving = [part for part in parts if self.moves(part)]
+        if len(moving) == len(parts):
+            return kind(), whole
+        return kind(*(part for part in parts if not self.moves(part))), kind(*moving)
+
+
+Vector = dict[sp.Expr, sp.Rational]
+
+LONGEST = 60
+"""Operations of a quotient that common factors are looked for in."""
+
+
+def expanded_terms(expression: sp.Expr) -> Vector:
+    """The expanded terms of ``expression`` with their rational coefficients.
+
+    >>> x, y = sp.symbols("x y")
+    >>> expanded_terms(2 * (x - y / 3))
+    {x: 2, y: -2/3}
+    """
+    found: Vector = {}
+    for term in sp.Add.make_args(sp.expand(cancelled(expression))):
+        coefficient, rest = term.as_coeff_Mul(rational=True)
+        found[rest] = found.get(rest, sp.S.Zero) + coefficient
+    return {rest: value for rest, value in found.items() if value != 0}
+
+
+def cancelled(expression: sp.Expr) -> sp.Expr:
+    """A quotient of short sums with common factors divided out.
+
+    >>> x = sp.Symbol("x")
+    >>> cancelled((x**2 - 1) / (x + 1))
+    x - 1
+    """
+    below = (node.base for node in expression.atoms(sp.Pow) if node.exp.is_negative)
+    if not any(base.is_Add for base in below) or expression.count_ops() > LONGEST:
+        return expression
+    found: sp.Expr = sp.cancel(expression)
+    return found
+
+
+def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
+    """``exponent`` less its multiples of logarithms and of i atan, and these.
+
+    >>> x, y = sp.symbols("x y")
+    >>> without_logarithms(2 * x - sp.log(y) / 2)
+    (2*x, {log(y): -1/2})
+    """
+    found = expanded_terms(exponent)
+    logarithms = {term: value for term, value in found.items() if _is_logarithm(term, value)}
+    if not logarithms:
+        return exponent, {}
+    rest = sp.Add(*(value * term for term, value in found.items() if term not in logarithms))
+    return rest, logarithms
+
+
+def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
+    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
+    return bool(isinstance(term, sp.log) or turned)
+
+
+class IntegerCombinations:
+    """A basis of the integer combinations of ``arguments``.
+
+    >>> x, y = sp.symbols("x y")
+    >>> found = IntegerCombinations([2 * x, 3 * x + 3 * y, -3 * y])
+    >>> found.basis
+    (x, 3*y)
+    >>> found.coordinates(x - 6 * y)
+    (1, -2)
+    """
+
+    def __init__(self, arguments: Iterable[sp.Expr]) -> None:
+        given = list(dict.fromkeys(arguments))
+        vectors = [expanded_terms(argument) for argument in given]
+        monomials = {monomial for vector in vectors for monomial in vector}
+        self._monomials = sorted(monomials, key=sp.default_sort_key)
+        self._scale = lcm(*(int(value.q) for vector in vectors for value in vector.values()))
+        self._rows = self._hermite([self._integers(vector) for vector in vectors])
+        self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
+
+    def coordinates(self, argument: sp.Expr) -> tuple[int, ...]:
+        """The integers whose combination of the basis is ``argument``.
+
+        Raises ValueError if there are none.
+        """
+        rest, found = self._integers(expanded_terms(argument)), []
+        for row in self._rows:
+            pivot = next(i for i, value in enumerate(row) if value)
+            multiple = rest[pivot] // row[pivot]
+            rest = [value - multiple * step for value, step in zip(rest, row, strict=True)]
+            found.append(multiple)
+        if any(rest):
+            raise ValueError(
+                f"argument must be a combination of {self.basis}, got {argument} (extend the basis)"
+            )
+        return tuple(found)
+
+    def _integers(self, vector: Vector) -> list[int]:
+        unknown = [monomial for monomial in vector if monomial not in self._monomials]
+        if unknown:
+            raise ValueError(
+                f"argument must be made of {self._monomials}, got {unknown[0]} (extend the basis)"
+            )
+        return [int(vector.get(m, sp.S.Zero) * self._scale) for m in self._monomials]
+
+    @staticmethod
+    def _hermite(rows: list[list[int]]) -> list[list[int]]:
+        if not rows or not rows[0]:
+            return []
+        table = fmpz_mat(rows).hnf().table()
+        return [[int(value) for value in row] for row in table if any(row)]
+
+    def _written(self, row: list[int], given: list[sp.Expr], vectors: list[Vector]) -> sp.Expr:
+        """A basis vector as it was given, if it was, up to its sign."""
+        for argument, vector in zip(given, vectors, strict=True):
+            integers = self._integers(vector)
+            if integers == row:
+                return argument
+            if [-value for value in integers] == row:
+                return -argument
+        values = zip(row, self._monomials, strict=True)
+        return sp.Add(*(sp.Rational(value, self._scale) * monomial for value, monomial in values))
+
+
+HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
+TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
+
+
+class Arguments:
+    """The arguments of the exponentials and of the elliptic functions, as integer combinations.
+
+    ``exponents`` combines what stands in exponentials.  For an elliptic parameter m,
+    ``moving(m)`` and ``fixed(m)`` combine the variable and of the constant parts of
+    the arguments.  ``count`` says how often each function occurs; ``circles`` are the symbols s
+    for which sqrt(1 - s**2) occurs and no other root of a sum with s.  ``degrees`` has, for the
+    base of roots, the common multiple of their degrees.
+    """
+
+    def __init__(self, expressions: Iterable[sp.Expr], variables: Sequence[sp.Symbol]) -> None:
+        self.dependence = Dependence(variables)
+        self.count: Counter[tuple[type, sp.Expr]] = Counter()
+        self.circles: set[sp.Symbol] = set()
+        self.degrees: dict[sp.Expr, int] = {}
+        self._exponents: dict[sp.Expr, None] = {}
+        self._moving: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
+        self._fixed: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
+        seen: set[sp.Basic] = set()
+        for expression in expressions:
+            self._visit(expression, seen)
+        self._close_circles()
+        self.exponents = IntegerCombinations(self._exponents)
+        self._combined: dict[tuple[str, sp.Expr], IntegerCombinations] = {}
+
+    def moving(self, m: sp.Expr) -> IntegerCombinations:
+        """The combinations of the variable parts of the elliptic arguments with parameter ``m``."""
+        return self._combinations("moving", m, self._moving)
+
+    def fixed(self, m: sp.Expr) -> IntegerCombinations:
+        """Those of the constant parts."""
+        return self._combinations("fixed", m, self._fixed)
+
+    def parts(self, argument: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+        """``argument`` as a sum of a variable and a constant part."""
+        constant, variable = self.dependence.summands(sp.expand(argument))
+        return variable, constant
+
+    def _combinations(
+        self, kind: str, m: sp.Expr, found: defaultdict[sp.Expr, dict[sp.Expr, None]]
+    ) -> IntegerCombinations:
+        if (kind, m) not in self._combined:
+            self._combined[kind, m] = IntegerCombinations(found[m])
+        return self._combined[kind, m]
+
+    def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
+        for inner in node.args:
+            self._visit(inner, seen)
+        if isinstance(node, JacobiFunction):
+            self.count[type(node), node.args[1]] += 1
+        if node in seen:
+            return
+        seen.add(node)
+        if isinstance(node, (sp.exp, *HYPERBOLIC)):
+            self._exponents[without_logarithms(node.args[0])[0]] = None
+        elif isinstance(node, TRIGONOMETRIC):
+            self._exponents[sp.I * node.args[0]] = None
+        elif isinstance(node, JacobiFunction):
+            self._elliptic(*node.args)
+        elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
+            self._root(node.base, int(node.exp.q))
+        elif node is sp.E:
+            self._exponents[sp.S.One] = None
+
+    def _elliptic(self, argument: sp.Expr, m: sp.Expr) -> None:
+        variable, constant = self.parts(argument)
+        if variable != 0:
+            self._moving[m][variable] = None
+        if constant != 0:
+            self._fixed[m][constant] = None
+
+    def _root(self, base: sp.Expr, degree: int) -> None:
+        self.degrees[base] = lcm(degree, self.degrees.get(base, 1))
+        rest = 1 - base
+        is_square = rest.is_Pow and rest.exp == 2 and rest.base.is_Symbol
+        if is_square and rest.base not in self.dependence.variables:
+            self.circles.add(rest.base)
+
+    def _close_circles(self) -> None:
+        """Without another root of a sum with s: its relation with sqrt(1 - s**2) would be lost."""
+        for symbol in list(self.circles):
+            sums = [base for base in self.degrees if not base.is_Symbol and base.has(symbol)]
+            if sums != [1 - symbol**2]:
+                self.circles.remove(symbol)

@@ -1,0 +1,245 @@
+"""The catalogue's closed forms and the rational orders behind them, proved and checked by name.
+
+They are proved in the lab variables X, T with all constants symbolic, parametrised so that no
+square root is left.  The normal form's variables are ``xi = a X``, ``tau = b T`` with square roots
+of K2 and K4 in a and b.  In the generators c > 0 and a > 0 everything is rational: K2, the
+sign-fixed K4 and b follow from the derivation's own record, and (K2, |K4|) <-> (c, a) is one to
+one.  What holds identically in X, T, a, c therefore holds for all X, T, K2 > 0 and K4 of that
+sign.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from derive import mkdv_normal_form, mkdv_reduction
+from derive.symbols import K2, K4, T, X, c
+from solutions.catalogue import CATALOGUE, closed_form
+from solutions.forms.rational import rational, rational_tau
+from solutions.parameter import Bound
+from solutions.record import ClosedForm
+from verify.verdict import ProofVerdict
+
+from .certificate import statement_data
+from .certificate_writer import NodeTable
+from .checker import CertificateError, same_statement
+from .checker import check_certificate as check_content
+from .domains import Domain
+from .problem import EqualityProblem, SolutionProblem, equality_problem, solution_problem
+from .prover import decide
+from .rational_proofs import prove_rational, rational_certificate
+
+
+def prove_form(form: ClosedForm) -> ProofVerdict:
+    """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
+
+    The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
+    generators of `lab.lab_frame`, one to one.
+
+    >>> from solutions import closed_form
+    >>> prove_form(closed_form("kink")).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    start = time.perf_counter()
+    return decide(lab_problem(form), start)
+
+
+def lab_problem(form: ClosedForm) -> SolutionProblem:
+    """The statement that ``form`` solves the equation in the lab variables."""
+    frame = lab_frame(form.equation.s)
+    variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
+    expression = form.expression.xreplace(variables)
+    return solution_problem(
+        LabEquation(frame), expression, name=form.name, stated=form_domains(form)
+    )
+
+
+def prove_stable(form: ClosedForm) -> ProofVerdict:
+    """Decide whether the evaluation form of ``form`` is the same function as its canonical one.
+
+    >>> from solutions import closed_form
+    >>> prove_stable(closed_form("rational_2")).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    start = time.perf_counter()
+    return decide(stable_problem(form), start)
+
+
+def stable_problem(form: ClosedForm) -> EqualityProblem:
+    """The statement that the evaluation form of ``form`` is its canonical one."""
+    return equality_problem(
+        form.expression,
+        form.stable,
+        (form.equation.xi, form.equation.tau),
+        name=form.name,
+        equation_name="stable form = canonical form",
+        stated=form_domains(form),
+    )
+
+
+def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
+    """The domains of the parameters of a closed form, from its record.
+
+    >>> from solutions import closed_form
+    >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
+    {'k': '0 < k < 1'}
+    """
+    return {
+        parameter.symbol: _between(parameter.lower, parameter.upper)
+        for parameter in form.parameters
+    }
+
+
+def check_certificate(data: Any) -> str:
+    """Repeat the proof in ``data`` and return its statement in words.
+
+    Raises CertificateError if the proof fails, or if it has the name of a closed form and states
+    something else.
+    """
+    statement = check_content(data)
+    name = data["name"]
+    try:
+        form = closed_form(name)
+    except ValueError:
+        return statement
+    if not any(same_statement(data, other) for other in _named(form)):
+        raise CertificateError(f"{name} is a closed form of the catalogue, and not the one stated")
+    return statement
+
+
+def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
+    """What a certificate with the name of ``form`` may state."""
+    family = form.name.removeprefix("rational_")
+    if family.isdigit() and form not in CATALOGUE:
+        tau = rational_tau(int(family))
+        yield rational_certificate(int(family), tau.A, tau.B)
+    own = solution_problem(form.equation, form.expression, stated=form_domains(form))
+    for problem in (lab_problem(form), own, stable_problem(form)):
+        table = NodeTable()
+        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
+
+
+def _between(lower: Bound | None, upper: Bound | None) -> Domain:
+    return Domain(
+        -sp.oo if lower is None else lower.value,
+        sp.oo if upper is None else upper.value,
+        lower is None or lower.is_open,
+        upper is None or upper.is_open,
+    )
+
+
+a = sp.Symbol("a", positive=True)
+
+
+@dataclass(frozen=True)
+class LabFrame:
+    """K2, K4, xi and tau as rational functions of X, T, a and c, for K4 of the sign ``s``."""
+
+    s: int
+    K2: sp.Expr
+    K4: sp.Expr
+    xi: sp.Expr
+    tau: sp.Expr
+
+    @property
+    def generators(self) -> tuple[sp.Symbol, sp.Symbol]:
+        """The symbols that stand for K2 and K4."""
+        return (c, a)
+
+    def constants(self) -> dict[sp.Symbol, sp.Expr]:
+        """The lattice constants in the generators."""
+        return {K2: self.K2, K4: self.K4}
+
+
+@functools.cache
+def lab_frame(s: int) -> LabFrame:
+    """The parametrisation for K4 of the sign ``s`` (+1 or -1), from the normal-form record."""
+    size = sp.Symbol("size", positive=True)
+    record = mkdv_normal_form(K2, s * size)
+    stiffness = sp.solve(record.c**2 - c**2, K2)[0]
+    cubic = sp.solve(record.a**2 - a**2, size)[0].subs(K2, stiffness)
+    rate = record.b.subs({size: cubic, K2: stiffness})
+    return LabFrame(s, stiffness, s * cubic, a * X, rate * T)
+
+
+@dataclass(frozen=True)
+class LabEquation:
+    """The reduced equation in X and T with the derivation's coefficients, in the generators."""
+
+    frame: LabFrame
+
+    @property
+    def name(self) -> str:
+        """The name of the equation."""
+        return f"mKdV in X, T, K4 {'>' if self.frame.s > 0 else '<'} 0"
+
+    @property
+    def xi(self) -> sp.Symbol:
+        """The space variable X."""
+        return X
+
+    @property
+    def tau(self) -> sp.Symbol:
+        """The time variable T."""
+        return T
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``."""
+        pde, constants = mkdv_reduction().pde, self.frame.constants()
+        nonlinear = pde.nonlinear_coefficient.subs(constants)
+        dispersive = pde.dispersive_coefficient.subs(constants)
+        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
+
+
+HIGHER_ORDERS = range(4, 10)
+"""The orders of the rational family that are proved along with the catalogue."""
+
+NAMES = (
+    *CATALOGUE.names,
+    *(f"rational_{order}" for order in HIGHER_ORDERS),
+)
+"""Every form that is checked where none is named."""
+
+
+def higher_order(name: str) -> int | None:
+    """The order of a member of the rational family; None for a name of the catalogue.
+
+    Raises ValueError, listing the catalogue, if ``name`` is neither.
+
+    >>> higher_order("rational_7"), higher_order("rational_2")
+    (7, None)
+    """
+    member = re.fullmatch(r"rational_([1-9][0-9]?)", name)
+    if member is None or int(member[1]) < HIGHER_ORDERS.start:
+        closed_form(name)
+        return None
+    return int(member[1])
+
+
+def named_form(name: str) -> ClosedForm:
+    """The closed form of that name; raises ValueError as `higher_order` does."""
+    order = higher_order(name)
+    return closed_form(name) if order is None else rational(order)
+
+
+def prove_named(name: str) -> ProofVerdict:
+    """The exact verdict on the form called ``name``; raises ValueError as `higher_order` does.
+
+    >>> print(prove_named("rational_2").outcome, prove_named("rational_4").outcome)
+    PROVED PROVED
+    """
+    order = higher_order(name)
+    return prove_form(named_form(name)) if order is None else prove_rational(order)
+
+
+def prove_all(names: Iterable[str] = NAMES) -> Iterator[ProofVerdict]:
+    """The verdicts on the forms called ``names``, one after the other as they are reached."""
+    for name in names:
+        yield prove_named(name)

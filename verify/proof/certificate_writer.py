@@ -1,0 +1,151 @@
+"""A certificate that is being written: SymPy expressions as nodes, a proof's generators and hints.
+
+A node is ``[name, ...]``: a number, a symbol, a constant, or a function with the places of its
+arguments, which stand earlier in the table.  Equal subexpressions share one node.  Generators and
+hints are places in the table.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+from flint import fmpq_mpoly
+
+from solutions import functions
+
+from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .checker.limits import FORMAT, digest
+from .domains import Point
+
+Node = list[Any]
+
+FUNCTIONS: dict[str, type] = {
+    function.__name__: function
+    for function in (
+        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan),
+        *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
+        *HYPERBOLIC,
+        *TRIGONOMETRIC,
+        *(getattr(functions, name) for name in functions.__all__),
+    )
+}
+CONSTANTS = {sp.I: "I", sp.pi: "pi"}
+
+
+class NodeTable:
+    """The nodes of some expressions; symbols are real.
+
+    >>> table = NodeTable()
+    >>> table.place(sp.Symbol("x") / 2)
+    2
+    >>> table.nodes
+    [['number', '1/2'], ['symbol', 'x', 'real'], ['Mul', 0, 1]]
+    """
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._places: dict[sp.Expr, int] = {}
+        self._known: dict[str, int] = {}
+
+    def place(self, expression: sp.Expr) -> int:
+        """Where ``expression`` stands; raises ValueError for a function not in the list."""
+        if expression not in self._places:
+            self._places[expression] = self.made(*self._node(expression))
+        return self._places[expression]
+
+    def made(self, *node: Any) -> int:
+        """Where a node stands that is given as it is."""
+        key = str(node)
+        if key not in self._known:
+            self._known[key] = len(self.nodes)
+            self.nodes.append(list(node))
+        return self._known[key]
+
+    def _node(self, expression: sp.Expr) -> Node:
+        if expression.is_Rational:
+            return ["number", str(expression)]
+        if expression.is_Symbol:
+            return ["symbol", expression.name, "real"]
+        if expression in CONSTANTS:
+            return ["constant", CONSTANTS[expression]]
+        if expression is sp.E:
+            return ["exp", self.place(sp.S.One)]
+        if expression.is_Pow and expression.exp.is_Rational:
+            return ["Pow", self.place(expression.base), str(expression.exp)]
+        name = expression.func.__name__
+        if FUNCTIONS.get(name) is not expression.func:
+            raise ValueError(
+                f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
+            )
+        return [name, *map(self.place, expression.args)]
+
+    def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
+        """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
+        terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
+        return self.made("poly", terms, *places)
+
+
+Data = dict[str, Any]
+
+
+class Certificate(Data):
+    """A proof as plain data, with its digest; ``json.dumps`` writes it.
+
+    >>> Certificate.signed("nothing", NodeTable(), {}, {"generators": [], "point": []})
+    <Certificate of nothing: 0 generators, 199 bytes, digest 0d8344b8>
+    """
+
+    @classmethod
+    def signed(cls, name: str, table: NodeTable, statement: Data, proof: Data) -> Certificate:
+        """The certificate of ``statement`` by ``proof``, places in ``table``."""
+        body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
+        body |= {"statement": statement, "proof": proof}
+        return cls(body | {"digest": digest(body)})
+
+    @property
+    def generators(self) -> int:
+        """How many generators the proof has."""
+        entries = self["proof"]["generators"]
+        return sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in entries)
+
+    @property
+    def point(self) -> str:
+        """The point at which no denominator vanishes, in words."""
+        nodes = self["nodes"]
+        found = (f"{nodes[place][1]} = {value}" for place, value in self["proof"]["point"])
+        return ", ".join(sorted(found))
+
+    def __repr__(self) -> str:
+        size = f"{self.generators} generators, {len(json.dumps(self))} bytes"
+        return f"<Certificate of {self['name']}: {size}, digest {self['digest'][:8]}>"
+
+
+class ProofWriter:
+    """The generators so far, the hints by kind, and the witnesses of signs."""
+
+    def __init__(self, table: NodeTable) -> None:
+        self.table = table
+        self.generators: list[list[Any]] = []
+        self.registered: set[int] = set()
+        self.hints: dict[str, dict[int, Any]] = {n: {} for n in ("sums", "values", "logs")}
+        self.signs: dict[int, int] = {}
+        self.parts: list[list[Any]] = []
+
+    def atom(self, place: int, *rest: Any) -> None:
+        """A generator for the node at ``place``, unless it has one; ``rest`` if it is no atom."""
+        if place not in self.registered:
+            self.registered.add(place)
+            self.generators.append([*(rest or ("atom", place))])
+
+    def data(self, point: Point) -> Data:
+        """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        return {
+            "generators": self.generators,
+            **{name: [[z, v] for z, v in hints.items()] for name, hints in self.hints.items()},
+            "signs": [[node, other] for node, other in self.signs.items()],
+            "point": [[self.table.place(s), str(value)] for s, value in point.items()],
+            "parts": self.parts,
+        }

@@ -1,0 +1,215 @@
+"""Values of functions that are no generators, by the axioms, where their premises are shown.
+
+Roots and absolute values (which value is the principal one), exp, log and atan of sums and
+products, and Jacobi functions by the addition theorems.
+"""
+
+from __future__ import annotations
+
+from flint import fmpq
+
+from . import axioms
+from .axioms import Station
+from .images import Images, integer_of
+from .limits import CertificateError
+from .ring import Element
+from .signs import BELOW_ONE, HALF_PI
+
+
+def root(images: Images, node: int, base: int, q: int) -> Element:
+    """base**(1/q): a generator, or a value whose power and whose branch are checked."""
+    known = images.known(node)
+    if known is not None:
+        return known
+    value = images.named(node)
+    if not (images.image(value) ** q - images.image(base)).is_zero:
+        raise CertificateError(f"the power {q} of what a root is said to be is another")
+    if not (images.signs.not_negative(value) or (q == 2 and _is_principal(images, value))):
+        raise CertificateError("what a root is said to be is not shown to be >= 0 there")
+    return images.image(value)
+
+
+def absolute_value(images: Images, node: int, inner: int) -> Element:
+    """abs(inner): a value whose square is right, and that is not negative."""
+    value = images.named(node)
+    if not (images.image(value) ** 2 - images.squared(inner)).is_zero:
+        raise CertificateError("what an absolute value is said to be has another square")
+    if not images.signs.not_negative(value):
+        raise CertificateError("what an absolute value is said to be is not shown to be >= 0 there")
+    return images.image(value)
+
+
+def _is_principal(images: Images, node: int) -> bool:
+    """Whether a value w is shown to be the root of w**2: Re w > 0, or w = i s with s >= 0."""
+    height, real = angle_of(images, node), _real_part(images, node)
+    above = height is not None and images.signs.not_negative(height)
+    return above or (real is not None and images.signs.positive(real))
+
+
+def _real_part(images: Images, node: int) -> int | None:
+    """A node for the real part of a sum of real terms, phases and multiples of them."""
+    made = images.nodes.made
+    if images.signs.is_real(node):
+        return node
+    match images.nodes.all[node]:
+        case ("I",):
+            return images.nodes.rational(0)
+        case ("Add", *terms):
+            parts = [_real_part(images, term) for term in terms]
+            known = [part for part in parts if part is not None]
+            return made("Add", *known) if len(known) == len(parts) else None
+        case ("Mul", *factors):
+            rest = [factor for factor in factors if not images.signs.is_real(factor)]
+            part = _real_part(images, rest[0]) if len(rest) == 1 else None
+            real = [factor for factor in factors if factor not in rest]
+            return None if part is None else made("Mul", part, *real)
+        case ("exp", z):
+            angle = angle_of(images, z)
+            return None if angle is None else made("cos", angle)
+        case ("Pow", _, exponent) if exponent == fmpq(1, 2):
+            return made("Abs", made("re", node))  # the principal root's is not negative
+    return None
+
+
+def angle_of(images: Images, z: int) -> int | None:
+    """The real factor of I in a node ``I * angle``."""
+    match images.nodes.all[z]:
+        case ("Mul", *factors):
+            rest = [f for f in factors if images.nodes.all[f] != ("I",)]
+            if len(factors) == len(rest) + 1 and rest and all(map(images.signs.is_real, rest)):
+                return rest[0] if len(rest) == 1 else images.nodes.made("Mul", *rest)
+    return None
+
+
+def exponential(images: Images, z: int) -> Element:
+    """exp(sum n u) = product of exp(u)**n, with exp(q log f) = f**q."""
+    result = images.one
+    for coefficient, u in images.sum_of(images.nodes.made("exp", z)):
+        inner = images.nodes.all[u]
+        angle = angle_of(images, u)
+        if inner[0] == "log":
+            power = images.nodes.made("Pow", inner[1], coefficient)
+            result = result * images.image(power)
+        elif angle is not None and images.nodes.all[angle][0] == "atan":
+            half = integer_of(coefficient / 2)
+            result = result * _phase(images, images.nodes.all[angle][1]) ** half
+        else:
+            result = result * images.made("exp", u) ** integer_of(coefficient)
+    return result
+
+
+def _phase(images: Images, f: int) -> Element:
+    """exp(2 i atan f) = (1 + i f)/(1 - i f)."""
+    turned = images.image(images.nodes.made("I")) * images.image(f)
+    return (images.one + turned) / (images.one - turned)
+
+
+def logarithm(images: Images, node: int, inner: int) -> Element:
+    """log of a product of powers of positive factors."""
+    if node not in images.hints.logs:
+        raise CertificateError("there is no generator for a log")
+    product, total = images.one, images.zero
+    for q, factor in images.hints.logs[node]:
+        # It is not 0 where the logarithm is smooth.
+        if not images.signs.not_negative(factor):
+            raise CertificateError("a factor in a logarithm is not shown to be positive")
+        product = product * images.image(images.nodes.made("Pow", factor, q))
+        part = images.nodes.all[factor]
+        value = images.image(part[1]) if part[0] == "exp" else images.made("log", factor)
+        total = total + images.ring.number(q) * value
+    if product.is_zero or not (product - images.image(inner)).is_zero:
+        raise CertificateError("a logarithm is not of the product that it is said to be of")
+    return total
+
+
+def arctangent(images: Images, node: int, inner: int) -> Element:
+    """The number between -pi/2 and pi/2 with a given tangent."""
+    value = images.named(node)
+    if not images.signs.is_between(value, -HALF_PI, HALF_PI):
+        raise CertificateError("what an atan is said to be is not shown to be within pi/2 of 0")
+    if not (images.made("tan", value) - images.image(inner)).is_zero:
+        raise CertificateError("what an atan is said to be has another tangent")
+    return images.image(value)
+
+
+class Jacobi:
+    """Images of Jacobi functions that follow from those of others."""
+
+    def __init__(self, images: Images) -> None:
+        self._images = images
+        self._stations: dict[tuple[int, int, str], Station] = {}
+
+    def need_parameter(self, name: str, m: int) -> None:
+        """Elliptic functions have a constant parameter; K and what is made with it, one below 1."""
+        images = self._images
+        if images.moves(m):
+            raise CertificateError("the parameter m of an elliptic function must be constant")
+        if name in BELOW_ONE and not images.signs.below_one(m):
+            raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
+        if name in ("jacobi_theta", "jacobi_eta") and not images.signs.positive(m):
+            raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
+
+    def value(self, name: str, z: int, m: int) -> Element:
+        """The image of a Jacobi function, by the addition theorems."""
+        images = self._images
+        self.need_parameter(f"jacobi_{name}", m)
+        if name == "theta":
+            return self._theta(z, m)
+        if name == "eta":
+            root = images.image(images.nodes.made("Pow", m, fmpq(1, 4)))
+            return root * images.made("jacobi_sn", z, m) * images.made("jacobi_theta", z, m)
+        if name == "zeta" and not images.atoms("jacobi_zeta"):
+            mean = images.made("elliptic_e", m) / images.made("elliptic_k", m)
+            return images.made("jacobi_epsilon", z, m) - images.image(z) * mean
+        station = self._station(z, m, name if name in ("epsilon", "zeta") else "")
+        if name in ("epsilon", "zeta"):
+            if station.second is None:
+                return images.zero
+            return station.second
+        found: Element = getattr(station, name)
+        return found
+
+    def _station(self, z: int, m: int, second: str) -> Station:
+        images = self._images
+        if (z, m, second) not in self._stations:
+            found = images.sum_of(images.nodes.made("jacobi_sn", z, m))
+            parts = [(integer_of(n), u) for n, u in found]
+            total: Station | None = None
+            for n, u in parts:
+                if n:
+                    step = self._base(u, m, second).times(n)
+                    total = step if total is None else total + step
+            if total is None:
+                zero, one = images.zero, images.one
+                total = Station(images.image(m), zero, one, one, zero)
+            self._stations[z, m, second] = total
+        return self._stations[z, m, second]
+
+    def _base(self, u: int, m: int, second: str) -> Station:
+        """A generator's argument, or K, or again a sum."""
+        images = self._images
+        made, parameter = images.nodes.made, images.image(m)
+        if images.nodes.all[u] == ("elliptic_k", m):
+            negative = made("Mul", images.nodes.rational(-1), m)
+            rest = made("Add", images.nodes.rational(1), negative)
+            dn = images.image(made("Pow", rest, fmpq(1, 2)))
+            value = images.made("elliptic_e", m) if second == "epsilon" else images.zero
+            return Station(parameter, images.one, images.zero, dn, value)
+        names = [f"jacobi_{name}" for name in ("sn", "cn", "dn", second) if name]
+        return Station(parameter, *(images.made(name, u, m) for name in names))
+
+    def _theta(self, z: int, m: int) -> Element:
+        """Theta is even; Theta(u-d) by the product theorem."""
+        images = self._images
+        for atom in images.atoms("jacobi_theta"):
+            _, other, parameter = images.nodes.all[atom]
+            if images.equal(m, parameter) and (images.image(z) + images.image(other)).is_zero:
+                return images.image(atom)
+        match images.sum_of(images.nodes.made("jacobi_theta", z, m)):
+            case ((plus, u), (minus, d)) if plus == 1 and minus == -1:
+                arguments = (images.nodes.made("Add", u, d), u, d, images.nodes.rational(0))
+            case _:
+                raise CertificateError("theta's argument must be a difference of two")
+        ahead, here, shift, zero = (images.made("jacobi_theta", a, m) for a in arguments)
+        sines = (images.made("jacobi_sn", u, m), images.made("jacobi_sn", d, m))
+        return axioms.behind(images.image(m), (ahead, here, shift, zero), sines)

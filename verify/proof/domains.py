@@ -1,0 +1,371 @@
+"""Real intervals: where a variable or parameter lives, and where the values of a formula do.
+
+A `Domain` has ends in symbols, from assumptions and from what is stated; a `Range` has numbers, and
+exact arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy as sp
+
+from solutions.exact import shown
+
+
+@dataclass(frozen=True)
+class Domain:
+    """The real numbers between two ends, perhaps without 0 or only its integers.
+
+    An end is a rational number, infinite, or a formula in other symbols (``elliptic_k(k**2)``);
+    an infinite end is open.
+
+    >>> k = sp.Symbol("k")
+    >>> Domain(sp.S.Zero, sp.S.One, upper_open=False).text(k)
+    '0 < k <= 1'
+    >>> Domain().text(k), Domain(nonzero=True, integer=True).text(k)
+    ('k real', 'k integer, k != 0')
+    """
+
+    lower: sp.Expr = sp.S.NegativeInfinity
+    upper: sp.Expr = sp.S.Infinity
+    lower_open: bool = True
+    upper_open: bool = True
+    nonzero: bool = False
+    integer: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise TypeError for an end that is no SymPy expression; text is not evaluated."""
+        for end in (self.lower, self.upper):
+            if not isinstance(end, sp.Expr):
+                raise TypeError(
+                    f"ends of domains must be SymPy expressions, got {shown(end)} "
+                    "(such as sympy.Rational(1, 2))"
+                )
+
+    def text(self, symbol: sp.Symbol) -> str:
+        """The domain in words, of ``symbol``."""
+        left = "" if self.lower == -sp.oo else f"{self.lower} {'<' if self.lower_open else '<='} "
+        right = "" if self.upper == sp.oo else f" {'<' if self.upper_open else '<='} {self.upper}"
+        kind = "integer" if self.integer else "real"
+        words = f"{left}{symbol}{right}" if left or right else f"{symbol} {kind}"
+        words += ", integer" if self.integer and (left or right) else ""
+        return f"{words}, {symbol} != 0" if self.nonzero else words
+
+    def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+        """Both ends, with ``values`` for the symbols that they contain."""
+        if not self.lower.is_Atom or not self.upper.is_Atom:
+            return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
+        return values.get(self.lower, self.lower), values.get(self.upper, self.upper)
+
+    def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
+        """Whether ``value`` lies inside, the other symbols having ``values``."""
+        lower, upper = self.ends(values)
+        above = lower == -sp.oo or (value > lower if self.lower_open else value >= lower)
+        below = upper == sp.oo or (value < upper if self.upper_open else value <= upper)
+        whole = value.is_Integer or not self.integer
+        return bool(above and below and whole and not (self.nonzero and value == 0))
+
+    @property
+    def symbols(self) -> set[sp.Symbol]:
+        """The symbols that the ends contain."""
+        return set(self.lower.free_symbols | self.upper.free_symbols)
+
+    def __and__(self, other: Domain) -> Domain:
+        """The common part; of two ends that cannot be compared, that of ``other``."""
+        lower, lower_open = _inner(
+            (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
+        )
+        upper, upper_open = _inner(
+            (self.upper, self.upper_open), (other.upper, other.upper_open), side=-1
+        )
+        nonzero, integer = self.nonzero or other.nonzero, self.integer or other.integer
+        return Domain(lower, upper, lower_open, upper_open, nonzero, integer)
+
+
+REAL = Domain()
+POSITIVE = Domain(lower=sp.S.Zero)
+NEGATIVE = Domain(upper=sp.S.Zero)
+
+HARMLESS = {"commutative", "extended_real", "hermitian", "imaginary", "finite", "infinite"}
+"""What may be assumed of a symbol that is then taken to be real."""
+
+KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
+
+Domains = Mapping[sp.Symbol, Domain]
+Point = Mapping[sp.Symbol, sp.Rational]
+
+
+def assumed_domain(symbol: sp.Symbol) -> Domain:
+    """What SymPy's assumptions say of ``symbol``; without any it is real.
+
+    Raises ValueError for a symbol that is declared complex or not real, and for one of which more
+    is assumed than a domain can say.
+
+    >>> assumed_domain(sp.Symbol("q", nonnegative=True)).text("q")
+    '0 <= q'
+    """
+    if symbol.is_real is False or (symbol.assumptions0.get("complex") and symbol.is_real is None):
+        raise ValueError(
+            f"symbols must be real, got {symbol} that is declared complex or not real "
+            "(write it as a + I*b with real a and b)"
+        )
+    _check_assumptions(symbol)
+    low = sp.S.Zero if symbol.is_nonnegative else sp.S.NegativeInfinity
+    high = sp.S.Zero if symbol.is_nonpositive else sp.S.Infinity
+    excluded = bool(symbol.is_nonzero)
+    inside = low == 0 or high == 0
+    return Domain(
+        low,
+        high,
+        lower_open=low != 0 or excluded,
+        upper_open=high != 0 or excluded,
+        nonzero=excluded and not inside,
+        integer=bool(symbol.is_integer),
+    )
+
+
+def settled_domains(
+    symbols: Iterable[sp.Symbol], stated: Mapping[sp.Symbol, Domain | sp.Interval]
+) -> dict[sp.Symbol, Domain]:
+    """The domain of each symbol: what is assumed and what is stated, both.
+
+    Raises TypeError for what is no symbol, ValueError for two symbols of one name, a stated
+    domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
+    without an inner point.
+    """
+    everything = set(symbols)
+    for symbol in (*everything, *stated):
+        if not isinstance(symbol, sp.Symbol):
+            raise TypeError(f"symbols must be sympy.Symbol, got {shown(symbol)} (make it one)")
+    intervals = {symbol: as_domain(domain) for symbol, domain in stated.items()}
+    for symbol in list(everything):
+        everything |= intervals[symbol].symbols if symbol in intervals else set()
+    found = {symbol: assumed_domain(symbol) for symbol in sorted(everything, key=str)}
+    names = [symbol.name for symbol in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"symbols must differ in name, got two called {name} (rename one)")
+    by_name = {symbol.name: symbol for symbol in found}
+    for symbol, domain in intervals.items():
+        own = by_name.get(symbol.name)
+        if own is not None:
+            found[own] = found[own] & assumed_domain(symbol) & domain
+    for symbol, domain in found.items():
+        _check_inner_point(symbol, domain)
+    in_order(found)
+    return found
+
+
+def as_domain(domain: Domain | sp.Interval) -> Domain:
+    """A domain given as one, or as SymPy's interval.
+
+    >>> as_domain(sp.Interval.open(0, 1)).text("k")
+    '0 < k < 1'
+    """
+    if isinstance(domain, Domain):
+        return domain
+    if isinstance(domain, sp.Interval):
+        return Domain(domain.start, domain.end, bool(domain.left_open), bool(domain.right_open))
+    raise ValueError(
+        f"domains must be intervals, got {shown(domain)} (such as sympy.Interval.open(0, 1))"
+    )
+
+
+def in_order(domains: Domains) -> list[sp.Symbol]:
+    """The symbols, each after those that its ends contain; raises ValueError for a cycle."""
+    ordered: list[sp.Symbol] = []
+    waiting = list(domains)
+    while waiting:
+        ready = [s for s in waiting if not domains[s].symbols & set(waiting)]
+        if not ready:
+            raise ValueError(f"ends must not depend on each other, got those of {waiting}")
+        ordered += ready
+        waiting = [s for s in waiting if s not in ready]
+    return ordered
+
+
+def _check_assumptions(symbol: sp.Symbol) -> None:
+    """Raise ValueError where samples would leave what is assumed of ``symbol``."""
+    assumed = dict(symbol.assumptions0)
+    if symbol.is_real is None:
+        beyond = sorted(assumed.keys() - HARMLESS)
+    else:
+        counted = symbol.is_integer and symbol.is_positive
+        beyond = [k for k in KINDS_OF_INTEGERS if assumed.get(k) or (counted and k in assumed)]
+    if beyond:
+        raise ValueError(
+            f"symbols must be real, integer or of one sign, got {symbol} with {beyond[0]} = "
+            f"{assumed[beyond[0]]} (write an even one as 2*n, an extended one as positive)"
+        )
+
+
+def _inner(
+    left: tuple[sp.Expr, bool], right: tuple[sp.Expr, bool], side: int
+) -> tuple[sp.Expr, bool]:
+    """The end further inside; of equal ones the open one."""
+    if left[0] == right[0]:
+        return left[0], left[1] or right[1]
+    if left[0] in (sp.oo, -sp.oo):
+        return right
+    if right[0] in (sp.oo, -sp.oo):
+        return left
+    closer = side * (left[0] - right[0])
+    return left if closer.is_positive else right
+
+
+def _check_inner_point(symbol: sp.Symbol, domain: Domain) -> None:
+    for end in (domain.lower, domain.upper):
+        if not (end.is_Rational or end in (sp.oo, -sp.oo) or end.free_symbols):
+            raise ValueError(
+                f"ends of domains must be rational or infinite, got {end} for {symbol} "
+                "(take a rational number inside)"
+            )
+    if domain.symbols:
+        return
+    if not domain.lower < domain.upper:
+        raise ValueError(
+            f"domains must hold more than one point, got {domain.text(symbol)} "
+            f"(put the value in place of {symbol})"
+        )
+
+
+Number = Fraction | float
+"""A rational number, or plus or minus infinity."""
+
+End = tuple[Number, bool]
+"""A value, and whether it is left out."""
+
+INFINITY = math.inf
+LARGEST_POWER = 64
+"""Of higher powers only the sign is kept."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values of a formula: all real numbers between two ends; an infinite end is open.
+
+    >>> Range(Fraction(-2), Fraction(1)) ** 2
+    Range(lower=Fraction(0, 1), upper=Fraction(4, 1), lower_open=False, upper_open=False)
+    """
+
+    lower: Number = -INFINITY
+    upper: Number = INFINITY
+    lower_open: bool = False
+    upper_open: bool = False
+
+    @property
+    def is_positive(self) -> bool:
+        """Whether every number in it is positive."""
+        return self.lower > 0 or (self.lower == 0 and self.lower_open)
+
+    @property
+    def is_nonnegative(self) -> bool:
+        """Whether no number in it is negative."""
+        return self.lower >= 0
+
+    @property
+    def is_negative(self) -> bool:
+        """Whether every number in it is negative."""
+        return (-self).is_positive
+
+    @property
+    def is_nonpositive(self) -> bool:
+        """Whether no number in it is positive."""
+        return self.upper <= 0
+
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether 0 lies outside."""
+        return self.is_positive or self.is_negative
+
+    def __neg__(self) -> Range:
+        return Range(-self.upper, -self.lower, self.upper_open, self.lower_open)
+
+    def __add__(self, other: Range) -> Range:
+        return Range(
+            _sum(self.lower, other.lower),
+            _sum(self.upper, other.upper),
+            self.lower_open or other.lower_open,
+            self.upper_open or other.upper_open,
+        )
+
+    def __mul__(self, other: Range) -> Range:
+        ends = [
+            _product(left, right)
+            for left in ((self.lower, self.lower_open), (self.upper, self.upper_open))
+            for right in ((other.lower, other.lower_open), (other.upper, other.upper_open))
+        ]
+        lower = min(value for value, _ in ends)
+        upper = max(value for value, _ in ends)
+        return Range(
+            lower,
+            upper,
+            all(is_open for value, is_open in ends if value == lower),
+            all(is_open for value, is_open in ends if value == upper),
+        )
+
+    def __pow__(self, exponent: int) -> Range:
+        """The powers with an integer exponent; of a negative one, those of the reciprocals."""
+        if exponent < 0:
+            return (self**-exponent).reciprocal()
+        if exponent > LARGEST_POWER:
+            return self._sign_of_power(exponent)
+        if exponent % 2:
+            ends = [(value**exponent) for value in (self.lower, self.upper)]
+            return Range(ends[0], ends[1], self.lower_open, self.upper_open)
+        size = self.absolute()
+        return Range(size.lower**exponent, size.upper**exponent, size.lower_open, size.upper_open)
+
+    def _sign_of_power(self, exponent: int) -> Range:
+        if exponent % 2 == 0 or self.is_nonnegative:
+            return Range(Fraction(0), INFINITY, self.excludes_zero)
+        if self.is_nonpositive:
+            return Range(-INFINITY, Fraction(0), False, self.excludes_zero)
+        return Range()
+
+    def absolute(self) -> Range:
+        """The absolute values."""
+        if self.is_nonnegative:
+            return self
+        if self.is_nonpositive:
+            return -self
+        mirrored = -self
+        upper = max(self.upper, mirrored.upper)
+        opens = [side.upper_open for side in (self, mirrored) if side.upper == upper]
+        return Range(Fraction(0), upper, False, all(opens))
+
+    def reciprocal(self) -> Range:
+        """The reciprocals of what is not 0; everything if both signs occur."""
+        if self.is_nonnegative:
+            return Range(
+                _inverse(self.upper), _inverse(self.lower), self.upper_open, self.lower_open
+            )
+        if self.is_nonpositive:
+            return -(-self).reciprocal()
+        return Range()
+
+
+def _product(left: End, right: End) -> End:
+    """The product of two ends; 0 times infinity is 0, being approached only."""
+    (a, a_open), (b, b_open) = left, right
+    if a == 0 or b == 0:
+        closed_zero = (a == 0 and not a_open) or (b == 0 and not b_open)
+        return Fraction(0), not closed_zero
+    if math.isinf(a) or math.isinf(b):
+        return INFINITY if (a > 0) == (b > 0) else -INFINITY, True
+    return a * b, a_open or b_open
+
+
+def _sum(a: Number, b: Number) -> Number:
+    """The sum of two lower or two upper ends, of which only one sign of infinity occurs."""
+    return a if math.isinf(a) else b if math.isinf(b) else a + b
+
+
+def _inverse(end: Number) -> Number:
+    if end == 0:
+        return INFINITY
+    return Fraction(0) if end == INFINITY else 1 / end

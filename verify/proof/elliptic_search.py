@@ -1,0 +1,184 @@
+"""What a checker needs to know of the Jacobi functions in a proof."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from solutions.functions import (
+    jacobi_cn,
+    jacobi_dn,
+    jacobi_epsilon,
+    jacobi_eta,
+    jacobi_sn,
+    jacobi_theta,
+    jacobi_zeta,
+)
+
+from .arguments import Arguments
+from .certificate_writer import ProofWriter
+
+TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
+
+
+class EllipticSearch:
+    """Generators and hints for Jacobi functions, by the combinations that their arguments are.
+
+    ``need`` provides for the image of any other formula, ``begin_forms`` for the linear forms if
+    its argument is a primitive of them.  With ``moving`` the derivatives of the generators are
+    wanted; with ``epsilon`` zeta is written in epsilon.
+    """
+
+    def __init__(
+        self,
+        writer: ProofWriter,
+        arguments: Arguments,
+        need: Callable[[sp.Expr], None],
+        begin_forms: Callable[[sp.Basic], bool],
+        *,
+        moving: bool,
+        epsilon: bool,
+    ) -> None:
+        self._writer, self._table, self._arguments = writer, writer.table, arguments
+        self._need, self._begin_forms = need, begin_forms
+        self._moving, self._epsilon = moving, epsilon
+
+    def below_one(self, m: sp.Expr) -> None:
+        """Offer the factors of 1 - m as witness of its sign."""
+        one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
+        rest = self._table.made("Add", one, self._table.made("Mul", minus, self._table.place(m)))
+        other = self._table.place(sp.factor(1 - m))
+        if other != rest:
+            self._writer.signs[rest] = other
+
+    def provide(self, node: sp.Expr) -> None:
+        """Provide for the image of a Jacobi function."""
+        z, m = node.args
+        self._need(z)
+        self._need(m)
+        self.below_one(m)
+        if isinstance(node, jacobi_theta):
+            self._theta(z, m)
+        elif isinstance(node, jacobi_eta):
+            self._root_of_parameter(m, sp.sqrt(sp.sqrt(m)), "1/4")
+            self._need(jacobi_sn(z, m))
+            self._need(jacobi_theta(z, m))
+        elif isinstance(node, jacobi_zeta) and self._epsilon:
+            for part in (jacobi_epsilon(z, m), sp.elliptic_e(m), sp.elliptic_k(m)):
+                self._need(part)
+        else:
+            self._station(z, m, node.func if node.func not in TRIPLE else None)
+
+    def _root_of_parameter(self, base: sp.Expr, root: sp.Expr, exponent: str) -> None:
+        """The root as SymPy writes it, of a node as the checker writes it."""
+        self._need(base)
+        self._need(root)
+        place = self._table.made("Pow", self._table.place(base), exponent)
+        if place != self._table.place(root):
+            self._writer.hints["values"][place] = self._table.place(root)
+
+    def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
+        """The Jacobi functions of the arguments whose combination is ``z``."""
+        variable, constant = self._arguments.parts(z)
+        found = []
+        for combinations, part in (
+            (self._arguments.moving(m), variable),
+            (self._arguments.fixed(m), constant),
+        ):
+            if part == 0:
+                continue
+            for u, n in zip(combinations.basis, combinations.coordinates(part), strict=True):
+                if n:
+                    side = -1 if u.could_extract_minus_sign() else 1
+                    self._argument(side * u, m, second)
+                    found.append([str(side * n), self._table.place(side * u)])
+        place = self._table.place(z)
+        if found != [["1", place]]:
+            sine = self._table.made("jacobi_sn", place, self._table.place(m))
+            self._writer.hints["sums"][sine] = found
+
+    def _argument(self, u: sp.Expr, m: sp.Expr, second: type | None) -> None:
+        self._need(u)
+        place, parameter = self._table.place(u), self._table.place(m)
+        if u == sp.elliptic_k(m):
+            one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
+            rest = self._table.made("Add", one, self._table.made("Mul", minus, parameter))
+            self._need(sp.sqrt(1 - m))
+            node = self._table.made("Pow", rest, "1/2")
+            if node != self._table.place(sp.sqrt(1 - m)):
+                self._writer.hints["values"][node] = self._table.place(sp.sqrt(1 - m))
+            if second is jacobi_epsilon:
+                self._need(sp.elliptic_e(m))
+            return
+        modulus = sp.sqrt(m)
+        for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
+            own = self._table.made(function.__name__, place, parameter)
+            if modulus.is_Symbol and function is not jacobi_dn:
+                self._writer.atom(own, "scaled", own, self._table.place(modulus))
+            else:
+                self._writer.atom(own)
+        if second is not None:
+            self._second(second, u, m)
+
+    def _second(self, kind: type, u: sp.Expr, m: sp.Expr) -> None:
+        """Epsilon or zeta of a generator's argument, and what its derivative needs."""
+        if kind is jacobi_zeta and self._moves(u):
+            self._need(sp.elliptic_e(m))
+            self._need(sp.elliptic_k(m))
+        own = self._table.made(kind.__name__, self._table.place(u), self._table.place(m))
+        if kind is jacobi_epsilon:
+            self._begin_forms(sp.Tuple(u, m))
+        self._writer.atom(own)
+
+    def _moves(self, node: sp.Expr) -> bool:
+        return self._moving and self._arguments.dependence.moves(node)
+
+    def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
+        variable, constant = self._arguments.parts(z)
+        if variable == 0:
+            self._writer.atom(self._table.place(jacobi_theta(constant, m)))
+            return
+        basis = self._arguments.moving(m).basis
+        if -variable in basis:
+            variable, constant = -variable, -constant
+        if variable not in basis:
+            raise ValueError(f"theta of a multiple of another argument: theta({z})")
+        here = self._table.place(jacobi_theta(variable, m))
+        self._slope_of_theta(variable, m)
+        self._writer.atom(here)
+        if constant == 0:
+            return
+        shift = -constant if constant.could_extract_minus_sign() else constant
+        self._quotient(variable, shift, m, here)
+        if shift != constant:
+            for part in (jacobi_theta(shift, m), jacobi_theta(0, m)):
+                self._writer.atom(self._table.place(part))
+            for argument in (variable, shift):
+                self._need(argument)
+                self._station(argument, m, None)
+            ends = [self._table.place(variable), self._table.place(shift)]
+            if sp.expand(z - variable + shift) != 0:
+                ends.reverse()
+            pair = [["1", ends[0]], ["-1", ends[1]]]
+            node = self._table.made("jacobi_theta", self._table.place(z), self._table.place(m))
+            self._writer.hints["sums"][node] = pair
+
+    def _slope_of_theta(self, u: sp.Expr, m: sp.Expr) -> None:
+        if self._moves(u):
+            self._need(jacobi_zeta(u, m))
+
+    def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
+        total = self._table.made("Add", self._table.place(u), self._table.place(d))
+        ahead = self._table.made("jacobi_theta", total, self._table.place(m))
+        if ahead in self._writer.registered:
+            return
+        self._need(u)
+        self._need(d)
+        if self._moves(u):
+            self._station(u, m, jacobi_zeta)
+            self._station(d, m, jacobi_zeta)
+            pair = [["1", self._table.place(u)], ["1", self._table.place(d)]]
+            sine = self._table.made("jacobi_sn", total, self._table.place(m))
+            self._writer.hints["sums"][sine] = pair
+        self._writer.atom(ahead, "quotient", ahead, here)

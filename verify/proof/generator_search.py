@@ -1,0 +1,242 @@
+"""The search for a proof: which generators, argument sums, roots and signs a checker needs.
+
+Nothing is decided here: what is wrong is rejected by the checker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import sympy as sp
+
+from solutions.functions import jacobi_epsilon
+from solutions.functions.jacobi import JacobiFunction
+from verify.subexpressions import distinct_nodes
+
+from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms
+from .certificate_writer import Data, NodeTable, ProofWriter
+from .domains import Point
+from .elliptic_search import EllipticSearch
+from .linear_forms import independent_forms, visible
+
+
+class GeneratorSearch:
+    """The generators and hints with which a checker can find the images of ``expressions``.
+
+    ``values`` are the simpler forms of roots and absolute values that a domain allows; with
+    ``moving`` the derivatives of the generators are wanted too.
+    """
+
+    def __init__(
+        self,
+        table: NodeTable,
+        expressions: Sequence[sp.Expr],
+        variables: Sequence[sp.Symbol],
+        values: Mapping[sp.Expr, sp.Expr] | None = None,
+        *,
+        moving: bool = True,
+    ) -> None:
+        self._table, self._writer = table, ProofWriter(table)
+        self._variables, self._expressions = tuple(variables), list(expressions)
+        self._values, self._moving = dict(values or {}), moving
+        self._done: set[sp.Expr] = set()
+        self._has_epsilon = any(
+            isinstance(node, jacobi_epsilon) for e in expressions for node in distinct_nodes(e)
+        )
+
+    def equal_part(self, left: sp.Expr, right: sp.Expr, proof: Data) -> None:
+        """Take one generator for two formulas that ``proof`` shows to be equal."""
+        place = len(self._writer.parts)
+        self._writer.parts.append([self._table.place(left), self._table.place(right), proof])
+        self._writer.generators.append(["part", place, place])
+        self._done |= {left, right}
+
+    def proof(self, point: Point) -> Data:
+        """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
+        shown = visible(self._expressions, self._done)
+        values = [self._factors_in(node, value) for node, value in self._values.items()]
+        self._arguments = Arguments([*shown, *values], self._variables)
+        self._elliptic = EllipticSearch(
+            self._writer,
+            self._arguments,
+            self.need,
+            self._begin_forms,
+            moving=self._moving,
+            epsilon=self._has_epsilon,
+        )
+        found = independent_forms(self._expressions, self._arguments, self._done, point)
+        self._pivots, self._others, self._rows = found
+        for expression in self._expressions:
+            self.need(expression)
+        return self._writer.data(point)
+
+    @staticmethod
+    def _factors_in(node: sp.Expr, value: sp.Expr) -> sp.Expr:
+        """What the value of ``node`` brings in: of a logarithm, the factors of its argument."""
+        if not isinstance(node, sp.log):
+            return value
+        terms = [term for term in sp.Add.make_args(value) if not term.has(sp.log)]
+        return sp.Tuple(value, *map(sp.exp, terms))
+
+    def need(self, node: sp.Expr) -> None:
+        """Provide for the image of ``node``."""
+        if node in self._done:
+            return
+        self._done.add(node)
+        if node in self._values and isinstance(node, sp.log):
+            self._logarithm(node, self._values[node])
+            return
+        if node in self._values and not _follows_from_others(node):
+            value = self._values[node]
+            self._writer.hints["values"][self._table.place(node)] = self._table.place(value)
+            self.need(value)
+            self.need(node.args[0])
+            return
+        if node.is_Rational:
+            return
+        if node.is_Add or node.is_Mul:
+            for part in node.args:
+                self.need(part)
+        elif node.is_Pow:
+            self._power(node)
+        elif node.is_Symbol or node in (sp.I, sp.pi):
+            self._primitive(node)
+        elif node is sp.E:
+            self._exponential(sp.S.One, self._table.place(sp.S.One))
+        else:
+            self._function(node)
+
+    def _primitive(self, node: sp.Expr) -> None:
+        """A symbol or a constant."""
+        if self._begin_forms(node):
+            return
+        if node in self._arguments.circles:
+            other = self._table.place(sp.sqrt(1 - node**2))
+            self._writer.atom(other, "circle", other, self._table.place(node))
+        self._writer.atom(self._table.place(node))
+
+    def _begin_forms(self, primitive: sp.Basic) -> bool:
+        """Register the linear forms at the first of their primitives that is needed."""
+        if primitive not in self._pivots:
+            return False
+        pivots, self._pivots = self._pivots, []
+        rows = []
+        for row in self._rows:
+            factors, rest = row[: len(pivots)], row[len(pivots) :]
+            shift = sp.Add(*(v * p for v, p in zip(rest, self._others, strict=True)))
+            for part in (*factors, shift):
+                self.need(part)
+                self._show_sign_of_roots(part)
+            rows.append([[self._table.place(f) for f in factors], self._table.place(shift)])
+        for pivot in pivots:
+            if isinstance(pivot, sp.Tuple):
+                self.need(pivot[1])
+        places = [self._primitive_place(pivot) for pivot in pivots]
+        self._writer.registered |= set(places)
+        self._done |= {pivot for pivot in pivots if isinstance(pivot, sp.Symbol)}
+        self._writer.generators.append(["forms", places, rows])
+        return True
+
+    def _primitive_place(self, primitive: sp.Basic) -> int:
+        if isinstance(primitive, sp.Tuple):
+            return self._table.made("jacobi_epsilon", *map(self._table.place, primitive))
+        return self._table.place(primitive)
+
+    def _power(self, node: sp.Expr) -> None:
+        base, exponent = node.base, node.exp
+        if not exponent.is_Rational:
+            raise ValueError(f"no generator is known for the power {node}")
+        if isinstance(base, sp.Abs) and exponent.is_Integer and exponent % 2 == 0:
+            self.need(base.args[0])
+            return
+        self.need(base)
+        if exponent.is_Integer:
+            return
+        root = sp.Pow(base, sp.Rational(1, exponent.q))
+        if root != node and (root in self._values or not root.is_Pow or root.base != base):
+            self.need(root)
+        place = self._table.made("Pow", self._table.place(base), f"1/{exponent.q}")
+        if not root.is_Pow or root.base != base:
+            self._writer.hints["values"][place] = self._table.place(root)
+        elif root not in self._values:
+            self._writer.atom(place)
+
+    def _show_sign_of_roots(self, expression: sp.Expr) -> None:
+        for node in distinct_nodes(expression):
+            if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
+                self.show_sign(node.base)
+
+    def show_sign(self, node: sp.Expr) -> None:
+        """Offer the factors of ``node`` as witness of its sign."""
+        other = sp.factor(node)
+        if other != node:
+            self._writer.signs[self._table.place(node)] = self._table.place(other)
+
+    def _function(self, node: sp.Expr) -> None:
+        if isinstance(node, JacobiFunction):
+            self._elliptic.provide(node)
+            return
+        (z,) = node.args
+        self.need(z)
+        if isinstance(node, (sp.exp, *HYPERBOLIC)):
+            self._exponential(z, self._table.place(z))
+        elif isinstance(node, TRIGONOMETRIC):
+            self.need(sp.I)
+            place = self._table.made("Mul", self._table.place(sp.I), self._table.place(z))
+            self._exponential(sp.I * z, place)
+        elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
+            self._elliptic.below_one(z)
+            self._writer.atom(self._table.place(node))
+        elif isinstance(node, sp.log):
+            self._writer.atom(self._table.place(node))
+        elif isinstance(node, sp.atan):
+            if isinstance(z, sp.tan):
+                self._writer.hints["values"][self._table.place(node)] = self._table.place(z.args[0])
+                self.need(z.args[0])
+            else:
+                self._writer.atom(self._table.place(node))
+        elif isinstance(node, sp.conjugate | sp.re | sp.im):
+            if isinstance(node, sp.im):
+                self.need(sp.I)
+            self.need(z.xreplace({sp.I: -sp.I}))
+        elif isinstance(node, sp.Abs):
+            self._writer.atom(self._table.place(node))
+        elif isinstance(node, sp.sign):
+            self.need(sp.Abs(z))
+        else:
+            raise ValueError(f"no generator is known for {node.func.__name__}")
+
+    def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
+        """log of a product as a sum of logarithms, and of exponentials' arguments."""
+        self.need(node.args[0])
+        found = []
+        for term in sp.Add.make_args(value):
+            q, rest = term.as_coeff_Mul(rational=True)
+            factor = rest.args[0] if isinstance(rest, sp.log) else sp.exp(term)
+            q = q if isinstance(rest, sp.log) else sp.S.One
+            self.need(rest)
+            self.need(sp.Pow(factor, q))
+            found.append([str(q), self._table.place(factor)])
+        self._writer.hints["logs"][self._table.place(node)] = found
+
+    def _exponential(self, z: sp.Expr, place: int) -> None:
+        rest, logarithms = without_logarithms(z)
+        combinations = self._arguments.exponents
+        found = []
+        for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):
+            if n:
+                self.need(basis)
+                self._writer.atom(self._table.made("exp", self._table.place(basis)))
+                found.append([str(n), self._table.place(basis)])
+        for logarithm, q in logarithms.items():
+            if isinstance(logarithm, sp.log):
+                self.need(sp.Pow(logarithm.args[0], q))
+            self.need(logarithm)
+            found.append([str(q), self._table.place(logarithm)])
+        self._writer.hints["sums"][self._table.made("exp", place)] = found
+
+
+def _follows_from_others(node: sp.Expr) -> bool:
+    """Whether the checker takes the image of ``node`` from that of another function."""
+    is_power = node.is_Pow and node.exp.is_Rational and node.exp.p != 1
+    return is_power or isinstance(node, sp.conjugate | sp.re | sp.im | sp.sign)

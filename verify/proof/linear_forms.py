@@ -1,0 +1,168 @@
+"""Linear combinations of primitives: generators that occur only in a few combinations.
+
+A primitive here is a variable or Jacobi's epsilon: its derivative is free of itself.  Where xi,
+tau and epsilon occur only as ``epsilon(xi) + a xi + b tau``, this sum is one generator in place
+of three, and polynomials in it are far shorter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import sympy as sp
+from flint import acb, ctx
+
+from solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from verify.subexpressions import distinct_nodes, replaced
+
+from .arguments import Arguments, Dependence
+from .balls import ball_value
+from .checker.limits import FORMS
+from .domains import Point
+
+Form = dict[sp.Expr, sp.Expr]
+"""The constant coefficients of primitives."""
+
+
+def split_linear(expression: sp.Expr, dependence: Dependence) -> tuple[Form, list[sp.Expr]]:
+    """The part of a sum that is linear in primitives with constant coefficients, and the rest.
+
+    >>> x, t, a = sp.symbols("x t a")
+    >>> split_linear(a * (x - 2 * t) + x**2 + 3, Dependence([x, t]))
+    ({x: a, t: -2*a}, [3, x**2])
+    """
+    form: Form = {}
+    rest: list[sp.Expr] = []
+    waiting = [(sp.S.One, expression)]
+    while waiting:
+        factor, term = waiting.pop(0)
+        if term.is_Add:
+            waiting += [(factor, part) for part in term.args]
+            continue
+        constant, moving = dependence.factors(term)
+        if moving.is_Add:
+            waiting.append((factor * constant, moving))
+        elif moving in dependence.variables or isinstance(moving, jacobi_epsilon):
+            form[moving] = form.get(moving, sp.S.Zero) + factor * constant
+        else:
+            rest.append(factor * term)
+    return form, rest
+
+
+def linear_forms(expressions: Iterable[sp.Expr], dependence: Dependence) -> list[Form]:
+    """The linear parts of the sums in ``expressions`` (not in arguments), the shortest first."""
+    found: list[Form] = []
+    seen: set[sp.Expr] = set()
+    waiting = list(expressions)
+    while waiting:
+        node = waiting.pop(0)
+        if node in seen or not dependence.moves(node):
+            continue
+        seen.add(node)
+        form, rest = split_linear(node, dependence)
+        if form:
+            found.append(form)
+            waiting += rest
+        elif node.is_Add or node.is_Mul or node.is_Pow:
+            waiting += node.args
+    return sorted(found, key=lambda form: sp.Add(*form.values()).count_ops())
+
+
+def with_one_integral(expressions: Sequence[sp.Expr], dependence: Dependence) -> list[sp.Expr]:
+    """Epsilon without shifts, by its addition theorem, and zeta(z) = epsilon(z) - z E/K.
+
+    Without epsilon, zeta stays.
+    """
+    nodes = {expression: distinct_nodes(expression) for expression in expressions}
+    if not any(isinstance(node, jacobi_epsilon) for found in nodes.values() for node in found):
+        return list(expressions)
+
+    def epsilon(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        shift, variable = dependence.summands(sp.expand(z))
+        total = jacobi_epsilon(variable, m) + jacobi_epsilon(shift, m)
+        return total - m * sp.Mul(*(jacobi_sn(u, m) for u in (variable, shift, z)))
+
+    def zeta(z: sp.Expr, m: sp.Expr) -> sp.Expr:
+        return epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
+
+    def rewritten(expression: sp.Expr) -> sp.Expr:
+        for kind, image in ((jacobi_epsilon, epsilon), (jacobi_zeta, zeta)):
+            for node in nodes[expression]:
+                if isinstance(node, kind):
+                    images[expression] = replaced(images[expression], node, image(*node.args))
+        return images[expression]
+
+    images = {expression: expression for expression in expressions}
+    return [rewritten(expression) for expression in expressions]
+
+
+def pivot_columns(rows: Sequence[Sequence[acb]]) -> list[int]:
+    """The pivot columns of a matrix; an entry whose ball contains 0 counts as 0."""
+    table = [list(row) for row in rows]
+    pivots: list[int] = []
+    for column in range(len(table[0]) if table else 0):
+        place = len(pivots)
+        left = [i for i in range(place, len(table)) if not table[i][column].contains(0)]
+        if not left:
+            continue
+        table[place], table[left[0]] = table[left[0]], table[place]
+        for i in range(place + 1, len(table)):
+            ratio = table[i][column] / table[place][column]
+            table[i] = [a - ratio * b for a, b in zip(table[i], table[place], strict=True)]
+        pivots.append(column)
+    return pivots
+
+
+BITS = 160
+
+
+def visible(expressions: Iterable[sp.Expr], hidden: set[sp.Expr]) -> list[sp.Expr]:
+    """The expressions with what one generator stands for left out."""
+    names = {node: sp.Dummy() for node in hidden}
+    return [expression.xreplace(names) for expression in expressions]
+
+
+def independent_forms(
+    expressions: Sequence[sp.Expr], arguments: Arguments, hidden: set[sp.Expr], point: Point
+) -> tuple[list[sp.Basic], list[sp.Expr], list[list[sp.Expr]]]:
+    """Pivots, other primitives, and independent linear forms: rows of factors of all of them.
+
+    The primitives are variables and, for epsilon(u), the pair (u, m).  Independence is that of
+    balls at ``point``: any choice makes generators.
+    """
+    written = with_one_integral(visible(expressions, hidden), arguments.dependence)
+    forms = [_by_argument(f, arguments) for f in linear_forms(written, arguments.dependence)]
+    primitives = sorted(
+        {p for form in forms for p in form}, key=lambda p: (not isinstance(p, sp.Tuple), str(p))
+    )
+    rows: list[list[sp.Expr]] = []
+    balls: list[list[acb]] = []
+    with ctx.workprec(BITS):
+        for form in forms:
+            row = [form.get(p, sp.S.Zero) for p in primitives]
+            values = [ball_value(value, point, BITS) for value in row]
+            if len(pivot_columns([*balls, values])) > len(rows):
+                rows.append(row)
+                balls.append(values)
+        pivots = pivot_columns(balls)
+    if len(rows) == len(primitives) or len(rows) > FORMS:
+        return [], [], []
+    own = [primitives[i] for i in pivots]
+    others = [p for p in primitives if p not in own]
+    if any(isinstance(p, sp.Tuple) for p in others):
+        return [], [], []
+    order = [*pivots, *(primitives.index(p) for p in others)]
+    return own, others, [[row[i] for i in order] for row in rows]
+
+
+def _by_argument(form: Form, arguments: Arguments) -> dict[sp.Basic, sp.Expr]:
+    """A linear form with the pairs (u, m) for epsilon(u) up to the sign of u."""
+    found: dict[sp.Basic, sp.Expr] = {}
+    for primitive, value in form.items():
+        key: sp.Basic = primitive
+        if isinstance(primitive, jacobi_epsilon):
+            u, m = arguments.parts(primitive.args[0])[0], primitive.args[1]
+            side = -1 if u.could_extract_minus_sign() else 1
+            key, value = sp.Tuple(side * u, m), side * value
+        found[key] = found.get(key, sp.S.Zero) + value
+    return found

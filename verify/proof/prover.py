@@ -1,0 +1,162 @@
+"""The prover: PROVED, REFUTED or UNDECIDED, and never one for another.
+
+A witness against a formula is a point at which ball arithmetic shows that its residual is not 0.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import sympy as sp
+
+from verify.terms import FieldEquation
+from verify.verdict import Outcome, ProofVerdict
+
+from .certificate import equal_parts, make_certificate
+from .checker import check_certificate
+from .domain_signs import Signs, singularities
+from .domains import Point
+from .problem import Problem, Stated, equality_problem, solution_problem
+
+METHOD = "differential algebra"
+
+QUICK_BITS = (160,)
+LONG_BITS = (2560,)
+BITS = (160, 640, 2560)
+LONG, LONG_POINTS = 640, 8
+"""Beyond so many bits a residual is evaluated at so many points only."""
+
+SHOWN_DIGITS = 6
+
+
+def prove(
+    equation: FieldEquation | sp.Expr,
+    expression: sp.Expr,
+    *,
+    name: str = "expression",
+    points: Sequence[Point] = (),
+    domains: Stated | None = None,
+) -> ProofVerdict:
+    """Decide whether ``expression`` solves ``equation`` on the whole of its domains.
+
+    ``equation`` is an object with a residual (as `solutions.record.Equation`) or the left-hand
+    side of an equation "= 0", a polynomial in one undefined function and its derivatives.
+    ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
+    beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
+    points of the domains to look for a witness at, besides sampled ones.  PROVED means that
+    `checker.check_certificate` has accepted the certificate that the verdict carries.
+
+    Raises ValueError for an equation without exactly one unknown function, for domains that are
+    none and for points outside them.
+
+    >>> x, t, c = sp.symbols("x t c")
+    >>> u = sp.Function("u")(x, t)
+    >>> transport = u.diff(t) + c * u.diff(x)
+    >>> prove(transport, sp.sin(x - c * t)).outcome
+    <Outcome.PROVED: 'PROVED'>
+    >>> prove(transport, sp.sin(x + c * t)).outcome
+    <Outcome.REFUTED: 'REFUTED'>
+    """
+    start = time.perf_counter()
+    return decide(solution_problem(equation, expression, points, name, domains), start)
+
+
+def prove_equal(
+    left: sp.Expr,
+    right: sp.Expr,
+    variables: Sequence[sp.Symbol],
+    *,
+    name: str = "expressions",
+    equation_name: str = "equality",
+    points: Sequence[Point] = (),
+    domains: Stated | None = None,
+) -> ProofVerdict:
+    """Decide whether two formulas are the same function of ``variables`` and all parameters.
+
+    ``domains`` and ``points`` are those of `prove`.
+
+    >>> x = sp.Symbol("x")
+    >>> prove_equal(sp.tanh(x) ** 2, 1 - sp.sech(x) ** 2, [x]).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    start = time.perf_counter()
+    problem = equality_problem(left, right, variables, points, name, equation_name, domains)
+    return decide(problem, start)
+
+
+def decide(problem: Problem, start: float) -> ProofVerdict:
+    """The verdict on a problem; PROVED only if the checker accepts its certificate.
+
+    Its seconds count from ``start``, a value of `time.perf_counter`.
+    """
+    return replace(_decide(problem), seconds=time.perf_counter() - start)
+
+
+def _decide(problem: Problem) -> ProofVerdict:
+    witness = find_witness(problem, problem.points, QUICK_BITS)
+    witness = witness or find_witness(problem, problem.points[:1], LONG_BITS)
+    if witness is None:
+        try:
+            return _proved(problem)
+        except (ValueError, RecursionError) as error:
+            reason = str(error)
+        witness = find_witness(problem, [*problem.points, *problem.more_points()])
+        if witness is None:
+            return _verdict(problem, Outcome.UNDECIDED, reason)
+    point, detail = witness
+    coordinates = {str(symbol): str(value) for symbol, value in point.items()}
+    return _verdict(problem, Outcome.REFUTED, detail, witness=coordinates)
+
+
+def find_witness(
+    problem: Problem, points: Sequence[Point], bits: Sequence[int] = BITS
+) -> tuple[Point, str] | None:
+    """A point at which the residual's ball does not contain 0, and that ball in words."""
+    signs = Signs(problem.domains)
+    for precision in bits:
+        for point in points[:LONG_POINTS] if precision > LONG else points:
+            try:
+                ball = problem.residual(point, precision, signs)
+            except (ValueError, ZeroDivisionError, RecursionError):
+                continue
+            if ball.is_finite() and not ball.contains(0):
+                return point, f"residual {ball.str(SHOWN_DIGITS)} excludes 0"
+    return None
+
+
+def _proved(problem: Problem) -> ProofVerdict:
+    """A proof that the checker accepts, at once or by equal parts.
+
+    Raises ValueError with the reason why the last one is not accepted.
+    """
+    reason = ValueError("there is no proof")
+    for parts in equal_parts(problem):
+        try:
+            certificate = make_certificate(problem, parts)
+            statement = check_certificate(certificate)
+        except ValueError as error:
+            reason = error
+            continue
+        found = singularities(problem.expressions, problem.domains)
+        return _verdict(
+            problem,
+            Outcome.PROVED,
+            f"numerator 0 in {certificate.generators} generators, accepted by the checker",
+            residual=0.0,
+            assumptions=(
+                statement.splitlines()[-1],
+                f"no denominator vanishes identically: see {certificate.point}",
+                *(f"holds where the formula is smooth, possibly not so: {line}" for line in found),
+            ),
+            singularities=found,
+            certificate=certificate,
+        )
+    raise reason
+
+
+def _verdict(problem: Problem, outcome: Outcome, detail: str, **found: Any) -> ProofVerdict:
+    name, equation = problem.name, problem.equation_name
+    return ProofVerdict(name, equation, METHOD, outcome, detail, **found)

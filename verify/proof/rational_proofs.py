@@ -1,0 +1,376 @@
+"""Proofs and exact facts for the rational solution of any order, from its two polynomials.
+
+In ``x = xi - 6 tau`` and ``t = tau`` the solution of order j is ``(-1)**j N/D`` with integer
+polynomials A and B, ``D = A**2 + B**2`` and ``N = D - 2 (A B_x - A_x B)``.  It is proved:
+
+The equation: the certificate holds A and B, and the checker proves the equation at more values of t
+than the residual's degree.
+
+The bilinear equations of the tau function ``f = A + i B``, with ``f*`` its conjugate:
+
+    D_x**2 f.f* = 2 i D_x f.f*,    (D_t + D_x**3) f.f* = 0,
+
+where ``D_x**n f.g`` is the Hirota derivative.  The first is real, the second imaginary, so each is
+one identity between A and B.
+
+Peak, background, degree and symmetry: identities of polynomials with integer coefficients, in x, t
+and the shifts that are kept.  And no pole: let f vanish at a real point, of order r >= 1 in x; at
+fixed t and shifts f is no zero polynomial in x, since its leading coefficient is a constant.  With
+``f ~ c s**r`` the first bilinear equation has ``-2 r |c|**2 s**(2r-2)`` on the left and O(s**(2r))
+on the right: a contradiction.  So ``D > 0`` for all real x, t and shifts.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from itertools import count
+from math import prod
+from typing import Any
+
+import sympy as sp
+from flint import fmpq, fmpq_mpoly, fmpz
+
+from solutions.forms.rational import rational_tau
+from solutions.forms.tau_polynomials import RationalTau
+from solutions.record import FOCUSING_MKDV
+from solutions.symbols import tau, xi
+from verify.verdict import Outcome, ProofVerdict
+
+from .certificate_writer import Certificate, NodeTable, ProofWriter
+from .checker import CertificateError, check_certificate
+
+METHOD = "exact at more points than the degree"
+BILINEAR_METHOD = "bilinear identities"
+BILINEAR_EQUATION = "D_x^2 f.f* = 2i D_x f.f*, (D_t + D_x^3) f.f* = 0"
+
+WITNESS = 5
+"""Integers up to this are tried in search of a witness."""
+
+
+def prove_rational(order: int) -> ProofVerdict:
+    """Decide whether the rational solution of ``order``, without free shifts, is a solution.
+
+    Raises ValueError if ``order`` is no positive integer.
+
+    >>> prove_rational(3).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    start = time.perf_counter()
+    family = rational_tau(order)
+    verdict = rational_verdict(order, family.A, family.B)
+    return replace(verdict, seconds=time.perf_counter() - start)
+
+
+def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
+    """Decide whether the formula with A and B, polynomials in x and t, is a solution.
+
+    A formula that is none is refuted by integers x and t at which the residual is not 0.
+    """
+    verdict = partial(ProofVerdict, f"rational_{order}", FOCUSING_MKDV.name, METHOD)
+    certificate = rational_certificate(order, A, B)
+    try:
+        check_certificate(certificate)
+    except CertificateError as error:
+        witness = nonzero_residual(A, B)
+        if witness is None:
+            return verdict(Outcome.UNDECIDED, str(error))
+        detail = "the residual is not 0 at x = xi - 6 tau, t = tau"
+        return verdict(Outcome.REFUTED, detail, witness=witness)
+    values = 4 * int((A * A + B * B).degrees()[1]) + 1
+    return verdict(
+        Outcome.PROVED,
+        f"0 at {values} values of tau, accepted by the checker",
+        residual=0.0,
+        assumptions=("for all real xi, tau",),
+        certificate=certificate,
+    )
+
+
+def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
+    """The certificate for the solution of ``order`` made of A and B."""
+    table = NodeTable()
+    space, time_ = table.place(xi), table.place(tau)
+    shift = table.place(-6 * tau)
+    x = table.made("Add", space, shift)
+    a, b, a_x, b_x = (
+        table.polynomial(part, [x, time_]) for part in (A, B, A.derivative("x"), B.derivative("x"))
+    )
+    one = table.made("number", "1")
+    slope = table.made(
+        "Add",
+        table.made("Mul", a, b_x),
+        table.made("Mul", table.made("number", "-1"), a_x, b),
+    )
+    below = table.made("Add", table.made("Pow", a, "2"), table.made("Pow", b, "2"))
+    inverse = table.made("Pow", below, "-1")
+    change = table.made("Mul", table.made("number", "-2"), slope, inverse)
+    wave = table.made("Add", one, change)
+    formula = table.made("Mul", table.made("number", str((-1) ** order)), wave)
+    mkdv: list[list[Any]] = [
+        ["1", [], [[0, [0, 1]]]],
+        ["6", [], [[0, [0, 0]], [0, [0, 0]], [0, [1, 0]]]],
+        ["1", [], [[0, [3, 0]]]],
+    ]
+    statement = {
+        "variables": [space, time_],
+        "unknowns": [["U", formula]],
+        "equations": [mkdv],
+        "domain": [],
+    }
+    proof = ProofWriter(table)
+    proof.atom(time_)
+    proof.generators.append(["forms", [space], [[[one], shift]]])
+    point = {xi: sp.Rational(1, 3), tau: sp.Rational(1, 5)}
+    return Certificate.signed(f"rational_{order}", table, statement, proof.data(point))
+
+
+def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
+    """Small integers x and t at which the residual of the formula with A and B is not 0."""
+    for t in range(-WITNESS, WITNESS + 1):
+        for x in range(-WITNESS, WITNESS + 1):
+            if residual_at(A, B, x, t) != 0:
+                return {"x": str(x), "t": str(t)}
+    return None
+
+
+def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
+    """``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, shifts 0.
+
+    The n-th derivative in x has a numerator P over ``D**(n + 1)``; the next is P' D - (n + 1) P D'.
+    """
+    D = A * A + B * B
+    N = D - 2 * (A * B.derivative("x") - A.derivative("x") * B)
+    others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
+    others["t"] = t
+    n, d, n_t, d_t = (p.subs(others) for p in (N, D, N.derivative("t"), D.derivative("t")))
+    numerators, d_x = [n], d.derivative("x")
+    for power in (1, 2, 3):
+        last = numerators[-1]
+        numerators.append(last.derivative("x") * d - power * last * d_x)
+    _, first, _, third = numerators
+    residual = (n_t * d - n * d_t) * d * d + 6 * (n * n - d * d) * first + third
+    return residual(x, *[0] * len(others))
+
+
+def prove_bilinear(order: int, free: tuple[int, ...] = ()) -> ProofVerdict:
+    """Decide the bilinear equations of the rational tau function of ``order``.
+
+    ``free`` lists the shifts tau_5, tau_7, ... kept symbolic.  Raises ValueError as
+    `solutions.forms.rational.rational_tau` does.
+
+    >>> prove_bilinear(2).outcome
+    <Outcome.PROVED: 'PROVED'>
+    """
+    start = time.perf_counter()
+    family = rational_tau(order, free)
+    verdict = bilinear_verdict(f"rational_{order}", family.A, family.B)
+    return replace(verdict, seconds=time.perf_counter() - start)
+
+
+def bilinear_verdict(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
+    """Decide the bilinear equations for ``f = A + i B``; x and t are among the generators.
+
+    A residual that is not the zero polynomial is refuted by a rational point at which it is not 0.
+    """
+    verdict = partial(ProofVerdict, name, BILINEAR_EQUATION, BILINEAR_METHOD)
+    for label, terms in (("space", SPACE), ("time", TIME)):
+        residual = bilinear_residual(terms, A, B)
+        if not residual.is_zero():
+            point = nonzero_point(residual)
+            witness = dict(zip(residual.context().names(), map(str, point), strict=True))
+            detail = f"the {label} equation leaves {residual(*point)} at the witness"
+            return verdict(Outcome.REFUTED, detail, witness=witness)
+    certificate = bilinear_certificate(name, A, B)
+    try:
+        check_certificate(certificate)
+    except CertificateError as error:
+        return verdict(Outcome.UNDECIDED, str(error))
+    detail = "both vanish identically, accepted by the checker"
+    return verdict(Outcome.PROVED, detail, residual=0.0, certificate=certificate)
+
+
+def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
+    """The certificate of the bilinear equations as two equations of real polynomials A and B."""
+    table = NodeTable()
+    symbols = [sp.Symbol(symbol, real=True) for symbol in A.context().names()]
+    places = [table.place(symbol) for symbol in symbols]
+    formulas = [table.polynomial(part, places) for part in (A, B)]
+    statement = {
+        "variables": places[:2],
+        "unknowns": [["A", formulas[0]], ["B", formulas[1]]],
+        "equations": [
+            [[factor, [], [list(jet) for jet in jets]] for factor, jets in terms]
+            for terms in (SPACE, TIME)
+        ],
+        "domain": [],
+    }
+    proof = ProofWriter(table)
+    for place in places:
+        proof.atom(place)
+    point = dict.fromkeys(symbols, sp.S.Zero)
+    return Certificate.signed(f"{name} bilinear", table, statement, proof.data(point))
+
+
+def bilinear_residual(terms: Terms, A: fmpq_mpoly, B: fmpq_mpoly) -> fmpq_mpoly:
+    """The left-hand side `SPACE` or `TIME`, a polynomial in x, t and the shifts."""
+
+    def jet(place: int, orders: Sequence[int]) -> fmpq_mpoly:
+        found = (A, B)[place]
+        for name, order in zip(("x", "t"), orders, strict=True):
+            for _ in range(order):
+                found = found.derivative(name)
+        return found
+
+    total = 0 * A
+    for number, jets in terms:
+        total += int(number) * prod((jet(*orders) for orders in jets), start=1 + 0 * A)
+    return total
+
+
+Jet = tuple[int, list[int]]
+Terms = list[tuple[str, list[Jet]]]
+
+_A, _A_x, _A_xx, _A_xxx, _A_t = ((0, orders) for orders in ([0, 0], [1, 0], [2, 0], [3, 0], [0, 1]))
+_B, _B_x, _B_xx, _B_xxx, _B_t = ((1, orders) for orders in ([0, 0], [1, 0], [2, 0], [3, 0], [0, 1]))
+
+SPACE: Terms = [
+    ("1", [_A, _A_xx]),
+    ("1", [_B, _B_xx]),
+    ("-1", [_A_x, _A_x]),
+    ("-1", [_B_x, _B_x]),
+    ("-2", [_A_x, _B]),
+    ("2", [_A, _B_x]),
+]
+"""Half of ``D_x**2 f.f* - 2 i D_x f.f*``."""
+
+TIME: Terms = [
+    ("1", [_B_t, _A]),
+    ("-1", [_B, _A_t]),
+    ("1", [_B_xxx, _A]),
+    ("-1", [_B, _A_xxx]),
+    ("-3", [_B_xx, _A_x]),
+    ("3", [_B_x, _A_xx]),
+]
+"""``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
+
+
+def nonzero_point(polynomial: fmpq_mpoly) -> tuple[int, ...]:
+    """Integers at which ``polynomial``, which is not 0, does not vanish.
+
+    One generator after the other is set to the first integer that leaves a polynomial that is
+    not 0; of any degree + 1 integers one does.
+    """
+    point: list[int] = []
+    names = polynomial.context().names()
+    for name in names:
+        value = next(n for n in count(1) if not polynomial.subs({name: n}).is_zero())
+        polynomial = polynomial.subs({name: value})
+        point.append(value)
+    return tuple(point)
+
+
+@dataclass(frozen=True)
+class RationalFacts:
+    """What holds exactly for the rational solution of ``order`` with the shifts ``free`` kept.
+
+    ``peak`` is the value at the origin for shifts 0, ``background`` the limit for large |x|,
+    ``degree`` that of the denominator in x.  ``reduced``: numerator and denominator have no common
+    factor.  ``symmetric``: the solution stays the same when x, t and all shifts change sign.
+    ``positive``: the denominator has no real zero.
+    """
+
+    order: int
+    free: tuple[int, ...]
+    peak: Fraction
+    background: Fraction
+    degree: int
+    reduced: bool
+    symmetric: bool
+    positive: bool
+
+
+def rational_facts(order: int, free: tuple[int, ...] = ()) -> RationalFacts:
+    """The facts, each computed; raises ValueError as `solutions.forms.rational.rational_tau` does.
+
+    >>> rational_facts(2)
+    RationalFacts(order=2, free=(), peak=Fraction(5, 1), background=Fraction(1, 1), degree=6,
+        reduced=True, symmetric=True, positive=True)
+    """
+    family = rational_tau(order, free)
+    A, B = family.A, family.B
+    D = A * A + B * B
+    N = D - 2 * (A * B.derivative("x") - A.derivative("x") * B)
+    sign = (-1) ** order
+    origin = [fmpq(0)] * len(family.symbols)
+    leading, top = leading_in_x(D)
+    return RationalFacts(
+        order,
+        family.free,
+        peak=sign * as_fraction(N(*origin) / D(*origin)),
+        background=sign * as_fraction(limit(N, leading, top)),
+        degree=top,
+        reduced=_is_reduced(N, D),
+        symmetric=all(reflected(part) == part for part in (N, D)),
+        positive=_has_no_pole(family),
+    )
+
+
+def leading_in_x(polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, int]:
+    """The coefficient of the highest power of x, in the other generators, and that power."""
+    top = int(polynomial.degrees()[0])
+    return coefficient_in_x(polynomial, top), top
+
+
+def coefficient_in_x(polynomial: fmpq_mpoly, power: int) -> fmpq_mpoly:
+    """The coefficient of ``x**power``, a polynomial in the other generators."""
+    terms = {(0, *e[1:]): c for e, c in polynomial.terms() if e[0] == power}
+    return polynomial.context().from_dict(terms)
+
+
+def limit(N: fmpq_mpoly, leading: fmpq_mpoly, top: int) -> fmpq:
+    """The limit of ``N/D`` for large |x|, D with the constant leading coefficient ``leading``.
+
+    Raises ValueError if N grows faster or the limit depends on another generator.
+    """
+    if N.degrees()[0] > top:
+        raise ValueError(
+            "the solution must be bounded, got a numerator of higher degree "
+            "(take a rational solution)"
+        )
+    ratio = coefficient_in_x(N, top) / leading
+    if not ratio.is_constant():
+        raise ValueError(
+            "the background must be constant, got one that depends on t or a shift "
+            "(take a rational solution)"
+        )
+    return ratio.leading_coefficient()
+
+
+def reflected(polynomial: fmpq_mpoly) -> fmpq_mpoly:
+    """``polynomial`` with the sign of every generator changed."""
+    terms = {e: c * (-1) ** (int(sum(e)) % 2) for e, c in polynomial.terms()}
+    return polynomial.context().from_dict(terms)
+
+
+def as_fraction(value: fmpq) -> Fraction:
+    """A rational number of python-flint as Python's."""
+    return Fraction(int(value.p), int(value.q))
+
+
+def _is_reduced(N: fmpq_mpoly, D: fmpq_mpoly) -> bool:
+    """No common factor at t = 1, shifts 0; D is monic in x up to a constant, so none at all."""
+    others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
+    others["t"] = 1
+    leading, _ = leading_in_x(D)
+    return bool(leading.is_constant() and N.subs(others).gcd(D.subs(others)).is_constant())
+
+
+def _has_no_pole(family: RationalTau) -> bool:
+    """The premises of the argument at the head of this file; the equation by the checker."""
+    (leading, top), (_, other) = leading_in_x(family.A), leading_in_x(family.B)
+    verdict = bilinear_verdict(f"rational_{family.order}", family.A, family.B)
+    return bool(leading.is_constant() and top > other and verdict.outcome is Outcome.PROVED)

@@ -1,0 +1,328 @@
+"""Roots, logarithms, absolute values, signs and conjugates, simplified as far as a domain allows.
+
+Each rule holds at every point of the domains where both sides are defined:
+
+    (a b)**q = a**q b**q  and  log(a b) = log a + log b     for a >= 0 and any b,
+    (a**n)**q = a**(n q)  and  log(a**q) = q log a          for a >= 0,
+    (a**n)**q = |a|**(n q)                                  for real a and even n,
+    |a| = a, sign a = 1 for a > 0;  |a| = -a, sign a = -1 for a < 0;  log(exp z) = z for real z.
+
+The conjugate goes through sums, products, integer powers and functions that are real on the real
+line; it stops at a root or logarithm of what may be negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .domain_signs import BELOW_PI, Signs
+from .factors import Quotients, TooLong, factored
+
+DIGITS, LARGEST = 40, 10**6
+"""Decimals of a number whose cube root is sought, and its largest denominator."""
+
+REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
+"""Meromorphic functions that take conjugates to conjugates."""
+
+
+class Rewriting:
+    """Simpler forms of expressions on the domains of ``signs``.
+
+    ``found`` has the root, logarithm, absolute value, sign or conjugate that was replaced, as it
+    stood in the expression, and what took its place.
+    """
+
+    def __init__(self, signs: Signs) -> None:
+        self.signs = signs
+        self.found: dict[sp.Expr, sp.Expr] = {}
+        self._images: dict[sp.Expr, sp.Expr] = {}
+
+    def __call__(self, expression: sp.Expr) -> sp.Expr:
+        """``expression`` with every rule applied, innermost first."""
+        if expression not in self._images:
+            self._images[expression] = self._rewritten(expression)
+        return self._images[expression]
+
+    def _rewritten(self, node: sp.Expr) -> sp.Expr:
+        if not node.args:
+            return node
+        arguments = [self(argument) for argument in node.args]
+        same = all(new is old for new, old in zip(arguments, node.args, strict=True))
+        written = node if same else _rebuilt(node, arguments)
+        simpler = self.simpler(written)
+        if simpler is None:
+            return written
+        self.found[node] = value = self(simpler)
+        if node.is_Pow and node.exp.p != 1:
+            self(sp.Pow(node.base, sp.Rational(1, node.exp.q), evaluate=False))
+        return value
+
+    def simpler(self, node: sp.Expr) -> sp.Expr | None:
+        """What the rules make of ``node`` itself; None if none applies."""
+        if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
+            value = self._power(node.base, node.exp)
+        elif isinstance(node, sp.log):
+            value = self._logarithm(node.args[0])
+        elif isinstance(node, sp.Abs | sp.sign):
+            value = self._signed(node)
+        elif isinstance(node, sp.conjugate | sp.re | sp.im):
+            value = self._real_part(node)
+        else:
+            return None
+        return None if value == node else value
+
+    def _power(self, base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
+        if not base.free_symbols and exponent == sp.S.Half and base.is_real:
+            denested = sp.sqrtdenest(sp.sqrt(base))
+            return None if denested.is_Pow else denested
+        if not base.free_symbols and exponent.q == 3 and base.is_Add and base.is_positive:
+            return _cube_root(base, exponent)
+        if exponent.q == 2 and (base is sp.I or base.is_Add):
+            denested = _denested(base)
+            if denested is not None:
+                return denested ** (2 * exponent)
+        factors = self._factors(_squared_function(base) or base, 2)
+        if len(factors) > 1:
+            outside, inside = self._known_factors(factors)
+            if not outside or (len(outside) == 1 and inside == 1):
+                return None
+            return sp.Mul(*(sp.Pow(f, exponent) for f in outside)) * sp.Pow(inside, exponent)
+        (base,) = factors
+        if isinstance(base, sp.exp) and self.signs.is_real(base.args[0]):
+            return sp.exp(exponent * base.args[0])
+        if isinstance(base, sp.exp) and self._is_narrow(base.args[0] / sp.I):
+            return sp.exp(exponent * base.args[0])
+        if not (base.is_Pow and base.exp.is_Rational):
+            return None
+        inner = base.base
+        if self.signs.is_nonnegative(inner):
+            return sp.Pow(inner, base.exp * exponent)
+        if base.exp.is_Integer and base.exp % 2 == 0 and self.signs.is_real(inner):
+            return sp.Pow(self._absolute(inner), base.exp * exponent)
+        if exponent == sp.S.Half and base.exp == 2 and self._is_to_the_right(inner):
+            return inner
+        return None
+
+    def _is_to_the_right(self, total: sp.Expr) -> bool:
+        """Whether a sum has a positive real part: a square root's is not negative."""
+        roots = [part for part in sp.Add.make_args(total) if _has_square_root(part)]
+        return bool(roots) and self.signs.is_positive(total - sp.Add(*roots))
+
+    def _is_narrow(self, angle: sp.Expr) -> bool:
+        """Whether ``angle`` is real and between -pi and pi."""
+        found = self.signs.range(sp.expand(angle))
+        return found is not None and found.lower > -BELOW_PI and found.upper < BELOW_PI
+
+    def _known_factors(self, factors: Sequence[sp.Expr]) -> tuple[list[sp.Expr], sp.Expr]:
+        """The factors that are not negative, negative ones turned over; the rest with its sign."""
+        outside, inside, sign = [], sp.S.One, 1
+        for factor in factors:
+            if self.signs.is_nonnegative(factor):
+                outside.append(factor)
+            elif self.signs.is_nonpositive(factor):
+                sign = -sign
+                if factor != -1:
+                    outside.append(-factor)
+            else:
+                inside *= factor
+        return outside, sign * inside
+
+    def _logarithm(self, argument: sp.Expr) -> sp.Expr | None:
+        if argument.is_Rational and argument > 0:
+            powers = sp.factorrat(argument)
+            return sp.Add(*(n * sp.log(p) for p, n in powers.items()))
+        factors = self._factors(argument, 1)
+        if len(factors) > 1:
+            outside = [f for f in factors if self.signs.is_positive(f)]
+            inside = [f for f in factors if f not in outside]
+            if not outside:
+                return None
+            parts = [*outside, sp.Mul(*inside)] if inside else outside
+            return sp.Add(*map(sp.log, parts))
+        (argument,) = factors
+        if isinstance(argument, sp.exp) and self.signs.is_real(argument.args[0]):
+            return argument.args[0]
+        if not (argument.is_Pow and self.signs.is_real(argument.base)):
+            return None
+        base, exponent = argument.base, argument.exp
+        if self.signs.is_positive(base) and self.signs.is_real(exponent):
+            return exponent * sp.log(base)
+        return exponent * sp.log(self._absolute(base)) if exponent.is_even else None
+
+    def _factors(self, product: sp.Expr, degree: int) -> Sequence[sp.Expr]:
+        """The factors of a product, or of a sum that has one to at least ``degree``."""
+        if product.is_Mul:
+            return tuple(product.args)
+        if not product.is_Add:
+            return (product,)
+        try:
+            unit, powers = factored(product)
+        except TooLong:
+            return (product,)
+        if not any(abs(power) >= degree or not base.is_Add for base, power in powers):
+            return (product,)
+        found = [sp.Pow(_evidently_signed(base), power) for base, power in powers]
+        if unit < 0 and not any(power % 2 and not base.is_Symbol for base, power in powers):
+            return [sp.S.NegativeOne, -unit, *found]
+        return found if unit == 1 else [unit, *found]
+
+    def _absolute(self, inner: sp.Expr) -> sp.Expr:
+        if self.signs.is_nonnegative(inner):
+            return inner
+        return -inner if self.signs.is_nonpositive(inner) else sp.Abs(inner)
+
+    def _signed(self, node: sp.Expr) -> sp.Expr | None:
+        inner = node.args[0]
+        factors = self._factors(inner, 1)
+        if isinstance(node, sp.Abs) and len(factors) > 1:
+            outside, rest = self._known_factors(factors)
+            return sp.Mul(*outside) * sp.Abs(rest) if outside else None
+        if isinstance(node, sp.Abs):
+            return self._absolute(inner)
+        if not (self.signs.is_positive(inner) or self.signs.is_positive(-inner)):
+            return None
+        self.found[sp.Abs(inner)] = self._absolute(inner)
+        return sp.S.One if self.signs.is_positive(inner) else sp.S.NegativeOne
+
+    def _real_part(self, node: sp.Expr) -> sp.Expr | None:
+        inner = node.args[0]
+        other = conjugated(inner, self.signs)
+        if other is None:
+            return None
+        if isinstance(node, sp.conjugate):
+            return other
+        return (inner + other) / 2 if isinstance(node, sp.re) else (inner - other) / (2 * sp.I)
+
+
+SQUARES = {
+    sp.cosh: lambda f, z: {f**2 - 1: sp.sinh(z)},
+    sp.sinh: lambda f, z: {f**2 + 1: sp.cosh(z)},
+    sp.tanh: lambda f, z: {1 - f**2: sp.sech(z)},
+    sp.sech: lambda f, z: {1 - f**2: sp.tanh(z)},
+    sp.coth: lambda f, z: {f**2 - 1: sp.csch(z)},
+    sp.csch: lambda f, z: {f**2 + 1: sp.coth(z)},
+    sp.sin: lambda f, z: {1 - f**2: sp.cos(z)},
+    sp.cos: lambda f, z: {
+        1 - f**2: sp.sin(z),
+        1 + f: sp.sqrt(2) * sp.cos(z / 2),
+        2 + 2 * f: 2 * sp.cos(z / 2),
+        1 - f: sp.sqrt(2) * sp.sin(z / 2),
+    },
+    sp.tan: lambda f, z: {f**2 + 1: sp.sec(z)},
+    sp.sec: lambda f, z: {f**2 - 1: sp.tan(z)},
+}
+"""Sums that are the square of another function."""
+
+
+def _squared_function(total: sp.Expr) -> sp.Expr | None:
+    """The square that a sum is by the theorem of Pythagoras or its hyperbolic form."""
+    if not (total.is_Add and len(total.args) == 2):
+        return None
+    for node in total.atoms(sp.cosh):
+        if total == node + sp.sinh(node.args[0]):
+            return sp.exp(node.args[0])
+    for node in total.atoms(*SQUARES):
+        root = SQUARES[node.func](node, node.args[0]).get(total)
+        if root is not None:
+            return root**2
+    return None
+
+
+def _has_square_root(term: sp.Expr) -> bool:
+    number, rest = term.as_coeff_Mul(rational=True)
+    return bool(number > 0 and rest.is_Pow and rest.exp == sp.S.Half)
+
+
+def _evidently_signed(total: sp.Expr) -> sp.Expr:
+    """A sum as the square that it is, or as one of squares; itself if it is neither."""
+    square = _squared_function(total)
+    if square is not None:
+        return square
+    found = Quotients(total).squares() if total.is_Add else None
+    return total if found is None else found
+
+
+def _denested(base: sp.Expr) -> sp.Expr | None:
+    """The square root of a + b sqrt(c) as a sum of two, if a**2 - b**2 c is a square."""
+    try:
+        made = Quotients(base)
+        for atom, square in made.square_roots:
+            parts = made.linear_in(atom)
+            if parts is None or not made.below.is_constant():
+                continue
+            a, b = (part / int(made.below.leading_coefficient()) for part in parts)
+            unit, powers = factored(a**2 - b**2 * square)
+            size = sp.sqrt(unit)
+            if not size.is_Rational or any(power % 2 for _, power in powers):
+                continue
+            half = sp.Mul(size, *(f ** (power // 2) for f, power in powers)) / 2
+            high, low = sp.expand(a / 2 + half), sp.expand(a / 2 - half)
+            return _joined_roots(high, low, b, square)
+    except TooLong:
+        return None
+    return None
+
+
+def _joined_roots(high: sp.Expr, low: sp.Expr, b: sp.Expr, square: sp.Expr) -> sp.Expr | None:
+    """sqrt(high) + sqrt(low) with the sign of b between them."""
+    if high.is_negative or (not high.is_positive and low.is_positive):
+        high, low = low, high
+    if b.could_extract_minus_sign() or (square != -1 and b.is_negative):
+        return sp.sqrt(high) - _root_of(low, square)
+    return sp.sqrt(high) + _root_of(low, square)
+
+
+def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
+    return sp.I * sp.sqrt(-low) if square == -1 else sp.sqrt(low)
+
+
+def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
+    """The cube root a + b sqrt(c) of a number of that kind."""
+    made = Quotients(base)
+    for atom, square in made.square_roots:
+        parts = made.linear_in(atom)
+        if parts is None or not square.is_Rational or square < 0:
+            continue
+        p, q = (part / int(made.below.leading_coefficient()) for part in parts)
+        norm, value = sp.real_root(p**2 - q**2 * square, 3), sp.N(base, DIGITS) ** (sp.S.One / 3)
+        if not norm.is_Rational:
+            continue
+        a = sp.Rational(str((value + norm / value) / 2)).limit_denominator(LARGEST)
+        b = sp.Rational(str((value - norm / value) / 2 / sp.sqrt(square).n(DIGITS)))
+        root = a + b.limit_denominator(LARGEST) * sp.sqrt(square)
+        if sp.expand(root**3 - base) == 0:
+            return root ** (3 * exponent)
+    return None
+
+
+def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:
+    """``node`` with other arguments; of a sum's power SymPy would ask for all signs."""
+    plain = node.is_Pow and arguments[0].is_Add and not arguments[0].is_number
+    return node.func(*arguments, evaluate=False) if plain else node.func(*arguments)
+
+
+def conjugated(expression: sp.Expr, signs: Signs) -> sp.Expr | None:
+    """The complex conjugate on the domains; None where no rule gives it.
+
+    >>> x = sp.Symbol("x", real=True)
+    >>> conjugated(sp.exp(sp.I * x), Signs({})), conjugated(sp.sqrt(x), Signs({}))
+    (exp(-I*x), None)
+    """
+    if signs.is_real(expression):
+        return expression
+    if expression is sp.I:
+        return -sp.I
+    if isinstance(expression, sp.conjugate):
+        inner: sp.Expr = expression.args[0]
+        return inner
+    through = expression.is_Add or expression.is_Mul
+    through = through or (expression.is_Pow and expression.exp.is_Integer)
+    if not through and not isinstance(expression, REAL_ON_THE_LINE):
+        return None
+    arguments = [conjugated(argument, signs) for argument in expression.args]
+    if any(argument is None for argument in arguments):
+        return None
+    return expression.func(*arguments)

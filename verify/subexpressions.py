@@ -1,0 +1,62 @@
+"""Walks over SymPy trees that visit each distinct subexpression once.
+
+A formula in which a long subexpression stands many times has few distinct subexpressions and a
+very large tree; SymPy's own traversals walk the tree.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+DEPTH = 4
+"""Levels of a subexpression that an abbreviation shows."""
+
+
+def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
+    """The subexpressions, outer ones first, each once.
+
+    >>> x = sp.Symbol("x")
+    >>> distinct_nodes(sp.sin(x) + sp.sin(x) ** 2)
+    [sin(x)**2 + sin(x), sin(x)**2, sin(x), x, 2]
+    """
+    found: dict[sp.Expr, None] = {}
+    waiting = [expression]
+    while waiting:
+        node = waiting.pop()
+        if node not in found:
+            found[node] = None
+            waiting += reversed(node.args)
+    return list(found)
+
+
+def replaced(expression: sp.Expr, target: sp.Expr, replacement: sp.Expr) -> sp.Expr:
+    """``expression`` with ``target`` replaced throughout; each subexpression is visited once."""
+    images = {target: replacement}
+
+    def image(node: sp.Expr) -> sp.Expr:
+        if node not in images:
+            arguments = [image(argument) for argument in node.args]
+            same = all(new is old for new, old in zip(arguments, node.args, strict=True))
+            images[node] = node if same else node.func(*arguments)
+        return images[node]
+
+    return image(expression)
+
+
+def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:
+    """``expression`` as text, with dots for what lies deeper than ``depth``.
+
+    >>> x = sp.Symbol("x")
+    >>> abbreviated(sp.sin(1 + sp.cos(x**2 + 3)), depth=2)
+    'sin(... + 1)'
+    """
+    return str(_shallow(expression, depth))
+
+
+def _shallow(expression: sp.Expr, depth: int) -> sp.Expr:
+    if not expression.args:
+        return expression
+    if depth == 0:
+        return sp.Symbol("...")
+    arguments = (_shallow(argument, depth - 1) for argument in expression.args)
+    return expression.func(*arguments, evaluate=False)
