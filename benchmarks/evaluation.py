@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import sympy as sp
 
-from verify.studies.evaluation_cases import Case, wave_names
+from verify.studies.evaluation_accuracy import WaveCase, wave_names
 
 POINTS = 100_000
 REPEATS = 7
@@ -18,7 +18,7 @@ DIGITS = 15
 HARD_MODULI = {"rogue_cn": 1 - sp.Rational(1, 10**6), "soliton_dn": 1 - sp.Rational(1, 10**6)}
 
 
-def cases() -> list[Case]:
+def cases() -> list[WaveCase]:
     """One ordinary case a wave, then cases near the end of a domain."""
     half = sp.Rational(1, 2)
     values = {"k": sp.Rational(7, 10), "alpha": half, "A": sp.S.One, "X_0": sp.S.Zero}
@@ -26,9 +26,9 @@ def cases() -> list[Case]:
     values |= {"U_0": sp.S.One, "kappa": sp.S.One}
     found = []
     for name in wave_names():
-        names = [parameter.name for parameter in Case(name).form.parameters]
-        found.append(Case(name, tuple((key, values[key]) for key in names)))
-    return found + [Case(name, (("k", k),)) for name, k in HARD_MODULI.items()]
+        names = [parameter.name for parameter in WaveCase(name).form.parameters]
+        found.append(WaveCase(name, tuple((key, values[key]) for key in names)))
+    return found + [WaveCase(name, (("k", k),)) for name, k in HARD_MODULI.items()]
 
 
 def least_seconds(function: Callable[[], object], repeats: int) -> float:
@@ -41,7 +41,7 @@ def least_seconds(function: Callable[[], object], repeats: int) -> float:
     return best
 
 
-def row(case: Case) -> str:
+def row(case: WaveCase) -> str:
     """One line: milliseconds for all points, mpmath's seconds, and their ratio."""
     wave = case.wave()
     X, T = np.linspace(-50.0, 50.0, POINTS), 0.3

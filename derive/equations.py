@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sympy import Expr, S
-from sympy.polys.fields import FracElement
 
 from derive.algebra.jets import DifferentialPolynomial, Monomial
-from derive.output.notation import Notation, latex_of, terms, text_of
+from derive.output.notation import Displayed, Notation, latex_of, terms, text_of
 
 
-@dataclass(frozen=True)
-class OrderEquation:
+@dataclass(frozen=True, repr=False)
+class OrderEquation(Displayed):
     """``polynomial = 0``, the factor of ``eps^order`` in the lattice equation.
 
     ``polynomial`` keeps the sign of "acceleration minus force", so that the orders add up to the
@@ -39,8 +38,8 @@ class OrderEquation:
         return f"{self.notation.latex(self._printed)} = 0"
 
 
-@dataclass(frozen=True)
-class Condition:
+@dataclass(frozen=True, repr=False)
+class Condition(Displayed):
     """``expression = 0``, needed because the equation at ``order`` has no other solution."""
 
     order: int
@@ -61,8 +60,8 @@ class Condition:
         return f"{latex_of(self.expression)} = 0"
 
 
-@dataclass(frozen=True)
-class EvolutionEquation:
+@dataclass(frozen=True, repr=False)
+class EvolutionEquation(Displayed):
     """The reduced equation ``Y_T = flow``; coefficients are those of ``Y_T - flow = 0``."""
 
     flow: DifferentialPolynomial
@@ -96,25 +95,15 @@ class EvolutionEquation:
         return set(self.flow.terms) == {(Y, Y, Y_X), (Y_XXX,)}
 
     @property
-    def nonlinear_element(self) -> FracElement:
-        """The nonlinear coefficient in the field of constants."""
-        return self.polynomial.coefficient(*self.nonlinear_monomial)
-
-    @property
-    def dispersive_element(self) -> FracElement:
-        """The coefficient of Y_XXX in the field of constants."""
-        jet = (3, *(0,) * (len(self.notation.axes) - 1))
-        return self.polynomial.coefficient(jet)
-
-    @property
     def nonlinear_coefficient(self) -> Expr:
         """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV)."""
-        return self.nonlinear_element.as_expr()
+        return self.polynomial.coefficient(*self.nonlinear_monomial).as_expr()
 
     @property
     def dispersive_coefficient(self) -> Expr:
         """The coefficient of Y_XXX."""
-        return self.dispersive_element.as_expr()
+        jet = (3, *(0,) * (len(self.notation.axes) - 1))
+        return self.polynomial.coefficient(jet).as_expr()
 
     def text(self) -> str:
         """The equation in plain text."""

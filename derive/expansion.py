@@ -13,7 +13,7 @@ from sympy import QQ, Expr
 from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
-from derive.algebra.exact_numbers import shown
+from derive.algebra.exact_numbers import instance
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.series import EpsSeries, Operator
 from derive.lattice import Bond, Cell, Lattice, Stencil
@@ -106,11 +106,8 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
 
     Raises ValueError for a lattice with several fields, and for a scaling that does not fit it.
     """
-    if not isinstance(lattice, Lattice) or not isinstance(scaling, Scaling):
-        raise ValueError(
-            f"lattice and scaling must be a Lattice and a Scaling, got {shown(lattice)} and "
-            f"{shown(scaling)} (LATTICES holds lattices by name)"
-        )
+    instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
+    instance("scaling", scaling, Scaling, "Scaling() is the paper's")
     if len(lattice.fields) != 1:
         raise ValueError(
             f"lattice must have one field, got {len(lattice.fields)} "

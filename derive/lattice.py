@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
-from derive.algebra.exact_numbers import exact, integer, shown
+from derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
+from derive.output.notation import (
+    Displayed,
+    Printed,
+    bracketed,
+    latex_of,
+    power_of,
+    text_of,
+    weighted_sum,
+)
 from derive.symbols import check_constants, eps, rational_function, x
 
 Cell = tuple[int, ...]
@@ -24,12 +35,9 @@ class Stencil:
     field: int = 0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.shift, tuple) or not self.shift:
-            raise ValueError(
-                f"shift must be a tuple of integers, one an axis, got {shown(self.shift)} "
-                "((1,) is the next cell of a chain)"
-            )
-        for step in (*self.shift, self.weight):
+        shift = tuple_of("shift", self.shift, object, "one an axis: (1,) is a chain's next cell")
+        object.__setattr__(self, "shift", shift)
+        for step in (*shift, self.weight):
             integer("shift and weight", step, -MOST_CELLS, "whole cells, whole weights")
         integer("field", self.field, 0, "the place of the field in the lattice's fields")
 
@@ -51,11 +59,8 @@ class Bond:
 
     def __post_init__(self) -> None:
         for name in ("stretch", "action"):
-            entries = getattr(self, name)
-            if not isinstance(entries, tuple) or not entries:
-                raise ValueError(
-                    f"{name} must be a tuple of Stencil, got {shown(entries)} (name one at least)"
-                )
+            entries = tuple_of(name, getattr(self, name), Stencil, "(Stencil((0,)),) is the cell")
+            object.__setattr__(self, name, entries)
         if not isinstance(self.force, Expr) or not self.force.is_polynomial(x):
             raise ValueError(
                 f"force must be a polynomial in derive.symbols.x, got {shown(self.force)} "
@@ -74,8 +79,8 @@ class Bond:
         return self.force.diff(x).subs(x, stretch)
 
 
-@dataclass(frozen=True)
-class Lattice:
+@dataclass(frozen=True, repr=False)
+class Lattice(Displayed):
     """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
 
     >>> from derive import LATTICES
@@ -103,13 +108,25 @@ class Lattice:
         return len(self.bonds[0].stretch[0].shift)
 
     def __post_init__(self) -> None:
-        if not self.fields or not self.bonds or len(self.masses) != len(self.fields):
+        for name in ("name", "title"):
+            instance(name, getattr(self, name), str, "such as 'chain'")
+        fields = tuple_of("fields", self.fields, str, "('y',) is one field, the strain")
+        masses = tuple_of("masses", self.masses, object, "(1,) is one field's, the unit")
+        object.__setattr__(self, "fields", fields)
+        object.__setattr__(self, "masses", tuple(rational_function("mass", m) for m in masses))
+        bonds = tuple_of("bonds", self.bonds, Bond, "LATTICES['fput_strain'].bonds shows one")
+        object.__setattr__(self, "bonds", bonds)
+        if len(masses) != len(fields):
             raise ValueError(
-                "lattice must have fields, a mass for each of them, and bonds, got "
-                f"{len(self.fields)} fields, {len(self.masses)} masses, {len(self.bonds)} bonds"
+                f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
+                "(a mass for each field)"
             )
-        exact_masses = tuple(rational_function("mass", mass) for mass in self.masses)
-        object.__setattr__(self, "masses", exact_masses)
+        for field in fields:
+            if not re.fullmatch(r"[A-Za-z]+", field) or fields.count(field) > 1:
+                raise ValueError(
+                    f"fields must have names of letters, each its own, got {shown(field)} "
+                    "(such as 'y', 'z')"
+                )
         for mass in self.masses:
             if mass.is_nonpositive:
                 raise ValueError(f"mass must satisfy mass > 0, got {mass} (1 is the unit)")
@@ -121,3 +138,66 @@ class Lattice:
                     "(fields are counted from 0)"
                 )
         check_constants(self.constants)
+
+    def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
+        """The equations of motion, then the force of each bond, one a line.
+
+        >>> from derive import LATTICES
+        >>> LATTICES["fput_strain"].equations()[0]
+        "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
+        """
+        if printed is text_of:
+            return tuple(_equations(self, printed, "{}''", "F{}"))
+        return tuple(_equations(self, printed, r"\ddot{{{}}}", "F_{{{}}}"))
+
+    def text(self) -> str:
+        """The name, and the equations in plain text."""
+        return f"{self.name}: {'; '.join(self.equations())}"
+
+    def latex(self) -> str:
+        """The equations in LaTeX, without delimiters."""
+        return r",\quad ".join(self.equations(latex_of))
+
+
+def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str) -> Iterator[str]:
+    """Equations of motion and forces, constants as they are ``printed``."""
+    many = len(lattice.bonds) > 1
+    labels = [label.format(number) if many else "F" for number, _ in enumerate(lattice.bonds, 1)]
+    here = _cell((0,) * lattice.dimension)
+    for index, name in enumerate(lattice.fields):
+        mass = lattice.masses[index]
+        forces = [
+            (entry.weight, f"{force}({_stretch(lattice, bond, entry)})")
+            for force, bond in zip(labels, lattice.bonds, strict=True)
+            for entry in bond.action
+            if entry.field == index
+        ]
+        factor = "" if mass == 1 else f"{bracketed(mass, printed)} "
+        yield f"{factor}{acceleration.format(f'{name}_{here}')} = {weighted_sum(forces)}"
+    for force, bond in zip(labels, lattice.bonds, strict=True):
+        terms = enumerate(reversed(bond.coefficients()))
+        yield f"{force}(x) = " + " + ".join(
+            f"{bracketed(value, printed)} {power_of(x, power, printed)}".rstrip()
+            for power, value in terms
+            if value != 0
+        )
+
+
+def _stretch(lattice: Lattice, bond: Bond, at: Stencil) -> str:
+    """What stretches the bond whose force acts through ``at``."""
+    parts = []
+    for entry in bond.stretch:
+        cell = [i + j for i, j in zip(entry.shift, at.shift, strict=True)]
+        parts.append((entry.weight, f"{lattice.fields[entry.field]}_{_cell(cell)}"))
+    return weighted_sum(parts)
+
+
+def _cell(shift: Sequence[int]) -> str:
+    """The cell at an offset, as a subscript; further axes follow.
+
+    >>> _cell((0,)), _cell((1,)), _cell((1, 0))
+    ('n', '{n+1}', '{n+1,m}')
+    """
+    names = [f"{axis}{step:+d}" if step else axis for axis, step in zip("nml", shift, strict=False)]
+    joined = ",".join(names)
+    return joined if len(joined) == 1 else f"{{{joined}}}"

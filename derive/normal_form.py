@@ -11,7 +11,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Abs, Expr, sign, sqrt
+from sympy import Abs, Expr, latex, sign, sqrt
+
+from derive.algebra.exact_numbers import exact
 
 
 @dataclass(frozen=True)
@@ -19,13 +21,25 @@ class NormalForm:
     """``Y(X, T) = U(a X, b T)`` with ``X = eps (n - c t)``, ``T = eps^3 t``; s = +-1.
 
     s = +1 is the focusing equation (K4 > 0), s = -1 the defocusing one.  All four are exact
-    SymPy expressions.
+    SymPy expressions; numbers are made so.  Raises ValueError for anything else, and for a
+    number s other than 1 and -1.
     """
 
     a: Expr
     b: Expr
     s: Expr
     c: Expr
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b", "s", "c"):
+            object.__setattr__(self, name, exact(name, getattr(self, name)))
+        if self.s.is_number and self.s not in (1, -1):
+            raise ValueError(f"s must be 1 or -1, got {self.s} (1 is the focusing equation)")
+
+    def _repr_latex_(self) -> str:
+        equation = r"U_\tau + 6 s U^2 U_\xi + U_{\xi\xi\xi} = 0,\quad Y(X, T) = U(a X, b T)"
+        values = [f"{name} = {latex(getattr(self, name))}" for name in ("a", "b", "s", "c")]
+        return rf"$\displaystyle {', '.join([equation, *values])}$"
 
     @classmethod
     def of_coefficients(cls, c: Expr, nonlinear: Expr, dispersive: Expr) -> NormalForm:

@@ -14,14 +14,13 @@ from derive.algebra.jets import DifferentialPolynomial
 from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
 from derive.normal_form import NormalForm
-from derive.output.document import reduction_data
-from derive.output.notation import Notation, aligned, latex_of, text_of
-from derive.output.text import text_report
+from derive.output.notation import Notation, latex_of, text_of
+from derive.output.report import latex_report, reduction_data, text_report
 from derive.scaling import Scaling
 from derive.symbols import powers_of_eps
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Reduction:
     """What ``derive.reduce`` returns.
 
@@ -147,6 +146,16 @@ class Reduction:
                 "(it is the square of the sound speed; take a positive stiffness)"
             )
 
+    def __repr__(self) -> str:
+        needed = "".join(f", {text_of(item.expression)} = 0" for item in self.conditions)
+        squared = f"{text_of(self.scaling.speed**2)} = {text_of(self.speed_squared)}"
+        return f"Reduction({self.lattice.name}: {self.pde.text()}, {squared}{needed})"
+
+    def _repr_latex_(self) -> str:
+        parts = [self.pde.latex(), latex_of(self.sound_condition)]
+        joined = r",\quad ".join([*parts, *(item.latex() for item in self.conditions)])
+        return rf"$\displaystyle {joined}$"
+
     def text(self) -> str:
         """The whole reduction in plain text."""
         return text_report(self)
@@ -156,25 +165,7 @@ class Reduction:
 
         The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """
-        rows = [
-            (rf"\epsilon^{{{order}}}:", equation.latex()) for order, equation in self.orders.items()
-        ]
-        rows.append((r"\text{sound}:", latex_of(self.sound_condition)))
-        rows += [(r"\text{condition}:", condition.latex()) for condition in self.conditions]
-        rows.append((r"\text{reduced}:", self.pde.latex()))
-        rows += [("", self.latex_remainder(order)) for order in self.remainders]
-        rows += [("", self.latex_correction(power)) for power in self.corrections]
-        values = self.coefficients(**constants)
-        rows += [("", f"{latex_of(self.scaling.speed)} = {latex_of(values.c)}")]
-        if constants:
-            named = ((self.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
-            rows += [
-                (rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named
-            ]
-        if self.pde.is_mkdv:
-            form = self.normal_form(**constants)
-            rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
-        return aligned(rows)
+        return latex_report(self, constants)
 
     def latex_correction(self, power: int) -> str:
         """``F_{power}`` of ``Y_T = F_0 + ...`` in LaTeX; KeyError if it was not reached."""
@@ -185,7 +176,7 @@ class Reduction:
         return f"R_{{{order}}} = {self.notation.latex(self.remainders[order])}"
 
     def json(self, **constants: Number) -> str:
-        """The reduction as a JSON document (layout: derive.output.document).
+        """The reduction as a JSON document (layout: derive.output.report).
 
         The coefficients are those at ``constants``; raises ValueError as coefficients does.
         """

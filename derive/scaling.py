@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from derive.algebra.exact_numbers import integer, shown
+from derive.algebra.exact_numbers import integer, shown, tuple_of
+from derive.output.notation import (
+    Displayed,
+    Printed,
+    bracketed,
+    latex_of,
+    power_of,
+    text_of,
+    weighted_sum,
+)
 from derive.symbols import c, check_constants, eps, rational_function
 
 
@@ -25,13 +34,13 @@ class SlowVariable:
             raise ValueError(f"name must be one letter, got {shown(self.name)} (X is usual)")
         hint = "slow variables carry a positive power of eps"
         integer(f"exponent of {self.name}", self.exponent, 1, hint)
-        if not isinstance(self.direction, tuple) or not any(self.direction):
-            raise ValueError(
-                f"direction of {self.name} must be a tuple of integers, not all 0, got "
-                f"{shown(self.direction)} ((1,) is along a chain)"
-            )
-        for step in self.direction:
-            integer(f"direction of {self.name}", step, -(10**6), "whole cells")
+        along = f"direction of {self.name}"
+        direction = tuple_of(along, self.direction, object, "(1,) is along a chain")
+        object.__setattr__(self, "direction", direction)
+        for step in direction:
+            integer(along, step, -(10**6), "whole cells")
+        if not any(direction):
+            raise ValueError(f"{along} must not be all 0, got {direction} ((1,) is along a chain)")
         object.__setattr__(self, "speed", rational_function(f"speed of {self.name}", self.speed))
         if self.speed.has(eps):
             raise ValueError(
@@ -39,9 +48,22 @@ class SlowVariable:
                 "terms of the reduced equation)"
             )
 
+    def phase(self, printed: Printed = text_of) -> str:
+        """What the variable is, apart from its power of eps.
 
-@dataclass(frozen=True)
-class Scaling:
+        >>> SlowVariable("X", 1, (-2,), -c).phase()
+        '-2 n + c t'
+        """
+        parts = [(step, axis) for step, axis in zip(self.direction, "nml", strict=False) if step]
+        if self.speed != 0:
+            backwards = self.speed.could_extract_minus_sign()
+            size = -self.speed if backwards else self.speed
+            parts.append((1 if backwards else -1, f"{bracketed(size, printed)} t"))
+        return weighted_sum(parts)
+
+
+@dataclass(frozen=True, repr=False)
+class Scaling(Displayed):
     """``field = background + eps^amplitude Y(space, T)`` with ``T = eps^time t``.
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
@@ -61,8 +83,10 @@ class Scaling:
     def __post_init__(self) -> None:
         integer("time", self.time, 1, "T carries a positive power of eps")
         integer("amplitude", self.amplitude, 0, "0 is a wave of order one")
+        usual = 'SlowVariable("X", 1, (1,), c) is the default'
+        object.__setattr__(self, "space", tuple_of("space", self.space, SlowVariable, usual))
         names = [variable.name for variable in self.space]
-        if not names or len({*names, "T", "Y"}) != len(names) + 2:
+        if len({*names, "T", "Y"}) != len(names) + 2:
             raise ValueError(
                 f"space must hold variables with names of their own, other than T and Y, got "
                 f"{names} (X is usual)"
@@ -72,7 +96,16 @@ class Scaling:
                 f"speed of {names[0]} must be a positive symbol or minus one, got {self.speed} "
                 "(take derive.symbols.c: the reduction finds its value; -c is the other direction)"
             )
-        mean = tuple((power, rational_function("background", b)) for power, b in self.background)
+        pairs = self.background and tuple_of(
+            "background", self.background, tuple, "((0, ybar),) is a uniform strain"
+        )
+        for pair in pairs:
+            if len(pair) != 2:
+                raise ValueError(
+                    f"background must hold pairs (exponent, value), got {shown(pair)} "
+                    "(((0, ybar),) is a uniform strain)"
+                )
+        mean = tuple((power, rational_function("background", value)) for power, value in pairs)
         object.__setattr__(self, "background", mean)
         for exponent, value in self.background:
             integer("exponent of background", exponent, 0, "0 is a mean of order one")
@@ -111,3 +144,24 @@ class Scaling:
         for expression in (*(v.speed for v in self.space), *(b for _, b in self.background)):
             found |= expression.free_symbols
         return tuple(sorted(found - {eps}, key=str))
+
+    def text(self, field: str = "y") -> str:
+        """The ansatz for a lattice's ``field`` in plain text.
+
+        >>> Scaling().text()
+        'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
+        """
+        return ", ".join(self._parts(field, text_of))
+
+    def latex(self, field: str = "y") -> str:
+        """The same in LaTeX, without delimiters."""
+        return r",\; ".join(self._parts(field, latex_of))
+
+    def _parts(self, field: str, printed: Printed) -> list[str]:
+        def small(exponent: int) -> str:
+            return power_of(eps, exponent, printed)
+
+        mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
+        wave = f"{small(self.amplitude)}Y({', '.join(self.axes)})"
+        slow = (f"{v.name} = {small(v.exponent)}({v.phase(printed)})" for v in self.space)
+        return [f"{field} = {mean}{wave}", *slow, f"T = {small(self.time)}t"]

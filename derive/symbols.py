@@ -31,8 +31,6 @@ k = Symbol("k", real=True)
 ybar = Symbol("ybar", real=True)
 x = Symbol("x", real=True)
 
-LATEX_NAMES = {ybar: r"\overline{y}", eps: r"\epsilon"}
-
 RESERVED = {str(symbol) for symbol in (T, X, eps, k, n, t, x)} | {"Y"}
 """Names with a meaning of their own in the reduction."""
 

@@ -4,26 +4,19 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
-from reports.environment import render
-from reports.figures.costs import CostAxes, cost_figure
-from reports.figures.paper import draw_all
-from reports.figures.snapshots import snapshot_figure
-from reports.figures.style import save, styled
+from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
+from reports.figures.paper_figures import draw_all
+from reports.latex import render, write
 from reports.paper import SOURCES
-from reports.sections import (
-    claims,
-    costs,
-    derivation,
-    estimates,
-    evaluation,
-    further,
-    proofs,
-    runs,
-    solutions,
-)
-from reports.studies import Studies
-from reports.tables import write
-from reports.work import Findings
+from reports.sections import costs, runs
+from reports.sections import costs as estimates
+from reports.sections import costs as evaluation
+from reports.sections import runs as claims
+from reports.sections import runs as further
+from reports.sections import theory as derivation
+from reports.sections import theory as proofs
+from reports.sections import theory as solutions
+from reports.work import Findings, Studies
 from verify.comparison import Scene
 from verify.studies.claims import all_claims
 

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import sympy as sp
 
+DEPTH = 4
+"""Levels of a subexpression that an abbreviation shows."""
+
 
 def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
     """The subexpressions, outer ones first, each once.
@@ -38,3 +41,22 @@ def replaced(expression: sp.Expr, target: sp.Expr, replacement: sp.Expr) -> sp.E
         return images[node]
 
     return image(expression)
+
+
+def abbreviated(expression: sp.Expr, depth: int = DEPTH) -> str:
+    """``expression`` as text, with dots for what lies deeper than ``depth``.
+
+    >>> x = sp.Symbol("x")
+    >>> abbreviated(sp.sin(1 + sp.cos(x**2 + 3)), depth=2)
+    'sin(... + 1)'
+    """
+    return str(_shallow(expression, depth))
+
+
+def _shallow(expression: sp.Expr, depth: int) -> sp.Expr:
+    if not expression.args:
+        return expression
+    if depth == 0:
+        return sp.Symbol("...")
+    arguments = (_shallow(argument, depth - 1) for argument in expression.args)
+    return expression.func(*arguments, evaluate=False)

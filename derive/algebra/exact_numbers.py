@@ -1,4 +1,4 @@
-"""Numbers from outside made exact: no float survives, no text is evaluated."""
+"""What comes from outside, checked: numbers made exact, no text evaluated, the wrong one named."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from decimal import Decimal
 from fractions import Fraction
 from numbers import Integral, Real
 from numbers import Rational as RationalNumber
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from sympy import Expr, Float, I, Rational, nan, oo, zoo
 from sympy.matrices.expressions.matexpr import MatrixExpr
+
+Kind = TypeVar("Kind")
 
 Number: TypeAlias = int | float | str | Fraction | Decimal | Expr
 
@@ -115,3 +117,25 @@ def integer(name: str, value: object, least: int, hint: str) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise ValueError(f"{name} must be an integer >= {least}, got {shown(value)} ({hint})")
     return int(value)
+
+
+def instance(name: str, value: object, kind: type[Kind], remedy: str) -> Kind:
+    """``value``; ValueError, with the remedy, unless it is one of that kind.
+
+    >>> instance("name", 3, str, "such as 'chain'")
+    Traceback (most recent call last):
+    ...
+    ValueError: name must be a str, got 3 (such as 'chain')
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOaeio" else "a"
+        raise ValueError(f"{name} must be {article} {kind.__name__}, got {shown(value)} ({remedy})")
+    return value
+
+
+def tuple_of(name: str, value: object, kind: type[Kind], remedy: str) -> tuple[Kind, ...]:
+    """A tuple or list as a tuple; ValueError unless it holds that kind alone, and one at least."""
+    if not isinstance(value, tuple | list) or not value:
+        kinds = "" if kind is object else f" of {kind.__name__}"
+        raise ValueError(f"{name} must be a tuple{kinds}, got {shown(value)} ({remedy})")
+    return tuple(instance(f"each of {name}", entry, kind, remedy) for entry in value)

@@ -6,19 +6,24 @@ of a single monomial is written as one, ``K3 (Y^2)_XX`` rather than ``2 K3 Y Y_X
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import TypeAlias
 
-from sympy import Expr
+from sympy import Expr, Symbol
 from sympy.polys.fields import FracElement
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
-from derive.symbols import LATEX_NAMES
 
 LONGEST_SUBSCRIPT = 4
+
+Printed: TypeAlias = Callable[[Expr], str]
+"""How a constant is written: `text_of` or `latex_of`."""
+
+LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
 
 
 @dataclass(frozen=True)
@@ -126,6 +131,24 @@ class Notation:
         return rf"\left({product}\right)_{{{self._outer(term)}}}"
 
 
+class Displayed:
+    """What says itself in text and LaTeX: one line as its repr, a formula in notebooks."""
+
+    def text(self) -> str:
+        """Plain text in one line."""
+        raise NotImplementedError
+
+    def latex(self) -> str:
+        """LaTeX without delimiters."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.text()})"
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle {self.latex()}$"
+
+
 class _TextPrinter(StrPrinter):
     """Sums in their natural order, ``c^2 - K2``."""
 
@@ -134,7 +157,10 @@ class _TextPrinter(StrPrinter):
 
 
 class _LatexPrinter(LatexPrinter):
-    """Sums in their natural order."""
+    """Sums in their natural order, symbols under the project's names."""
+
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        return LATEX_NAMES.get(str(expr)) or str(super()._print_Symbol(expr, style))
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         return str(super()._print_Add(expr, order="none"))
@@ -152,7 +178,7 @@ def text_of(expression: Expr) -> str:
 
 def latex_of(expression: Expr) -> str:
     """A constant in LaTeX, with the project's names."""
-    return str(_LatexPrinter({"symbol_names": LATEX_NAMES}).doprint(expression))
+    return str(_LatexPrinter().doprint(expression))
 
 
 def _joined(signed: Iterable[tuple[bool, str]]) -> str:
@@ -163,6 +189,33 @@ def _joined(signed: Iterable[tuple[bool, str]]) -> str:
         else:
             result = f"-{body}" if negative else body
     return result or "0"
+
+
+def weighted_sum(parts: Iterable[tuple[int, str]]) -> str:
+    """Bodies with integer weights, in text as in LaTeX.
+
+    >>> weighted_sum([(-2, "x"), (1, "y"), (-1, "z")])
+    '-2 x + y - z'
+    """
+    return _joined(
+        (weight < 0, body if abs(weight) == 1 else f"{abs(weight)} {body}")
+        for weight, body in parts
+    )
+
+
+def power_of(symbol: Symbol, exponent: int, printed: Printed) -> str:
+    """A power as a factor, with the space behind it; nothing for the exponent 0.
+
+    >>> power_of(Symbol("eps"), 3, latex_of) + "Y", power_of(Symbol("eps"), 0, text_of) + "Y"
+    ('\\\\epsilon^{3} Y', 'Y')
+    """
+    return f"{printed(symbol**exponent)} " if exponent else ""
+
+
+def bracketed(expression: Expr, printed: Printed) -> str:
+    """A constant as a factor: a sum in brackets."""
+    text = printed(expression)
+    return f"({text})" if expression.is_Add else text
 
 
 def _product(number: str, monomial: str) -> str:

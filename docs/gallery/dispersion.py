@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from derive import dispersion_relation
 from derive.symbols import K2, k
-from reports.figures.style import CURVES
+from reports.figures.drawing import CURVES
 
 
 def picture() -> Figure:

@@ -7,7 +7,7 @@ the solitons of the mKdV equation do.
 from matplotlib.figure import Figure
 
 from longwave import Scene, run
-from reports.figures.space_time import space_time_figure
+from reports.figures.drawing import space_time_figure
 
 SCENE = Scene(
     name="two_solitons",

@@ -7,21 +7,304 @@ written out of nested fractions, as a product where that is shorter, and broken 
 """
 
 from collections import Counter
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache, cached_property
 
 import sympy as sp
 
-from reports.formulas.latex import joined, latex, sum_latex
-from reports.formulas.naming import Naming
-from reports.formulas.order import FUNCTION_ORDER, ordered_terms
-from reports.formulas.tidy import LINE, is_wide, tidied, width
+from reports.formulas.printing import (
+    FUNCTION_ORDER,
+    LINE,
+    function_name,
+    is_phase,
+    is_wide,
+    joined,
+    latex,
+    nesting,
+    ordered_terms,
+    runs_left,
+    size,
+    sum_latex,
+    tidied,
+    width,
+)
 from solutions.functions.jacobi import JacobiFunction
+from solutions.symbols import complementary_modulus, k, xi
+
+HEAVY = 55.0
+"""A formula with a row wider than this has its repeated parts named."""
+
+COMPANION = 25.0
+"""A denominator wider than this is named where the numerator is, and the other way about."""
 
 STATED = 45.0
 """Widest phase that is stated in the sentence behind the display."""
 
 MARK = "MARK"
+
+EXPONENTIALS = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.sech)
+
+ARGUMENTS = {"phi": (JacobiFunction, sp.sin, sp.cos), "eta": EXPONENTIALS}
+"""The letters of the arguments of functions."""
+
+OFTEN = 2
+"""A part of a wide formula gets a name if it occurs this many times."""
+
+WORTH = 10.0
+"""Narrowest part that gets a name for being repeated."""
+
+
+class Naming:
+    """An expression in which parts have names: `first`, and `parts` by their names.
+
+    The names are dummies, called after the letter of their kind: phi and eta for what functions
+    take as arguments, k' for the complementary modulus, N and D for a numerator and denominator,
+    z for a phase that is repeated, P for any other part, and the elliptic functions' own.
+    """
+
+    def __init__(self, expression: sp.Expr) -> None:
+        self.first = expression
+        self.parts: dict[sp.Dummy, sp.Expr] = {}
+        if is_wide(expression) or shared_arguments(expression):
+            self._name_modulus()
+            self._name_arguments()
+        if any(is_wide(row, HEAVY) or is_wide(tidied(row)) for row in self.rows):
+            self._name_functions()
+            self._name_what_is_repeated()
+            self._name_common_factors()
+            self._name_what_is_wide()
+            self._inline()
+
+    @property
+    def rows(self) -> list[sp.Expr]:
+        """The expression and the named parts."""
+        return [self.first, *self.parts.values()]
+
+    def whole(self) -> sp.Expr:
+        """Return the expression with all named parts put back."""
+        expression = self.first
+        while expression.free_symbols & set(self.parts):
+            expression = expression.xreplace(self.parts)
+        return expression
+
+    def _substitute(self, changes: dict[sp.Expr, sp.Expr]) -> None:
+        self.first = self.first.xreplace(changes)
+        self.parts = {name: part.xreplace(changes) for name, part in self.parts.items()}
+
+    def _name(self, part: sp.Expr, letter: str) -> sp.Dummy:
+        """Return the part's name in that letter; a part without one becomes a new row."""
+        for name, known in self.parts.items():
+            if known == part:
+                return name
+        name = sp.Dummy(letter, real=True)
+        self.parts[name] = part
+        return name
+
+    def _name_modulus(self) -> None:
+        """Put k' for the square root of 1 - k**2, and its powers for those of 1 - k**2."""
+        if not self.first.has(complementary_modulus):
+            return
+        name = sp.Dummy("k'", positive=True)
+        bare = 1 - k**2
+        powers = [node for node in self.first.atoms(sp.Pow) if node.base == bare]
+        self._substitute({node: name ** (2 * node.exp) for node in powers} | {bare: name**2})
+        self.parts[name] = complementary_modulus
+
+    def _name_arguments(self) -> None:
+        """Name what functions take as arguments, up to sign and a constant shift."""
+        for letter, kinds in ARGUMENTS.items():
+            changes: dict[sp.Expr, sp.Expr] = {}
+            bases: list[sp.Expr] = []
+            for node in sorted(atoms(self.first, *kinds), key=lambda node: size(node.args[0])):
+                base, change = based(node, bases)
+                if base.args:
+                    bases += [] if base in bases else [base]
+                    changes[node] = change(self._name(base, letter))
+            self.first = self.first.xreplace(changes)
+            for base in filter(is_phase, bases):
+                self._name_phase_in_sums(base, self._name(base, letter))
+
+    def _name_phase_in_sums(self, phase: sp.Expr, name: sp.Dummy) -> None:
+        """Put the name for number multiples of the phase that are parts of sums."""
+        while changes := {
+            total: changed
+            for total in self.first.atoms(sp.Add)
+            if (changed := with_phase(total, phase, name)) is not None
+        }:
+            self.first = self.first.xreplace(changes)
+
+    def _name_functions(self) -> None:
+        """Name the elliptic functions of which each kind has one argument."""
+        nodes = list(
+            dict.fromkeys(node for row in self.rows for node in atoms(row, JacobiFunction))
+        )
+        kinds = Counter(node.func for node in nodes)
+        names = {
+            node: sp.Dummy(function_name(node), real=True)
+            for node in nodes
+            if kinds[node.func] == 1
+        }
+        self._substitute(names)
+        self.parts |= {name: node for node, name in names.items()}
+
+    def _name_what_is_repeated(self) -> None:
+        """Name the sums and roots that occur often, the widest first, in all rows."""
+        while True:
+            counted: Counter[sp.Expr] = Counter()
+            for row in self.rows:
+                counted.update(occurrences(row))
+                counted[row] -= 1
+            often = [part for part, times in counted.items() if times >= OFTEN]
+            part = max(filter(is_worth_a_name, often), key=size, default=None)
+            if part is None:
+                return
+            name = sp.Dummy("z" if is_phase(part) else "P", real=True)
+            self._substitute({part: name})
+            self.parts[name] = part
+
+    def _name_common_factors(self) -> None:
+        """Name products of sums that occur as a power and as factors of other products."""
+        for product in dict.fromkeys(root for row in self.rows for root in product_roots(row)):
+            name = sp.Dummy("P", real=True)
+            changes = {
+                node: changed
+                for row in self.rows
+                for node in atoms(row, sp.Mul)
+                if (changed := divided(node, product, name)) is not None
+            }
+            if len(changes) >= OFTEN:
+                self._substitute(changes)
+                self.parts[name] = product
+
+    def _name_what_is_wide(self) -> None:
+        """Name wide numerators, denominators and factors until every term fits the line."""
+        self.first = self._shorten(self.first)
+        done: set[sp.Dummy] = set()
+        while rest := [name for name in self.parts if name not in done]:
+            for name in rest:
+                self.parts[name] = self._shorten(self.parts[name])
+                done.add(name)
+
+    def _shorten(self, expression: sp.Expr) -> sp.Expr:
+        terms = sp.Add.make_args(expression)
+        if not any(is_wide(tidied(term), HEAVY) for term in terms):
+            return expression
+        return sp.Add(*(self._shortened_term(term) for term in terms))
+
+    def _shortened_term(self, term: sp.Expr) -> sp.Expr:
+        """Name the term's sums, the widest first, until it fits; N and D in a fraction."""
+        below = sp.fraction(term, exact=True)[1]
+        for part in sorted(sums(term), key=size, reverse=True):
+            whole_fraction = below != 1 and is_wide(part, COMPANION) and term.atoms(sp.Dummy)
+            if is_wide(tidied(term), HEAVY) or whole_fraction:
+                letter = "D" if below.has(part) else "N" if below != 1 else "P"
+                term = term.xreplace({part: self._name(part, letter)})
+        return term
+
+    def _inline(self) -> None:
+        """Put back what is used once and leaves its row on one line."""
+        for name in [name for name in self.parts if name.name == "P"]:
+            users = [row for row in self.rows if row.has(name)]
+            if len(users) == 1 and uses(users[0], name) == 1:
+                changed = users[0].xreplace({name: self.parts[name]})
+                if not is_wide(tidied(changed)) and nesting(latex(tidied(changed))) < 2:
+                    part = self.parts.pop(name)
+                    self._substitute({name: part})
+
+
+def shared_arguments(expression: sp.Expr) -> bool:
+    """Tell whether functions share an argument that is no symbol."""
+    counted = Counter(
+        node.args[0] for node in expression.atoms(sp.Function, sp.exp) if not node.args[0].is_Atom
+    )
+    return any(times >= OFTEN for times in counted.values())
+
+
+Change = Callable[[sp.Dummy], sp.Expr]
+"""A function in terms of its argument's name."""
+
+
+def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
+    """Return what to name in a function's argument, and the function in terms of the name."""
+    argument, *rest = node.args
+    for base in bases:
+        for sign in (1, -1):
+            if not (argument - sign * base).has(xi):
+                return base, _changed(node.func, sign, argument - sign * base, rest)
+    number, factor = argument.as_coeff_Mul()
+    if runs_left(factor):
+        number, factor = -number, -factor
+    return factor, _changed(node.func, number, sp.S.Zero, rest)
+
+
+def _changed(
+    function: Callable[..., sp.Expr], number: sp.Expr, shift: sp.Expr, rest: Iterable[sp.Expr]
+) -> Change:
+    return lambda name: function(number * name + shift, *rest)
+
+
+def atoms(expression: sp.Expr, *kinds: type[sp.Expr]) -> list[sp.Expr]:
+    """Return the parts of these kinds, in the same order each time."""
+    return sorted(expression.atoms(*kinds), key=sp.default_sort_key)
+
+
+def with_phase(total: sp.Expr, phase: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
+    """Return the sum with the name for a number times the phase; None if that is no part of it."""
+    number = total.coeff(xi)
+    scaled = {number * term for term in sp.Add.make_args(phase)}
+    if not number or not number.is_number or not scaled <= set(total.args):
+        return None
+    return sp.Add(number * name, *(term for term in total.args if term not in scaled))
+
+
+def is_worth_a_name(part: sp.Expr) -> bool:
+    """Tell whether a name for the part saves anything."""
+    return is_wide(part, WORTH) or is_phase(part)
+
+
+@cache
+def occurrences(expression: sp.Expr) -> Counter[sp.Expr]:
+    """Count the sums and square roots in the expression that depend on something."""
+    found: Counter[sp.Expr] = Counter()
+    for arg in expression.args:
+        found.update(occurrences(arg))
+    root = expression.is_Pow and expression.exp == sp.Rational(1, 2)
+    if expression.free_symbols and (expression.is_Add or root):
+        found[expression] += 1
+    return found
+
+
+def sums(term: sp.Expr) -> list[sp.Expr]:
+    """Return the sums that are factors of the term, or below a factor's power."""
+    bases = (factor.base if factor.is_Pow else factor for factor in sp.Mul.make_args(term))
+    return [base for base in bases if base.is_Add]
+
+
+def product_roots(row: sp.Expr) -> Iterator[sp.Expr]:
+    """Yield the products of two sums or more whose power stands in the row."""
+    for node in atoms(row, sp.Mul):
+        powers = node.as_coeff_Mul()[1].as_powers_dict()
+        exponents = set(powers.values())
+        named = [base for base in powers if base.is_Add or isinstance(base, sp.Dummy)]
+        sums = any(base.is_Add for base in named)
+        if len(exponents) == 1 and min(exponents) > 1 and sums and len(named) >= OFTEN:
+            yield sp.Mul(*powers)
+
+
+def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
+    """Return the node with the product's power as that of the name; None if it is no factor."""
+    powers = node.as_powers_dict()
+    exponents = {powers.get(base, sp.S.Zero) for base in sp.Mul.make_args(product)}
+    if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
+        return None
+    return node / product**power * name**power
+
+
+def uses(expression: sp.Expr, name: sp.Dummy) -> int:
+    """Count how often the name stands in the expression."""
+    if expression == name:
+        return 1
+    return sum(uses(arg, name) for arg in expression.args)
 
 
 class Formula:

@@ -1,19 +1,130 @@
-"""What accuracy costs on the lattice, and the hard cases."""
+"""What the report prints of evaluation, costs on the lattice, hard cases and estimates."""
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
 
-from reports.environment import escape
-from reports.figures.costs import CostPanel
-from reports.sections.claims import mathematics
-from reports.sections.evaluation import duration
-from reports.tables import scientific, table
-from verify.studies.cost_precision import SPECTRAL, CostPoint
-from verify.studies.cost_scaling import REDUCTION, TRUE_ERROR, Law, ScalingPoint, fit_law
-from verify.studies.hard_case import HardCase
+from reports.figures.drawing import CostPanel
+from reports.latex import block, duration, escape, mathematics, scientific, table
+from verify.studies.estimates import QUANTILES, VERDICTS, EstimateRow, Judged, rows
+from verify.studies.evaluation_accuracy import Accuracy
+from verify.studies.evaluation_cost import ARITHMETICS, EvaluationCost
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_cost import (
+    REDUCTION,
+    SPECTRAL,
+    TRUE_ERROR,
+    CostPoint,
+    PowerLaw,
+    ScalingPoint,
+    fit_law,
+)
+
+TABULATED = (
+    "double-double",
+    "balls, 40 digits",
+    "mpmath, 15 digits",
+    "mpmath, 60 digits",
+)
+"""The arithmetics of the table; the figure has them all."""
+
+ERROR_UNIT = 1e-16
+"""The table of accuracy gives errors in this unit."""
+
+GREEK = ("alpha", "kappa", "tau")
+LATTICE = {"K2": "K_2", "K4": "K_4", "eps": r"\epsilon"}
+DASH = "--"
+
+
+def accuracy_table(results: Iterable[Accuracy]) -> str:
+    """The worst errors of Y, Y_X, Y_T of each wave, and where the worst of all is."""
+    rows = [
+        [
+            rf"\texttt{{{escape(result.name)}}}",
+            str(result.points),
+            *(f"{float(f'{error / ERROR_UNIT:.2g}'):g}" for error in result.errors),
+            *_where(result.worst),
+        ]
+        for result in results
+    ]
+    head = ["wave", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
+    return block("lrrrrp{52mm}rr", head, rows)
+
+
+def _where(text: str) -> tuple[str, str, str]:
+    """Return the parameters, the site and the time of a point as LaTeX."""
+    found = dict(re.findall(r"(\w+) = ((?:1 - )?[^\s,]+)", text))
+    site, time = (_value(found.pop(name)) if name in found else "" for name in ("n", "t"))
+    parameters = ", ".join(f"${_symbol(name)}={_value(v)[1:-1]}$" for name, v in found.items())
+    return parameters or DASH, site, time
+
+
+def _symbol(name: str) -> str:
+    letter, _, index = name.partition("_")
+    if name in LATTICE:
+        return LATTICE[name]
+    greek = rf"\{letter}" if letter in GREEK else letter
+    return f"{greek}_{{{index}}}" if index else greek
+
+
+def _value(text: str) -> str:
+    r"""Return a value with three digits; one near 1 by its distance from it.
+
+    >>> _value("160149996.8"), _value("1 - 1e-12"), _value("-9.2")
+    ('$1.6\\times 10^{8}$', '$1-10^{-12}$', '$-9.2$')
+    """
+    if text.startswith("1 - "):
+        return f"$1-{_value(text[4:])[1:-1]}$"
+    mantissa, _, exponent = f"{float(text):.3g}".partition("e")
+    if not exponent:
+        return f"${mantissa}$"
+    power = f"10^{{{int(exponent)}}}"
+    return f"${power}$" if mantissa == "1" else rf"${float(mantissa):g}\times {power}$"
+
+
+def cost_table(costs: Iterable[EvaluationCost]) -> str:
+    """Digits and time of a point in each of the tabulated arithmetics, one row a wave."""
+    rows = []
+    for wave, group in groupby(costs, attrgetter("wave")):
+        found = {cost.arithmetic: cost for cost in group}
+        chosen = [found[name] for name in TABULATED]
+        cells = [cell for cost in chosen for cell in (digits(cost.digits), duration(cost.seconds))]
+        ratio = found["mpmath, 15 digits"].seconds / found["double-double"].seconds
+        rows.append([rf"\texttt{{{escape(wave)}}}", *cells, f"{float(f'{ratio:.2g}'):.0f}"])
+    head = ["wave", *map(_two_columns, TABULATED), "ratio"]
+    return block("l" + "rr" * len(TABULATED) + "r", head, rows)
+
+
+def _two_columns(name: str) -> str:
+    """Return a heading over two columns, in two lines where it has a comma."""
+    lines = r"\\".join(part.strip() for part in escape(name).split(","))
+    return rf"\multicolumn{{2}}{{r}}{{\begin{{tabular}}[b]{{@{{}}r@{{}}}}{lines}\end{{tabular}}}}"
+
+
+def digits(value: float) -> str:
+    """Return a number of digits with one decimal; an exact value has no end of them.
+
+    >>> digits(15.62), digits(float("inf"))
+    ('15.6', 'exact')
+    """
+    return "exact" if math.isinf(value) else f"{value:.1f}"
+
+
+def cost_panels(costs: Iterable[EvaluationCost]) -> list[CostPanel]:
+    """One panel a wave: digits against seconds for each family of arithmetics."""
+    family = {arithmetic.name: arithmetic.family for arithmetic in ARITHMETICS}
+    panels = []
+    for wave, group in groupby(costs, attrgetter("wave")):
+        curves: dict[str, list[tuple[float, float]]] = {}
+        for cost in group:
+            curves.setdefault(family[cost.arithmetic], []).append((cost.seconds, cost.digits))
+        panels.append(CostPanel(wave.replace("_", " "), curves))
+    return panels
+
 
 WANTED = (1e-2, 1e-4, 1e-6)
 """Errors for which the cheapest run of each series is tabulated."""
@@ -76,7 +187,7 @@ def precision_panels(points: Iterable[CostPoint]) -> list[CostPanel]:
     return [CostPanel(problem, curves) for problem, curves in panels.items()]
 
 
-def laws(points: Iterable[ScalingPoint]) -> list[Law]:
+def laws(points: Iterable[ScalingPoint]) -> list[PowerLaw]:
     """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
     series: dict[str, list[ScalingPoint]] = {}
     for point in points:
@@ -147,7 +258,7 @@ def window_table(points: Sequence[ScalingPoint]) -> str:
     return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
 
 
-def hard_case_table(cases: Iterable[HardCase]) -> str:
+def hard_case_table(cases: Iterable[HardCaseResult]) -> str:
     """What each hard case measured against its bound."""
     rows = [
         [
@@ -163,7 +274,30 @@ def hard_case_table(cases: Iterable[HardCase]) -> str:
     return table("L{50mm}L{46mm}lll", head, rows, gap="0.5ex")
 
 
-def message_table(cases: Iterable[HardCase]) -> str:
+def message_table(cases: Iterable[HardCaseResult]) -> str:
     """What the program says where a case must be refused or stopped."""
     rows = [[mathematics(case.what), escape(case.message)] for case in cases if case.message]
     return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")
+
+
+def estimate_table(judged: Sequence[Judged]) -> str:
+    """Counts of verdicts and quantiles of true/estimate by wave and engine; "" without scenes."""
+    if not judged:
+        return ""
+    shares = ["largest" if q == 1.0 else "median" if q == 0.5 else rf"{q:.0%}" for q in QUANTILES]
+    head = ["", "scenes", *VERDICTS, *map(escape, shares), "time"]
+    columns = "l" + "r" * (len(head) - 1)
+    return table(columns, head, map(_row, rows(judged)))
+
+
+def _row(found: EstimateRow) -> list[str]:
+    quantiles = ["--" if q != q else scientific(q) for q in found.quantiles]
+    counts = [str(count) if count else "--" for count in found.verdicts]
+    return [escape(found.name), str(found.count), *counts, *quantiles, duration(found.seconds)]
+
+
+def reason_table(judged: Sequence[Judged]) -> str:
+    """The reasons for which scenes were refused, without their numbers, and how often."""
+    counts = Counter(found.kind for found in judged if found.reason)
+    cells = [[str(count), escape(kind)] for kind, count in counts.most_common()]
+    return table("rL{120mm}", ["scenes", "reason"], cells) if cells else ""

@@ -10,8 +10,8 @@ import pytest
 from derive import LATTICES, Reduction, Scaling, reduce
 from derive.__main__ import main
 from derive.algebra.jets import DifferentialPolynomial
-from derive.output.document import polynomial_from_data
 from derive.output.notation import Notation
+from derive.output.report import polynomial_from_data
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,9 @@ import pytest
 
 from reports import bench
 from reports.assemble import STUDY_TABLES
-from reports.studies import Studies
-from verify.studies.cost_precision import CostPoint
-from verify.studies.cost_scaling import ScalingPoint
-from verify.studies.hard_case import HardCase
-from verify.studies.reduction import PeakError
+from reports.work import Studies
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 
 FOUND = Studies(
     evaluation=[],
@@ -19,7 +17,7 @@ FOUND = Studies(
     scaling=[ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],
     rk4=[ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
     windows=[ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
-    hard_cases=[HardCase("h", "what", "how much", 0.1, 0.5, True, 0.1, "")],
+    hard_cases=[HardCaseResult("h", "what", "how much", 0.1, 0.5, True, 0.1, "")],
     peaks=[PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)],
     split={},
     long_runs={},

@@ -2,8 +2,8 @@
 
 import pytest
 
-from reports.environment import escape
-from reports.figures.costs import CostAxes, CostPanel, cost_figure
+from reports.figures.drawing import CostAxes, CostPanel, cost_figure
+from reports.latex import escape
 from reports.sections.costs import (
     PRINTED,
     hard_case_table,
@@ -14,9 +14,8 @@ from reports.sections.costs import (
     scaling_table,
 )
 from verify.comparison import SCHEMES
-from verify.studies.cost_precision import SPECTRAL, CostPoint
-from verify.studies.cost_scaling import TRUE_ERROR, ScalingPoint
-from verify.studies.hard_case import HardCase
+from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_cost import SPECTRAL, TRUE_ERROR, CostPoint, ScalingPoint
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 
@@ -65,8 +64,8 @@ def test_a_hard_case_that_fails_is_seen() -> None:
     """Catches a message cut short, and one of a case that says nothing."""
     words = "step must satisfy step <= 0.5, got 0.6 " + 20 * "(take a smaller step) "
     cases = [
-        HardCase("a", "a step $10^{-6}$ too long", "ratio", 0.1, 1.0, True, 0.1, "", words),
-        HardCase("b", "what b", "of $y/eps$", 2, 1, False, 0, "unseen"),
+        HardCaseResult("a", "a step $10^{-6}$ too long", "ratio", 0.1, 1.0, True, 0.1, "", words),
+        HardCaseResult("b", "what b", "of $y/eps$", 2, 1, False, 0, "unseen"),
     ]
     _, first, second = (line for line in hard_case_table(cases).splitlines() if " & " in line)
     assert r"a step $10^{-6}$ too long & ratio & $0.10$ & $1.0$ & holds" in first

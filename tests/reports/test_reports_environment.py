@@ -3,7 +3,7 @@
 import jinja2
 import pytest
 
-from reports.environment import environment, escape, render
+from reports.latex import environment, escape, render
 
 
 def filled(template: str, **content: object) -> str:

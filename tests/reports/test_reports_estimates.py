@@ -2,7 +2,7 @@
 
 import math
 
-from reports.sections.estimates import estimate_table, reason_table
+from reports.sections.costs import estimate_table, reason_table
 from verify.studies.estimates import Judged
 
 

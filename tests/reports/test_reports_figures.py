@@ -6,9 +6,15 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from reports.figures.errors import ErrorCurve, error_figure
-from reports.figures.snapshots import Snapshot, snapshot_figure
-from reports.figures.style import CURVES, save, styled
+from reports.figures.drawing import (
+    CURVES,
+    ErrorCurve,
+    Snapshot,
+    error_figure,
+    save,
+    snapshot_figure,
+    styled,
+)
 
 SITES = np.arange(-20.0, 21.0)
 

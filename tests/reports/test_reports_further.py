@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reports.sections.further import (
+from reports.sections.runs import (
     ACROSS,
     long_table,
     peak_panels,
@@ -13,8 +13,8 @@ from reports.sections.further import (
     split_table,
 )
 from verify.comparison import load_scene
+from verify.studies.lattice_cost import PeakError
 from verify.studies.long_runs import LONG_SCENES, LongRun
-from verify.studies.reduction import PeakError
 
 SPLIT = "split_rational_3"
 

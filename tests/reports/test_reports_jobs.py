@@ -5,8 +5,7 @@ from math import sqrt
 
 import pytest
 
-from reports.jobs import Job, run_jobs
-from reports.work import scene_job
+from reports.work import Job, run_jobs, scene_job
 from verify.comparison import Scene, load_scene, run
 
 SHORT = replace(

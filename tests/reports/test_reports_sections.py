@@ -9,20 +9,24 @@ import pytest
 
 from reports.assemble import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import SOURCES, cited
-from reports.sections.claims import claim_table, mathematics
-from reports.sections.derivation import derivation
-from reports.sections.evaluation import accuracy_table
-from reports.sections.proofs import mutation_table, proof_table, survivor_table
-from reports.sections.runs import caption_part
-from reports.sections.solutions import equations, solution_table
+from reports.sections.costs import accuracy_table
+from reports.sections.runs import caption_part, claim_table, mathematics
+from reports.sections.theory import (
+    derivation,
+    equations,
+    mutation_table,
+    proof_table,
+    solution_table,
+    survivor_table,
+)
 from solutions import CATALOGUE
 from verify.comparison import shipped_scenes
-from verify.studies.claims_evidence import report_scenes
-from verify.studies.claims_record import Claim, Measurement, Ruling
-from verify.studies.evaluation import Accuracy
-from verify.studies.mutations import MutationCount, Survivor
+from verify.evidence.mutations import MutationCount, Survivor
+from verify.studies.claims import Claim, Measurement, Ruling
+from verify.studies.evaluation_accuracy import Accuracy
+from verify.studies.measured_runs import report_scenes
 from verify.studies.proofs import ProofRecord
 from verify.verdict import Outcome, Verdict
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.tables import measured, scientific, table
+from reports.latex import measured, scientific, table
 
 
 @given(st.floats(min_value=1e-30, max_value=1e30), st.integers(2, 6))

@@ -1,16 +1,23 @@
-"""``python -m verify check-certificate FILE``: repeat the proofs in a file, without the prover."""
+"""``python -m verify check-certificate FILE``: repeat the proofs in a file, without the prover.
+
+The checker counts before it works (`verify.proof.checker.limits`).  What would slip through ends
+at a limit of time and memory, in a process of its own: the last line of defence against hostile
+input.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import signal
 import sys
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from derive.command_line import one_line
-from verify.cli.limited import limited
-from verify.cli.parser import OneLineParser, fail
+from derive.command_line import fail, one_line
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
 
@@ -18,24 +25,11 @@ CERTIFICATES = 100
 """Most certificates in a file."""
 
 
-def certificate_command(argv: list[str]) -> int:
+def print_certificates(path: Path, json_wanted: bool = False) -> int:
     """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
-    2 if the file cannot be read at all.
+    As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
     """
-    parser = OneLineParser(
-        prog="python -m verify check-certificate",
-        description="Repeat the proofs of a file written by --certificate, with other arithmetic, "
-        "and print what they prove.",
-    )
-    parser.add_argument("file", type=Path, metavar="FILE")
-    parser.add_argument("--json", action="store_true", help="print what is proved as JSON")
-    options = parser.parse_args(argv)
-    return print_certificates(options.file, options.json)
-
-
-def print_certificates(path: Path, json_wanted: bool = False) -> int:
-    """As `certificate_command`, for a path; as JSON a list of the accepted, name and statement."""
     accepted: list[dict[str, str]] = []
     status = 0
     try:
@@ -107,3 +101,59 @@ def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) != len(pairs):
         raise ValueError("an object has a key twice")
     return found
+
+
+SECONDS, BYTES = 5, 500_000_000
+
+
+def limited(work: Callable[[], str]) -> str:
+    """What ``work`` returns; its CertificateError, or one that says that it took too much.
+
+    Where processes cannot be forked, ``work`` is done without limits.
+    """
+    if not hasattr(os, "fork"):
+        return work()
+    reading, writing = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # threads elsewhere; the child has one
+        child = os.fork()
+    if child == 0:
+        os.close(reading)
+        _work_and_exit(work, writing)
+    os.close(writing)
+    with os.fdopen(reading, encoding="utf-8") as pipe:
+        text = pipe.read()
+    _, status = os.waitpid(child, 0)
+    if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
+        return text
+    raise CertificateError(text or f"it took more than {SECONDS} s or {BYTES // 10**6} MB")
+
+
+def _work_and_exit(work: Callable[[], str], writing: int) -> NoReturn:
+    status, text = 1, ""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # where FLINT says that memory is short
+        _set_limits()
+        text = work()
+        status = 0
+    except CertificateError as error:
+        text = str(error)
+    except BaseException:
+        text = ""
+    finally:
+        with contextlib.suppress(OSError), os.fdopen(writing, "w", encoding="utf-8") as pipe:
+            pipe.write(text)
+        os._exit(status)
+
+
+def _set_limits() -> None:
+    import resource  # where there is fork
+
+    signal.signal(signal.SIGXCPU, signal.SIG_DFL)
+    with contextlib.suppress(OSError, ValueError):
+        usage = resource.getrusage(resource.RUSAGE_SELF)
+        used = int(usage.ru_utime + usage.ru_stime)
+        resource.setrlimit(resource.RLIMIT_CPU, (used + SECONDS, used + SECONDS + 1))
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        most = pages * resource.getpagesize() + BYTES
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))

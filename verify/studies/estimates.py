@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from verify.comparison.initial_data import build_wave
 from verify.comparison.run import run
 from verify.comparison.scene import ENGINES, Scene
+from verify.processes import OutOfTime, time_limit
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import RandomScene, random_scene
-from verify.studies.time_limit import OutOfTime, time_limit
 
-__all__ = ["VERDICTS", "Judged", "Row", "judge", "judge_scene", "rows", "warm_up"]
+__all__ = ["VERDICTS", "EstimateRow", "Judged", "judge", "judge_scene", "rows", "warm_up"]
 
 Array = NDArray[np.float64]
 
@@ -274,7 +274,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
 
 
 @dataclass(frozen=True)
-class Row:
+class EstimateRow:
     """Counts, and quantiles of true/estimate where that is told, of a wave's or engine's scenes."""
 
     name: str
@@ -288,7 +288,7 @@ QUANTILES = (0.05, 0.5, 0.95, 1.0)
 """The quantiles of a row."""
 
 
-def rows(found: Iterable[Judged]) -> list[Row]:
+def rows(found: Iterable[Judged]) -> list[EstimateRow]:
     """One row a wave, one for each engine, asked for and chosen, and one for all."""
     judged = list(found)
     groups = {wave: [one for one in judged if one.wave == wave] for wave in _names(judged)}
@@ -304,10 +304,10 @@ def _names(judged: Sequence[Judged]) -> list[str]:
     return sorted({one.wave for one in judged})
 
 
-def _row(name: str, group: Sequence[Judged]) -> Row:
+def _row(name: str, group: Sequence[Judged]) -> EstimateRow:
     ratios = [one.ratio for one in group if one.verdict == "dishonest" or one.told]
     quantiles = np.quantile(ratios, QUANTILES, method="lower") if ratios else [math.nan] * 4
-    return Row(
+    return EstimateRow(
         name,
         len(group),
         tuple(sum(one.verdict == verdict for one in group) for verdict in VERDICTS),

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from verify.evidence.mutations import MutationCount, count_mutants
 from verify.proof import CertificateError, check_certificate
 from verify.proof.catalogue_proofs import NAMES, named_form, prove_named
-from verify.studies.mutations import MutationCount, count_mutants
 from verify.verdict import Outcome
 
 
@@ -39,7 +39,7 @@ class ProofRecord:
 
 
 def proof_record(name: str, *, mutations: bool = False) -> ProofRecord:
-    """Prove the form called ``name`` and check its certificate; raises ValueError as `check`.
+    """Prove the form called ``name`` and check its certificate; raises ValueError as `prove_named`.
 
     >>> record = proof_record("kink")
     >>> print(record.outcome, record.accepted)

@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm, closed_form
+from verify.evidence.mutations import count_mutants
 from verify.proof import form_domains, prove
-from verify.studies.mutations import count_mutants
 from verify.verdict import Outcome
 
 

@@ -1,4 +1,4 @@
-"""Evidence and claims: numbers from known runs, verdicts that follow the numbers."""
+"""Measured runs and claims: numbers from known runs, verdicts that follow the numbers."""
 
 import math
 from collections.abc import Mapping
@@ -9,16 +9,16 @@ import pytest
 import xarray as xr
 
 from verify.comparison import Scene
-from verify.studies import claims, claims_constant, claims_periodic, claims_waves
-from verify.studies.claims_evidence import (
+from verify.studies import claims
+from verify.studies.claims import Ruling
+from verify.studies.measured_runs import (
     PARTS,
     RK4_STEP,
     SPLIT,
-    Evidence,
+    MeasuredRuns,
     report_scenes,
     rk4_name,
 )
-from verify.studies.claims_record import Ruling
 
 SCENES = report_scenes()
 
@@ -50,9 +50,9 @@ def fake_run(scene: Scene, top: float, when: float = 0.0) -> xr.Dataset:
     )
 
 
-def evidence(tops: Mapping[str, float], when: float = 0.0) -> Evidence:
+def evidence(tops: Mapping[str, float], when: float = 0.0) -> MeasuredRuns:
     runs = {name: fake_run(scene, tops.get(name, 0.1), when) for name, scene in SCENES.items()}
-    return Evidence(runs, SCENES)
+    return MeasuredRuns(runs, SCENES)
 
 
 def test_step_and_domain_add_up_over_the_errors_own_denominator() -> None:
@@ -65,7 +65,7 @@ def test_step_and_domain_add_up_over_the_errors_own_denominator() -> None:
 def test_a_missing_domain_error_is_not_counted() -> None:
     runs = {"rational_2_eps_0.05": fake_run(SCENES["rational_2_eps_0.05"], 0.1)}
     bare = {name: run.drop_vars("domain_error") for name, run in runs.items()}
-    number = Evidence(bare, SCENES).relative_error("rational_2_eps_0.05", 0.0)
+    number = MeasuredRuns(bare, SCENES).relative_error("rational_2_eps_0.05", 0.0)
     assert number.error == pytest.approx(1.5e-4)
 
 
@@ -89,7 +89,7 @@ def test_a_split_carries_the_runs_own_error() -> None:
 
 
 def test_the_claim_tells_how_far_the_wave_is_shifted() -> None:
-    found = claims_constant.peak_of_the_error(evidence({}))
+    found = claims.peak_of_the_error(evidence({}))
     told = {item.of.split(", ")[-1]: item.value for item in found.measurements}
     assert told["the lattice's wave is shifted by sites"] == -0.4
     assert told["part by position"] == pytest.approx(0.1 / 2)
@@ -125,7 +125,7 @@ def test_the_20_percent_claim_follows_the_numbers(
     accurate: float, rk4: float, expected: Ruling
 ) -> None:
     tops = {"rational_3_eps_0.05": accurate, rk4_name(3): rk4}
-    assert claims_constant.twenty_percent(evidence(tops)).ruling is expected
+    assert claims.twenty_percent(evidence(tops)).ruling is expected
 
 
 @pytest.mark.parametrize(
@@ -134,41 +134,41 @@ def test_the_20_percent_claim_follows_the_numbers(
 def test_the_breather_claim_follows_the_numbers(
     errors: tuple[float, float, float], expected: Ruling
 ) -> None:
-    names = [f"breather_sn_k_{modulus}" for modulus in claims_periodic.BREATHER_MODULI]
+    names = [f"breather_sn_k_{modulus}" for modulus in claims.BREATHER_MODULI]
     tops = dict(zip(names, errors, strict=True))
-    assert claims_periodic.breather_and_modulus(evidence(tops)).ruling is expected
+    assert claims.breather_and_modulus(evidence(tops)).ruling is expected
 
 
 def test_around_the_largest_amplitude() -> None:
     near, far = evidence({}), evidence({}, -4000.0)
-    assert claims_constant.peak_of_the_error(near).ruling is Ruling.CONFIRMED
-    assert claims_constant.peak_of_the_error(far).ruling is Ruling.NOT_CONFIRMED
+    assert claims.peak_of_the_error(near).ruling is Ruling.CONFIRMED
+    assert claims.peak_of_the_error(far).ruling is Ruling.NOT_CONFIRMED
 
 
 def test_the_order_claim_depends_when_only_the_top_is_higher() -> None:
     higher = {name: 0.2 for name in SCENES if name.startswith("rational_3")}
-    found = claims_constant.error_against_order(evidence(higher))
+    found = claims.error_against_order(evidence(higher))
     assert found.ruling is Ruling.CONFIRMED
-    equal = claims_constant.error_against_order(evidence({}))
+    equal = claims.error_against_order(evidence({}))
     assert equal.ruling is Ruling.NOT_CONFIRMED
 
 
 def test_the_peaks_are_exact() -> None:
-    found = claims_waves.peaks()
+    found = claims.peaks()
     assert found.ruling is Ruling.CONFIRMED
     assert [item.value for item in found.measurements] == [5, 7, 9, 11, 13, 15, 17]
 
 
 def test_the_waves_do_not_vanish_in_time() -> None:
     """mathematics of the tau functions: extrema at distance 4 from the background remain."""
-    found = claims_waves.localised_in_time()
+    found = claims.localised_in_time()
     assert found.ruling is Ruling.NOT_CONFIRMED
     assert [item.value for item in found.measurements] == pytest.approx([4, 4], abs=0.01)
 
 
 def test_the_instability_is_too_slow_to_be_seen() -> None:
     """Catches a rate taken per tau instead of per lattice time."""
-    found = claims_periodic.modulational_instability(evidence({}))
+    found = claims.modulational_instability(evidence({}))
     growth = [item.value for item in found.measurements]
     assert 1.001 < growth[0] < 1.02
     assert growth[1:] == [1.0, 1.0]

@@ -9,17 +9,16 @@ import numpy as np
 import pytest
 
 from lattice.schemes.catalogue import KAHAN_LI_8, RK4, STOERMER_VERLET
-from verify.studies import cases_background, cases_rounding
-from verify.studies.hard_case import Case, Measurement
-from verify.studies.hard_cases import HARD_CASES, hard_case, run_hard_cases
-from verify.studies.travelling import travelling_wave
+from verify.studies import hard_cases
+from verify.studies.hard_cases import HARD_CASES, HardCase, Reading, hard_case, run_hard_cases
+from verify.studies.travelling_waves import travelling_wave
 
 FAST = [case for case in HARD_CASES if not case.slow]
 SLOW = [case for case in HARD_CASES if case.slow]
 
 
 @pytest.mark.parametrize("case", FAST, ids=lambda case: case.name)
-def test_hard_case(case: Case) -> None:
+def test_hard_case(case: HardCase) -> None:
     found = case.run()
     assert found.passed, (
         f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
@@ -29,7 +28,7 @@ def test_hard_case(case: Case) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SLOW, ids=lambda case: case.name)
-def test_long_hard_case(case: Case) -> None:
+def test_long_hard_case(case: HardCase) -> None:
     found = case.run()
     assert found.passed, (
         f"{found.what}: {found.criterion}: {found.measured:g} > {found.bound:g} ({found.detail})"
@@ -48,7 +47,7 @@ def test_the_blow_up_tells_time_site_and_criterion() -> None:
 
 
 def test_nan_does_not_pass() -> None:
-    assert not Case("nan", "", "", 1.0, lambda: Measurement(math.nan, "")).run().passed
+    assert not HardCase("nan", "", "", 1.0, lambda: Reading(math.nan, "")).run().passed
 
 
 def test_the_records_come_in_the_tables_order() -> None:
@@ -60,25 +59,25 @@ def test_the_records_come_in_the_tables_order() -> None:
 
 def test_a_scheme_that_is_not_symplectic_fails_the_energy_case() -> None:
     bound = hard_case("energy_drift_short").bound
-    assert cases_rounding.drift(RK4, 0.1, 50_000) > 2.0 * bound
-    assert cases_rounding.drift(STOERMER_VERLET, 0.2, 50_000) < bound
+    assert hard_cases.drift(RK4, 0.1, 50_000) > 2.0 * bound
+    assert hard_cases.drift(STOERMER_VERLET, 0.2, 50_000) < bound
 
 
 def test_an_unstable_wave_fails_the_noise_case() -> None:
     """The measure of the sn and dn cases sees the growth of the cn wave."""
-    wave = travelling_wave(*cases_background.CN)
+    wave = travelling_wave(*hard_cases.CN)
     n = np.arange(float(16 * wave.period))
     noise = 1e-6 * wave.eps * np.random.default_rng(7).standard_normal(n.size)
     y, s = wave.strain(n) + noise, wave.velocity(n)
-    first, _ = cases_background.shape_deviation(wave, y, 0.0)
+    first, _ = hard_cases.shape_deviation(wave, y, 0.0)
     KAHAN_LI_8.advance(y, s, 0.5, 8000, wave.constants)
-    later, _ = cases_background.shape_deviation(wave, y, 4000.0)
+    later, _ = hard_cases.shape_deviation(wave, y, 4000.0)
     assert later > 2.0 * hard_case("stable_sn").bound * first
 
 
 def test_a_shifted_wave_has_its_shape() -> None:
     wave = travelling_wave("wave_dn", 0.7, 27, 1, 1)
     n = np.arange(float(8 * wave.period))
-    deviation, shift = cases_background.shape_deviation(wave, wave.strain(n - 12.3), 12.0)
+    deviation, shift = hard_cases.shape_deviation(wave, wave.strain(n - 12.3), 12.0)
     assert shift == pytest.approx(12.3 - 12.0 * wave.speed, abs=1e-10)
     assert deviation < 1e-15

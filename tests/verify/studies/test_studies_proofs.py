@@ -5,9 +5,9 @@ import json
 import pytest
 
 from solutions import closed_form
+from verify.evidence.mutations import count_mutants, solution_reason
 from verify.proof import CertificateError
 from verify.studies import proofs
-from verify.studies.mutations import count_mutants, solution_reason
 from verify.studies.proofs import proof_record, proof_records
 from verify.verdict import Outcome
 

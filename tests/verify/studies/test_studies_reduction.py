@@ -5,8 +5,8 @@ import math
 import pytest
 
 from verify.comparison import Scene
-from verify.studies import reduction
-from verify.studies.reduction import PeakError, peak_error, peak_laws, peak_scene
+from verify.studies import lattice_cost
+from verify.studies.lattice_cost import PeakError, peak_error, peak_laws, peak_scene
 
 EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
@@ -43,7 +43,7 @@ def test_a_run_that_is_refused_is_a_record(monkeypatch: pytest.MonkeyPatch) -> N
     def refuse(scene: Scene) -> None:
         raise ValueError("tolerance must be larger")
 
-    monkeypatch.setattr(reduction, "run", refuse)
+    monkeypatch.setattr(lattice_cost, "run", refuse)
     point = peak_error(2, 0.1)
     assert point.fault == "tolerance must be larger"
     assert math.isnan(point.value)

@@ -1,14 +1,19 @@
-"""Random formulas in the functions that the prover supports."""
+"""Random formulas in the functions that the prover supports, and the same in other words.
+
+Each identity by which a formula is rewritten holds wherever both of its sides are smooth; those of
+roots and logarithms are used only where SymPy's assumptions give the signs that they need.
+"""
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 
 import sympy as sp
 
 from solutions.functions import jacobi
-
-from .setting import Setting
+from verify.studies.statements.random_statement import Setting
+from verify.subexpressions import distinct_nodes, replaced
 
 SMALL = (-3, -2, -1, 1, 2, 3)
 
@@ -166,3 +171,201 @@ def _joined(setting: Setting, left: sp.Expr, right: sp.Expr) -> sp.Expr:
     if kind < 0.85 or right == 0:
         return left * right
     return left / (1 + positive(setting)) if kind < 0.95 else left / right
+
+
+Identity = Callable[[sp.Expr, random.Random], sp.Expr]
+
+LONGEST = 40
+"""Operations of a sum that is multiplied out."""
+
+SHORT = 8
+"""Operations of what stands in a logarithm or under a root that is written out longer."""
+
+WITHIN = 0.1
+"""How often an identity may fall into the argument of a function."""
+
+
+def rewritten(formula: sp.Expr, draw: random.Random, changes: int) -> sp.Expr:
+    """``formula`` after up to ``changes`` random identities."""
+    for _ in range(changes):
+        within = draw.random() < WITHIN
+        nodes = distinct_nodes(formula) if within else _outer_nodes(formula)
+        places = [node for node in nodes if node.func in IDENTITIES]
+        if not places:
+            continue
+        node = draw.choice(places)
+        image = draw.choice(IDENTITIES[node.func])(node, draw)
+        if image != node:
+            changed = replaced(formula, node, image)
+            if not changed.has(sp.nan, sp.zoo, sp.oo):
+                formula = changed
+    return formula
+
+
+def _outer_nodes(formula: sp.Expr) -> list[sp.Expr]:
+    """The subexpressions that do not stand in a function's argument or under a root."""
+    found: dict[sp.Expr, None] = {}
+    waiting = [formula]
+    while waiting:
+        node = waiting.pop()
+        if node not in found:
+            found[node] = None
+            inside = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
+            waiting += reversed(node.args) if inside else ()
+    return list(found)
+
+
+def _split(z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Two expressions whose sum is ``z``."""
+    if z.is_Add:
+        return z.args[0], sp.Add(*z.args[1:])
+    return 2 * z, -z
+
+
+def _in_exponentials(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return node.rewrite(sp.exp)
+
+
+def _sin_half(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return 2 * sp.sin(node.args[0] / 2) * sp.cos(node.args[0] / 2)
+
+
+def _sin_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
+    a, b = _split(node.args[0])
+    return sp.sin(a) * sp.cos(b) + sp.cos(a) * sp.sin(b)
+
+
+def _cos_half(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return 1 - 2 * sp.sin(node.args[0] / 2) ** 2
+
+
+def _cos_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
+    a, b = _split(node.args[0])
+    return sp.cos(a) * sp.cos(b) - sp.sin(a) * sp.sin(b)
+
+
+def _sinh_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
+    a, b = _split(node.args[0])
+    return sp.sinh(a) * sp.cosh(b) + sp.cosh(a) * sp.sinh(b)
+
+
+def _cosh_half(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return 1 + 2 * sp.sinh(node.args[0] / 2) ** 2
+
+
+def _tan(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return sp.sin(node.args[0]) / sp.cos(node.args[0])
+
+
+def _tanh(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    z = node.args[0]
+    return draw.choice((sp.sinh(z) / sp.cosh(z), 1 - 2 / (1 + sp.exp(2 * z))))
+
+
+def _sech(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return 2 * sp.exp(node.args[0]) / (1 + sp.exp(2 * node.args[0]))
+
+
+def _exp(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    z = node.args[0]
+    half = sp.tanh(z / 2)
+    return draw.choice((sp.cosh(z) + sp.sinh(z), (1 + half) / (1 - half)))
+
+
+def _log(node: sp.Expr, _: random.Random) -> sp.Expr:
+    z = node.args[0]
+    if z.is_Mul and all(factor.is_positive for factor in z.args):
+        return sp.Add(*map(sp.log, z.args))
+    if z.is_positive and z.count_ops() < SHORT:
+        return sp.log(z**2 + z, evaluate=False) - sp.log(1 + z)
+    return node
+
+
+def _square(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    """A power: squares of functions, products under roots, powers of sums."""
+    base, exponent = node.base, node.exp
+    if exponent == 2 and base.func in SQUARES:
+        return SQUARES[base.func](base, draw)
+    if exponent.is_Integer and 1 < exponent < 4 and base.is_Add and base.count_ops() < LONGEST:
+        return sp.expand(node, deep=False)
+    if not exponent.is_Integer and base.is_positive:
+        return _other_root(node, draw)
+    return node
+
+
+def _other_root(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    base, exponent = node.base, node.exp
+    if exponent.is_Rational and base.count_ops() < SHORT and draw.random() < 0.5:
+        return sp.expand(base * (1 + base) ** 2) ** exponent / (1 + base) ** (2 * exponent)
+    return sp.exp(exponent * sp.log(base), evaluate=False)
+
+
+def _difference_of_squares(node: sp.Expr, draw: random.Random) -> sp.Expr:
+    """The other factor is an odd number, which no sum here is minus everywhere."""
+    shift = sp.Rational(draw.choice((7, 11, 13)), 17)
+    if node.count_ops() > LONGEST or not node.free_symbols:
+        return node
+    return (node**2 - shift**2) / (node + shift) + shift
+
+
+def _over_a_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
+    squares = [symbol**2 for symbol in sorted(node.free_symbols, key=str) if symbol.is_real]
+    if not squares or node.count_ops() > LONGEST:
+        return node
+    return sp.Add(*(part * (1 + squares[0]) for part in node.args)) / (1 + squares[0])
+
+
+def _jacobi_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
+    z, m = node.args
+    a, b = (z / 2, z / 2) if not z.is_Add else (z.args[0], sp.Add(*z.args[1:]))
+    sn, cn, dn = jacobi.jacobi_sn, jacobi.jacobi_cn, jacobi.jacobi_dn
+    s, c, d = (f(a, m) for f in (sn, cn, dn))
+    s2, c2, d2 = (f(b, m) for f in (sn, cn, dn))
+    above = {
+        sn: s * c2 * d2 + s2 * c * d,
+        cn: c * c2 - s * d * s2 * d2,
+        dn: d * d2 - m * s * c * s2 * c2,
+    }[node.func]
+    return above / (1 - m * s**2 * s2**2)
+
+
+def _zeta(node: sp.Expr, _: random.Random) -> sp.Expr:
+    z, m = node.args
+    return jacobi.jacobi_epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
+
+
+def _other_modulus(node: sp.Expr, _: random.Random) -> sp.Expr:
+    return sp.sqrt(sp.expand(node.args[0] ** 2)) if node.args[0].is_real else node
+
+
+SQUARES: dict[type, Identity] = {
+    sp.sin: lambda base, _: (1 - sp.cos(2 * base.args[0])) / 2,
+    sp.cos: lambda base, _: 1 - sp.sin(base.args[0]) ** 2,
+    sp.tanh: lambda base, _: 1 - sp.sech(base.args[0]) ** 2,
+    sp.sech: lambda base, _: 1 - sp.tanh(base.args[0]) ** 2,
+    sp.cosh: lambda base, _: 1 + sp.sinh(base.args[0]) ** 2,
+    jacobi.jacobi_sn: lambda base, _: 1 - jacobi.jacobi_cn(*base.args) ** 2,
+    jacobi.jacobi_cn: lambda base, _: 1 - jacobi.jacobi_sn(*base.args) ** 2,
+    jacobi.jacobi_dn: lambda base, _: 1 - base.args[1] * jacobi.jacobi_sn(*base.args) ** 2,
+}
+
+IDENTITIES: dict[type, tuple[Identity, ...]] = {
+    sp.sin: (_in_exponentials, _sin_half, _sin_sum),
+    sp.cos: (_in_exponentials, _cos_half, _cos_sum),
+    sp.tan: (_in_exponentials, _tan),
+    sp.cot: (_in_exponentials,),
+    sp.sinh: (_in_exponentials, _sinh_sum),
+    sp.cosh: (_in_exponentials, _cosh_half),
+    sp.tanh: (_in_exponentials, _tanh),
+    sp.sech: (_in_exponentials, _sech),
+    sp.coth: (_in_exponentials,),
+    sp.exp: (_exp,),
+    sp.log: (_log,),
+    sp.Pow: (_square,),
+    sp.Add: (_difference_of_squares, _over_a_sum),
+    sp.Abs: (_other_modulus,),
+    jacobi.jacobi_sn: (_jacobi_sum,),
+    jacobi.jacobi_cn: (_jacobi_sum,),
+    jacobi.jacobi_dn: (_jacobi_sum,),
+    jacobi.jacobi_zeta: (_zeta,),
+}

@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping
 
 import sympy as sp
 
+from verify.studies.statements import branches, perturbed, solvable
+from verify.studies.statements.random_statement import Setting, Statement, random_setting
 from verify.subexpressions import distinct_nodes
-
-from . import branches, complexes, constants, equations, near, vanishing, waves, wrapped
-from .record import Statement
-from .setting import Setting, random_setting
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""
@@ -19,25 +17,25 @@ LONGEST = 160
 Maker = Callable[[Setting], Statement | None]
 
 KINDS: Mapping[str, tuple[Maker, float]] = {
-    "source": (equations.with_source, 14),
-    "annihilator": (equations.with_annihilator, 8),
-    "travelling": (equations.travelling_wave, 5),
-    "logarithmic": (equations.logarithmic, 4),
-    "identity": (equations.identity, 12),
-    "tiny change": (near.tiny_change, 10),
-    "hidden term": (near.hidden_term, 14),
+    "source": (solvable.with_source, 14),
+    "annihilator": (solvable.with_annihilator, 8),
+    "travelling": (solvable.travelling_wave, 5),
+    "logarithmic": (solvable.logarithmic, 4),
+    "identity": (solvable.identity, 12),
+    "tiny change": (perturbed.tiny_change, 10),
+    "hidden term": (perturbed.hidden_term, 14),
     "by sign": (branches.by_sign, 14),
     "by interval": (branches.by_interval, 5),
     "sliver": (branches.by_sliver, 1),
-    "nested roots": (constants.nested_roots, 4),
-    "nowhere defined": (vanishing.nowhere_defined, 4),
-    "nearly nowhere": (vanishing.nearly_nowhere, 2),
-    "conjugates": (complexes.conjugates, 4),
-    "plane wave": (complexes.plane_wave, 2),
-    "wrapped": (wrapped.wrapped, 2),
-    "opaque": (wrapped.opaque, 0.5),
-    "catalogue": (waves.catalogue_form, 2),
-    "textbook": (waves.known_solution, 2),
+    "nested roots": (branches.nested_roots, 4),
+    "nowhere defined": (perturbed.nowhere_defined, 4),
+    "nearly nowhere": (perturbed.nearly_nowhere, 2),
+    "conjugates": (branches.conjugates, 4),
+    "plane wave": (branches.plane_wave, 2),
+    "wrapped": (perturbed.wrapped, 2),
+    "opaque": (perturbed.opaque, 0.5),
+    "catalogue": (solvable.catalogue_form, 2),
+    "textbook": (solvable.known_solution, 2),
 }
 """The makers by name, each with its share."""
 

@@ -1,4 +1,4 @@
-"""Values of formulas and residuals by mpmath, to judge labels and witnesses.
+"""Whether a statement's label, or a witness, is right: by values at admissible points.
 
 Nothing here is shared with the prover: functions are mpmath's, derivatives are differences at
 high precision.
@@ -7,7 +7,9 @@ high precision.
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+import random
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import mpmath
@@ -15,11 +17,10 @@ import sympy as sp
 
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.multiprecision import IMPLEMENTATIONS
+from verify.studies.statements.random_statement import Point, Statement, Truth
 from verify.subexpressions import distinct_nodes
 
-from .record import Statement
-
-Point = Mapping[sp.Symbol, Any]
+Numbers = Mapping[sp.Symbol, Any]
 
 UNARY = {
     **{
@@ -65,7 +66,7 @@ class Values:
         self.context.dps = digits + GUARD
         self.digits = digits
 
-    def value(self, formula: sp.Expr, point: Point) -> Any:
+    def value(self, formula: sp.Expr, point: Numbers) -> Any:
         """The value of ``formula``; raises ValueMissing where there is none."""
         known = {symbol: self._number(value) for symbol, value in point.items()}
         try:
@@ -77,7 +78,7 @@ class Values:
             raise ValueMissing(f"{formula} is not finite")
         return known[formula]
 
-    def derivative(self, formula: sp.Expr, orders: Mapping[sp.Symbol, int], point: Point) -> Any:
+    def derivative(self, formula: sp.Expr, orders: Mapping[sp.Symbol, int], point: Numbers) -> Any:
         """A partial derivative of ``formula``, by differences."""
         moving = [symbol for symbol, order in orders.items() if order]
         if not moving:
@@ -92,7 +93,7 @@ class Values:
             raise ValueMissing(f"a derivative of {formula} is not finite")
         return found
 
-    def residual(self, statement: Statement, point: Point) -> Any:
+    def residual(self, statement: Statement, point: Numbers) -> Any:
         """The difference of the sides, or the residual, relative to 1 plus its largest term."""
         if statement.unknown is None:
             terms = [self.value(statement.left, point), -self.value(statement.right, point)]
@@ -162,3 +163,111 @@ class Values:
             if abs(value.imag) <= dust * abs(value.real):
                 return value.real
         return value
+
+
+POINTS = 6
+TRIES = 10
+DIGITS = (40, 240)
+"""Two precisions suffice for most residuals that are no rounding."""
+
+MORE_DIGITS = (*DIGITS, 700, 1400, 6000)
+"""Where terms cancel: changes by 10**-200, and witnesses far out: 1 - tanh(1000)."""
+
+SAME = 1e-3
+"""Relative difference up to which two values are one; rounding differs by 10**-200 and more."""
+
+
+def fails_at(statement: Statement, point: Point, digits: Sequence[int] = MORE_DIGITS) -> bool:
+    """Whether the statement has a residual at ``point``; raises ValueMissing without a value.
+
+    A residual that is one term by construction is taken from that term where it is small.
+    """
+    if _is_number(lambda values: values.residual(statement, point), digits[:2]):
+        return True
+    change = statement.change
+    if change is not None:
+        return _is_number(lambda values: values.value(change, point), digits)
+    return _is_number(lambda values: values.residual(statement, point), digits[1:])
+
+
+def with_counterexample(statement: Statement, draw: random.Random) -> Statement | None:
+    """A false statement with an admissible point that shows it; None if some tries find none."""
+    for _ in range(TRIES):
+        point = statement.point(draw)
+        try:
+            if fails_at(statement, point, DIGITS):
+                return replace(statement, counterexample=point)
+        except ValueMissing:
+            continue
+    return None
+
+
+def _is_number(find: Callable[[Values], Any], digits: Sequence[int]) -> bool:
+    """Whether ``find`` gives one number other than 0, however small, at two of the precisions.
+
+    Rounding falls with the precision.  Raises ValueMissing if there is a value at none of them.
+    """
+    before, missing = None, None
+    for values in map(values_at, digits):
+        try:
+            found = find(values)
+        except ValueMissing as error:
+            missing = error
+            continue
+        if before is not None and _is_same(before, found):
+            return True
+        before = found
+    if before is None and missing is not None:
+        raise missing
+    return False
+
+
+def _is_same(coarse: Any, fine: Any) -> bool:
+    return bool(abs(coarse - fine) < SAME * abs(fine))
+
+
+def label_fault(statement: Statement, points: int = POINTS) -> str | None:
+    """What speaks against the label, in words; None if nothing does.
+
+    A true statement's residual must be rounding at every point where it has a value, a false
+    one's must not be at its counterexample, and a void one must have no value anywhere.
+    """
+    if statement.truth is Truth.FALSE:
+        return _false_fault(statement)
+    draw = random.Random(f"{statement.seed}:{statement.index}")
+    find = _void_fault if statement.truth is Truth.VOID else _true_fault
+    for _ in range(points):
+        point = statement.point(draw)
+        try:
+            fault = find(statement, point)
+        except ValueMissing:
+            continue
+        if fault is not None:
+            return fault
+    return None
+
+
+def _true_fault(statement: Statement, point: Point) -> str | None:
+    if fails_at(statement, point, DIGITS) and fails_at(statement, point, MORE_DIGITS[-2:]):
+        return f"the residual at {point} is no rounding"
+    return None
+
+
+def _void_fault(statement: Statement, point: Point) -> str | None:
+    """A division by 0 gives rounding, if it gives anything: another value at other digits."""
+    same = _is_number(lambda values: values.value(statement.right, point), DIGITS)
+    return f"there is a value at {point}" if same else None
+
+
+def _false_fault(statement: Statement) -> str | None:
+    point = statement.counterexample
+    if point is None:
+        return "there is no counterexample"
+    for made in statement.ranges:
+        if not made.holds(point[made.symbol]):
+            return f"{made.symbol} = {point[made.symbol]} is not in its range"
+    try:
+        shown = fails_at(statement, point)
+        return None if shown else f"the residual at {point} is rounding"
+    except ValueMissing as error:
+        return f"no value at the counterexample {point}: {error}"

@@ -1,0 +1,188 @@
+"""A reduction as text, LaTeX and JSON.
+
+In JSON a polynomial is ``{"text": ..., "terms": [...]}``; a term holds its jets and its coefficient
+as numerator and denominator, each a list of [exponents, "p/q"] over the document's ``generators``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+from sympy import QQ
+from sympy.polys.fields import FracElement, FracField
+from sympy.polys.rings import PolyElement
+
+from derive.algebra.exact_numbers import Number, parse_rational
+from derive.algebra.jets import DifferentialPolynomial
+from derive.output.notation import Notation, aligned, latex_of, text_of
+
+if TYPE_CHECKING:
+    from derive.reduction import Reduction
+
+Data = dict[str, Any]
+
+
+def text_report(reduction: Reduction) -> str:
+    """Ansatz, orders, conditions, reduced equation, corrections, one a line."""
+    return "\n".join(_lines(reduction))
+
+
+def _lines(reduction: Reduction) -> Iterator[str]:
+    yield reduction.lattice.title
+    yield from (f"  {line}" for line in reduction.lattice.equations())
+    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0])}"
+    yield ""
+    yield "orders of the lattice equation:"
+    for order in range(min(reduction.orders), reduction.highest_order + 1):
+        equation = reduction.orders.get(order)
+        yield f"  eps^{order}: {equation.text() if equation else '0 = 0'}"
+    yield ""
+    sound = reduction.sound_condition
+    yield f"sound condition: {text_of(sound.lhs)} = {text_of(sound.rhs)}"
+    yield from (f"condition: {condition.text()}" for condition in reduction.conditions)
+    yield f"reduced equation (order eps^{reduction.scaling.leading_order}):"
+    yield f"  {reduction.pde.text()}"
+    yield from _beyond(reduction)
+
+
+def _beyond(reduction: Reduction) -> Iterator[str]:
+    notation = reduction.notation
+    for order, part in reduction.remainders.items():
+        yield f"left in the lattice equation at eps^{order} by an exact solution of it:"
+        yield f"  R{order} = {notation.text(part)}"
+    for power, part in reduction.corrections.items():
+        yield f"correction of the reduced equation, Y_T = ... + eps^{power} F{power}:"
+        yield f"  F{power} = {notation.text(part)}"
+    if reduction.obstruction:
+        power, part = reduction.obstruction
+        yield f"no local correction at eps^{power}: this is not an X-derivative:"
+        yield f"  {notation.text(part)}"
+
+
+def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
+    """Orders, conditions, reduced equation and coefficients as one ``aligned`` block."""
+    rows = [
+        (rf"\epsilon^{{{order}}}:", equation.latex())
+        for order, equation in reduction.orders.items()
+    ]
+    rows.append((r"\text{sound}:", latex_of(reduction.sound_condition)))
+    rows += [(r"\text{condition}:", condition.latex()) for condition in reduction.conditions]
+    rows.append((r"\text{reduced}:", reduction.pde.latex()))
+    rows += [("", reduction.latex_remainder(order)) for order in reduction.remainders]
+    rows += [("", reduction.latex_correction(power)) for power in reduction.corrections]
+    values = reduction.coefficients(**constants)
+    rows += [("", f"{latex_of(reduction.scaling.speed)} = {latex_of(values.c)}")]
+    if constants:
+        named = ((reduction.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
+        rows += [(rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named]
+    if reduction.pde.is_mkdv:
+        form = reduction.normal_form(**constants)
+        rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
+    return aligned(rows)
+
+
+def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None = None) -> Data:
+    """The document: ansatz, orders, conditions, reduced equation, corrections, normal form.
+
+    Coefficients and normal form are those at ``constants`` (names to values).
+    """
+    notation, obstruction = reduction.notation, reduction.obstruction
+
+    def data(part: DifferentialPolynomial) -> Data:
+        return polynomial_data(part, notation)
+
+    sound = reduction.sound_condition
+    return {
+        "lattice": reduction.lattice.name,
+        "scaling": _scaling_data(reduction),
+        "generators": [str(symbol) for symbol in reduction.pde.flow.field.symbols],
+        "orders": {str(o): data(e.polynomial) for o, e in reduction.orders.items()},
+        "sound_condition": f"{text_of(sound.lhs)} = {text_of(sound.rhs)}",
+        "conditions": [
+            {"order": item.order, "vanishes": text_of(item.expression), "reason": item.reason}
+            for item in reduction.conditions
+        ],
+        "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},
+        "remainders": {str(o): data(part) for o, part in reduction.remainders.items()},
+        "corrections": {str(p): data(part) for p, part in reduction.corrections.items()},
+        "obstruction": {str(obstruction[0]): data(obstruction[1])} if obstruction else {},
+        **_number_data(reduction, constants or {}),
+    }
+
+
+def _scaling_data(reduction: Reduction) -> Data:
+    scaling = reduction.scaling
+    return {
+        "amplitude": scaling.amplitude,
+        "time": scaling.time,
+        "space": [
+            {
+                "name": v.name,
+                "exponent": v.exponent,
+                "direction": list(v.direction),
+                "speed": text_of(v.speed),
+            }
+            for v in scaling.space
+        ],
+        "background": [[exponent, text_of(value)] for exponent, value in scaling.background],
+    }
+
+
+def _number_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
+    """The coefficients at ``constants``, and the normal form if the equation is mKdV."""
+    data: Data = {"constants": {name: str(value) for name, value in constants.items()}}
+    values = reduction.coefficients(**constants)
+    terms = {name: text_of(value) for name, value in values.terms.items()}
+    data["coefficients"] = {"c": text_of(values.c), "terms": terms}
+    if reduction.pde.is_mkdv:
+        form = reduction.normal_form(**constants)
+        data["normal_form"] = {
+            item.name: text_of(getattr(form, item.name)) for item in fields(form)
+        }
+    return data
+
+
+def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> Data:
+    """One polynomial as JSON-ready data."""
+    return {
+        "text": notation.text(polynomial),
+        "terms": [
+            {
+                "jets": [list(jet) for jet in monomial],
+                "numerator": _ring_data(coefficient.numer),
+                "denominator": _ring_data(coefficient.denom),
+            }
+            for monomial, coefficient in polynomial.terms.items()
+        ],
+    }
+
+
+def polynomial_from_data(data: Data, field: FracField) -> DifferentialPolynomial:
+    """The polynomial that polynomial_data wrote, over the same field.
+
+    Raises ValueError for a coefficient that is no rational number.
+    """
+    return DifferentialPolynomial.collect(
+        field,
+        (
+            (
+                tuple(tuple(jet) for jet in term["jets"]),
+                _element(term["numerator"], field) / _element(term["denominator"], field),
+            )
+            for term in data["terms"]
+        ),
+    )
+
+
+def _ring_data(element: PolyElement) -> list[list[Any]]:
+    return [[list(exponents), str(number)] for exponents, number in element.terms()]
+
+
+def _element(data: list[list[Any]], field: FracField) -> FracElement:
+    total = field.ring.zero
+    for exponents, number in data:
+        value = QQ.from_sympy(parse_rational("coefficient", number))
+        total += field.ring.term_new(tuple(exponents), value)
+    return field.new(total)

@@ -1,0 +1,440 @@
+r"""LaTeX of SymPy expressions as the field writes them, how wide it is, and narrower forms.
+
+Sums begin with the phase's $\xi$ or the highest power; products put parameters before variables,
+functions last; derivatives are subscripts, and elliptic functions carry the modulus. A row of a
+formula is tidied to have no nested fractions, or to be a product where that is shorter.
+"""
+
+import enum
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+
+import sympy as sp
+from sympy.printing.latex import LatexPrinter
+
+from solutions.symbols import tau, xi
+
+FUNCTION_ORDER = (r"\mathrm{sn}", r"\mathrm{cn}", r"\mathrm{dn}", r"\mathcal{E}", r"\mathrm{Z}")
+"""Elliptic functions in the order in which they stand in a product; others follow."""
+
+
+class Kind(enum.IntEnum):
+    """Kinds of factors in the order of a product."""
+
+    NUMBER = enum.auto()
+    PARAMETER = enum.auto()
+    COEFFICIENT = enum.auto()
+    VARIABLE = enum.auto()
+    PART = enum.auto()
+    OTHER = enum.auto()
+    SUM = enum.auto()
+    FUNCTION = enum.auto()
+    EXPONENTIAL = enum.auto()
+    DERIVATIVE = enum.auto()
+
+
+_KINDS = {
+    sp.exp: Kind.EXPONENTIAL,
+    sp.Function: Kind.FUNCTION,
+    sp.Derivative: Kind.DERIVATIVE,
+}
+
+
+def function_name(function: sp.Expr) -> str:
+    """Return the name of an elliptic function as LaTeX."""
+    return str(function.latex_symbol).replace("operatorname", "mathrm")
+
+
+def ordered_terms(total: sp.Expr) -> list[sp.Expr]:
+    """Return a sum's terms as they are printed, a positive one first where an end has one.
+
+    >>> k = sp.Symbol("k")
+    >>> ordered_terms(k**2 - 1 + k), ordered_terms(1 - k**2), ordered_terms(tau * k + xi)
+    ([k**2, k, -1], [1, -k**2], [xi, k*tau])
+    """
+    rank = _phase_rank if is_linear(total) else _degree_rank
+    terms: list[sp.Expr] = sorted(sp.Add.make_args(total), key=rank)
+    if len(terms) == 2 and terms[1].is_positive and terms[1].is_number:
+        return terms[::-1]
+    negative = [bool(term.as_coeff_Mul()[0].is_negative) for term in terms]
+    return terms[::-1] if negative[0] and not negative[-1] else terms
+
+
+def ordered_factors(product: sp.Expr) -> list[sp.Expr]:
+    """Return a product's factors as they are printed."""
+    return sorted(sp.Mul.make_args(product), key=_factor_rank)
+
+
+def is_linear(total: sp.Expr) -> bool:
+    """Tell whether the expression is of first degree in xi and tau."""
+    if not total.has(xi):
+        return False
+    slopes = [term.as_independent(xi, tau)[1] for term in sp.Add.make_args(total)]
+    return xi in slopes and set(slopes) <= {xi, tau, sp.S.One}
+
+
+def is_phase(total: sp.Expr) -> bool:
+    """Tell whether the expression is of first degree in xi and tau, without named parts."""
+    return is_linear(total) and not total.atoms(sp.Dummy)
+
+
+def runs_left(argument: sp.Expr) -> bool:
+    """Tell whether a sum falls with xi."""
+    return bool(argument.is_Add and argument.coeff(xi).is_negative)
+
+
+def _phase_rank(term: sp.Expr) -> tuple[object, ...]:
+    return not term.has(xi), not term.has(tau), str(term)
+
+
+def _degree_rank(term: sp.Expr) -> tuple[object, ...]:
+    """Fractions last, a named phase first, then by falling powers of tau, of xi, of all."""
+    numerator, denominator = sp.fraction(term, exact=True)
+    powers = numerator.as_powers_dict()
+    phase = any(isinstance(base, sp.Dummy) and base.name.startswith("phi") for base in powers)
+    explicit = (-float(powers.get(symbol, 0)) for symbol in (tau, xi))
+    return (bool(denominator.free_symbols), not phase, *explicit, -_degree(numerator), str(term))
+
+
+def _degree(expression: sp.Expr) -> float:
+    """Return the total degree, every function counting as one variable."""
+    if expression.is_Add:
+        return max(_degree(term) for term in expression.args)
+    if expression.is_Mul:
+        return sum(_degree(factor) for factor in expression.args)
+    if expression.is_Pow and expression.exp.is_Rational:
+        return float(expression.exp) * _degree(expression.base)
+    return float(not expression.is_number)
+
+
+def _factor_rank(factor: sp.Expr) -> tuple[int, int, str]:
+    base = factor.base if factor.is_Pow and factor.exp.is_number else factor
+    name = function_name(base) if hasattr(base, "latex_symbol") else getattr(base, "name", "")
+    known = name in FUNCTION_ORDER
+    place = FUNCTION_ORDER.index(name) if known else len(FUNCTION_ORDER)
+    return _kind(base), place, base.name if base.is_Symbol else str(base)
+
+
+def _kind(base: sp.Expr) -> Kind:
+    if base.is_number:
+        return Kind.NUMBER
+    if base.is_Symbol:
+        return _symbol_kind(base)
+    if base.is_Add or base.is_Pow:
+        varies = base.has(xi, tau) or base.atoms(sp.Dummy)
+        return Kind.SUM if varies else Kind.COEFFICIENT
+    classes = (
+        (sp.exp, Kind.EXPONENTIAL),
+        (sp.Function, Kind.FUNCTION),
+        (sp.Derivative, Kind.DERIVATIVE),
+    )
+    return next((kind for cls, kind in classes if isinstance(base, cls)), Kind.OTHER)
+
+
+def _symbol_kind(symbol: sp.Symbol) -> Kind:
+    if symbol in (xi, tau):
+        return Kind.VARIABLE
+    if not symbol.is_Dummy or symbol.name == "k'":
+        return Kind.PARAMETER
+    return Kind.FUNCTION if symbol.name in FUNCTION_ORDER else Kind.PART
+
+
+NAMES: dict[type[sp.Expr], str] = {
+    sp.sin: r"\sin", sp.cos: r"\cos", sp.sinh: r"\sinh", sp.cosh: r"\cosh", sp.tanh: r"\tanh",
+    sp.sech: r"\mathrm{sech}",
+}  # fmt: skip
+"""Names of functions that stand before a single symbol without brackets."""
+
+
+def latex(expression: sp.Basic) -> str:
+    r"""Return the expression's LaTeX.
+
+    >>> from solutions.functions.jacobi import jacobi_sn
+    >>> from solutions.symbols import k, tau, xi
+    >>> latex(xi - (2 * k**2 - 1) * tau), latex(1 - k**2), latex(jacobi_sn(xi, k**2))
+    ('\\xi - \\left(2 k^{2} - 1\\right) \\tau', '1 - k^{2}', '\\mathrm{sn}(\\xi;k)')
+    """
+    return str(_Printer({"fold_func_brackets": True}).doprint(expression))
+
+
+def sum_latex(terms: Iterable[sp.Expr]) -> str:
+    """Return the LaTeX of the terms' sum, in the order given."""
+    text = ""
+    for term in terms:
+        negative = bool(term.as_coeff_Mul()[0].is_negative)
+        body = latex(-term if negative else term)
+        sign = "-" if negative else "+"
+        text += f" {sign} {body}" if text else f"- {body}" if negative else body
+    return text
+
+
+def is_even(function: sp.Expr) -> bool:
+    """Tell whether the function's sign does not depend on that of its first argument."""
+    parity = getattr(function, "parity", 0)
+    return parity == 1 or isinstance(function, sp.cos | sp.cosh | sp.sech)
+
+
+def _has_fraction(total: sp.Expr) -> bool:
+    return any(sp.fraction(term, exact=True)[1] != 1 for term in total.args)
+
+
+def _product(factors: list[str]) -> str:
+    """Return the factors side by side, a function's name with a space before it."""
+    return " ".join(
+        rf"\, {factor}" if place and factor.startswith((r"\mathrm", r"\mathcal")) else factor
+        for place, factor in enumerate(factors)
+    )
+
+
+class _Printer(LatexPrinter):
+    """SymPy's printer with the field's order and names."""
+
+    printmethod = "_paper_latex"
+
+    def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:
+        return sum_latex(ordered_terms(expr))
+
+    def _print_Mul(self, expr: sp.Expr) -> str:
+        numerator, denominator = sp.fraction(expr, exact=True)
+        if denominator != 1:
+            return self._fraction(numerator, denominator)
+        coefficient, rest = expr.as_coeff_Mul()
+        texts = [self._factor(factor) for factor in ordered_factors(rest)]
+        if coefficient == -1:
+            return f"- {_product(texts)}"
+        return _product(texts if coefficient == 1 else [self._print(coefficient), *texts])
+
+    def _fraction(self, numerator: sp.Expr, denominator: sp.Expr) -> str:
+        """A numerator's sums of fractions stand behind the fraction."""
+        if numerator.as_coeff_Mul()[0].is_negative:
+            return f"- {self._fraction(-numerator, denominator)}"
+        factors = sp.Mul.make_args(numerator)
+        behind = [factor for factor in factors if factor.is_Add and _has_fraction(factor)]
+        above = sp.Mul(*(factor for factor in factors if factor not in behind))
+        text = rf"\frac{{{self._print(above)}}}{{{self._print(denominator)}}}"
+        return " ".join([text, *map(self._factor, behind)])
+
+    def _factor(self, factor: sp.Expr) -> str:
+        text = str(self._print(factor))
+        return rf"\left({text}\right)" if factor.is_Add else text
+
+    def _print_Function(self, expr: sp.Expr, exp: str | None = None) -> str:
+        elliptic = hasattr(expr, "latex_symbol")
+        name = function_name(expr) if elliptic else NAMES.get(expr.func, "")
+        if not name:
+            return str(super()._print_Function(expr, exp))
+        argument, *parameter = expr.args
+        if is_even(expr) and runs_left(argument):
+            argument = -argument
+        power = f"^{{{exp}}}" if exp else ""
+        if argument.is_Symbol and not parameter:
+            return rf"{name}{power} {self._print(argument)}"
+        modulus = f";{self._print(sp.sqrt(parameter[0]))}" if parameter else ""
+        return rf"{name}{power}({self._print(argument)}{modulus})"
+
+    _print_cos = _print_sin = _print_Function
+    _print_cosh = _print_sinh = _print_tanh = _print_sech = _print_Function
+
+    def _print_elliptic_k(self, expr: sp.Expr, exp: str | None = None) -> str:
+        power = f"^{{{exp}}}" if exp else ""
+        return rf"K{power}({self._print(sp.sqrt(expr.args[0]))})"
+
+    def _print_AppliedUndef(self, expr: sp.Expr, exp: str | None = None) -> str:
+        return f"{expr.func.__name__}^{{{exp}}}" if exp else str(expr.func.__name__)
+
+    def _print_Derivative(self, expr: sp.Expr) -> str:
+        axes = " ".join(map(self._print, expr.variables))
+        return f"{self._print(expr.expr)}_{{{axes}}}"
+
+
+def equation_latex(residual: sp.Expr, unknown: sp.Expr, time: sp.Symbol) -> str:
+    """Return ``residual = 0``: the time derivative first, then by falling degree."""
+
+    def rank(term: sp.Expr) -> tuple[bool, int]:
+        powers = term.as_powers_dict()
+        degree = sum(int(powers[base]) for base in powers if base.has(unknown.func))
+        return not any(time in d.variables for d in term.atoms(sp.Derivative)), -degree
+
+    return f"{sum_latex(sorted(sp.Add.make_args(residual), key=rank))} = 0"
+
+
+def joined(lines: Sequence[str]) -> str:
+    """Return the lines as an `align*` environment."""
+    return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}"
+
+
+NARROW = 0.7
+"""Width of a character in a sub- or superscript."""
+
+_TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|\S")
+
+
+def measure(text: str) -> float:
+    r"""Return about how many characters wide the LaTeX is when it is set.
+
+    >>> measure("x + y"), measure(r"\frac{x + y}{2}"), measure(r"\mathrm{sn}^{2}")
+    (4.0, 4.0, 2.7)
+    """
+    return round(_measure(_TOKEN.findall(text)), 6)
+
+
+def nesting(text: str) -> int:
+    r"""Return how deep fractions are nested in the LaTeX.
+
+    >>> nesting("x"), nesting(r"\frac{1}{2} + \frac{x}{\frac{1}{y}}")
+    (0, 2)
+    """
+    return _depth(_TOKEN.findall(text))
+
+
+def _depth(tokens: list[str]) -> int:
+    """Return the depth of fractions in the tokens to the end of the group, using them up."""
+    deepest = 0
+    while tokens:
+        token = tokens.pop(0)
+        if token == "}":
+            break
+        if token == "{":
+            deepest = max(deepest, _depth(tokens))
+        elif token == r"\frac":
+            tokens.pop(0)
+            above = _depth(tokens)
+            tokens.pop(0)
+            deepest = max(deepest, 1 + above, 1 + _depth(tokens))
+    return deepest
+
+
+def _measure(tokens: list[str]) -> float:
+    """Measure and use up the tokens to the end of the group."""
+    total = 0.0
+    while tokens:
+        token = tokens.pop(0)
+        if token == "}":
+            break
+        total += _width(token, tokens)
+    return total
+
+
+def _width(token: str, tokens: list[str]) -> float:
+    """Measure one token, using up its arguments."""
+    if token == "{":
+        return _measure(tokens)
+    if token == r"\frac":
+        return max(_width(tokens.pop(0), tokens), _width(tokens.pop(0), tokens))
+    if token in ("^", "_"):
+        return NARROW * _width(tokens.pop(0), tokens)
+    if token in (r"\left", r"\right", r"\,", r"\mathrm", r"\operatorname", r"\mathcal", "&"):
+        return 0.0
+    if token in (r"\sqrt", "+", "-", "="):
+        return 2.0
+    if token in (r"\cosh", r"\sinh", r"\tanh", r"\cos", r"\sin"):
+        return float(len(token))
+    return 1.0
+
+
+LINE = 76.0
+"""Widest display line, in characters as `measure` counts them."""
+
+HUGE = 200
+"""An expression of more nodes than this is wide; it is not printed to find out."""
+
+GAIN = 0.9
+"""A row is written in another form if that is narrower by this factor."""
+
+
+@cache
+def size(expression: sp.Expr) -> int:
+    """Return the number of nodes of the expression's tree."""
+    return 1 + sum(size(arg) for arg in expression.args)
+
+
+@cache
+def width(expression: sp.Expr) -> float:
+    """Return about how many characters wide the expression is when it is set.
+
+    >>> x, y = sp.symbols("x y")
+    >>> width(x / (x + y))
+    4.0
+    """
+    return measure(latex(expression))
+
+
+def is_wide(expression: sp.Expr, line: float = LINE) -> bool:
+    """Tell whether the expression needs more than one line."""
+    return size(expression) > HUGE or width(expression) > line
+
+
+@cache
+def tidied(row: sp.Expr) -> sp.Expr:
+    """Return the row, or an equal form of it with fewer nested fractions or less wide.
+
+    Only rational operations on its symbols and functions are used.
+    """
+    if size(row) > HUGE or is_phase(row) or any(is_phase(factor) for factor in row.args):
+        return row
+    row = sp.Add(*map(_tidied_inside, sp.Add.make_args(row)))
+    generators = {
+        node: sp.Dummy(real=True)
+        for node in row.atoms(sp.Function, sp.exp, sp.Pow)
+        if not (node.is_Pow and node.exp.is_Integer)
+    }
+    back = {symbol: node for node, symbol in generators.items()}
+    forms = [form.xreplace(back) for form in _forms(row.xreplace(generators))]
+    best = min(forms, key=_clumsiness)
+    return best if _clumsiness(best) < (_clumsiness(row)[0], GAIN * width(row)) else row
+
+
+def _tidied_inside(part: sp.Expr) -> sp.Expr:
+    """Return a term or factor with the sums in it tidied."""
+    if part.is_Add:
+        return tidied(part)
+    if part.is_Mul:
+        return sp.Mul(*(factor for arg in part.args for factor in _content(_tidied_inside(arg))))
+    if part.is_Pow and part.exp.is_Integer:
+        return part.func(*map(_tidied_inside, part.args))
+    return part
+
+
+def _content(factor: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Return a sum's number factor, negative if all its terms are, and the rest."""
+    if not factor.is_Add:
+        return (factor,)
+    number, rest = factor.primitive()
+    if all(term.as_coeff_Mul()[0].is_negative for term in rest.args):
+        number, rest = -number, -rest
+    return number, rest
+
+
+def _clumsiness(form: sp.Expr) -> tuple[int, float]:
+    """Return how deep fractions are nested, one level being none, and the width."""
+    return max(nesting(latex(form)), 1), width(form)
+
+
+def _forms(rational: sp.Expr) -> Iterator[sp.Expr]:
+    """Yield ways to write a rational expression; a sum's terms are not put on one fraction."""
+    if rational.is_polynomial():
+        yield _factored(rational)
+        content = _without_sign(sp.factor_terms(rational))
+        yield content
+        common, rest = content.as_independent(sp.Add) if content.is_Mul else (sp.S.One, rational)
+        for symbol in sorted(rest.free_symbols, key=sp.default_sort_key):
+            yield common * sp.collect(sp.expand(rest), symbol, sp.factor_terms)
+    else:
+        together = [sp.together(term) for term in sp.Add.make_args(rational)]
+        yield sp.Add(*together)
+        yield sp.Add(*map(_factored, together))
+
+
+def _factored(rational: sp.Expr) -> sp.Expr:
+    above, below = (sp.factor(sp.factor_terms(part)) for part in sp.fraction(rational))
+    return above / below
+
+
+def _without_sign(product: sp.Expr) -> sp.Expr:
+    """Return the product with a minus sign moved into its sum, if that has more of them."""
+    for total in product.args if product.is_Mul else ():
+        minus = sum(bool(term.as_coeff_Mul()[0].is_negative) for term in total.args)
+        if total.is_Add and 2 * minus > len(total.args):
+            return product / total * -1 * -total
+    return product

@@ -1,0 +1,235 @@
+"""What the report prints of the derivation, the closed forms, their proofs and misprints."""
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import sympy as sp
+
+from derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
+from derive.dispersion import agrees_with_reduction
+from reports.formulas.formula import Formula
+from reports.formulas.printing import equation_latex, latex
+from reports.latex import block, escape, scientific
+from reports.paper import cited
+from solutions import CATALOGUE, ClosedForm
+from solutions.record import Equation
+from verify.evidence.mutations import MutationCount, Survivor
+from verify.studies.proofs import ProofRecord
+from verify.verdict import Verdict
+
+DERIVATION_ORDERS = 7
+"""Highest power of eps shown: two beyond the mKdV equation."""
+
+
+def derivation() -> dict[str, Any]:
+    """The reduction order by order, its coefficients, the dispersion relation, the velocity."""
+    shown = reduce(mkdv_reduction().lattice, mkdv_reduction().scaling, orders=DERIVATION_ORDERS)
+    relation = dispersion_relation(shown.lattice)
+    coefficients, form = shown.coefficients(), shown.normal_form()
+    return {
+        "force": sp.latex(shown.lattice.bonds[0].force),
+        "orders": [(order, equation.latex()) for order, equation in shown.orders.items()],
+        "sound": sp.latex(shown.sound_condition),
+        "conditions": [
+            (condition.latex(), condition.order, condition.equation.latex())
+            for condition in shown.conditions
+        ],
+        "pde": shown.pde.latex(),
+        "remainders": [shown.latex_remainder(order) for order in shown.remainders],
+        "corrections": [shown.latex_correction(power) for power in shown.corrections],
+        "coefficients": [
+            (name, sp.latex(getattr(coefficients, name)))
+            for name in ("c", "nonlinear", "dispersive")
+        ],
+        "normal_form": [(name, sp.latex(getattr(form, name))) for name in ("a", "b", "s")],
+        "dispersion": relation.latex(),
+        "dispersion_agrees": agrees_with_reduction(shown.lattice, shown),
+        "velocity": initial_velocity_latex(),
+    }
+
+
+def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:
+    """The closed forms: name, sign, domains, background, equation of the paper and source."""
+    rows = [
+        [
+            rf"\hyperref[form:{form.name}]{{{escape(form.title)}}}",
+            f"${form.equation.s:+d}$",
+            ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
+            "constant" if form.period is None else f"period ${latex(form.period)}$",
+            rf"{cited(form.reference.label)} \cite{{{form.reference.citation}}}",
+        ]
+        for form in forms
+    ]
+    head = ["solution", "$s$", "parameters", "background", "paper, source"]
+    return block("lrlll", head, rows)
+
+
+def domain_latex(domain: str) -> str:
+    r"""Return a parameter's domain as LaTeX; its words are those of the record.
+
+    >>> domain_latex("0 < k < 1"), domain_latex("X_0 real")
+    ('$0<k<1$', '$X_{0}$ real')
+    """
+    words = [_domain_word(word) for word in domain.split()]
+    return " ".join(words).replace("$ $", "")
+
+
+def _domain_word(word: str) -> str:
+    """Return one word of a domain: relations and symbols in mathematics."""
+    if word in ("real", "positive"):
+        return word
+    named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
+    named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
+    letter, _, index = word.partition("_")
+    plain = f"{letter}_{{{index}}}" if index else word
+    return f"${named.get(word, plain)}$"
+
+
+def formulas(forms: Iterable[ClosedForm] = CATALOGUE) -> list[dict[str, str]]:
+    """Every closed form as a display made from its expression, with its background."""
+    return [
+        {
+            "name": form.name,
+            "title": form.title[0].upper() + form.title[1:],
+            "paper": cited(form.reference.label),
+            "citation": form.reference.citation,
+            "display": Formula(form.expression).latex("U"),
+            "left": latex(form.far_fields.left),
+            "right": latex(form.far_fields.right),
+            "equation": form.equation.name,
+        }
+        for form in forms
+    ]
+
+
+def equations(forms: Iterable[ClosedForm] = CATALOGUE) -> list[tuple[str, str]]:
+    """The equations that the forms solve: name and LaTeX, each once."""
+    return sorted({(form.equation.name, _equation(form.equation)) for form in forms})
+
+
+def _equation(equation: Equation) -> str:
+    unknown = sp.Function("U")(equation.xi, equation.tau)
+    return equation_latex(equation.residual(unknown), unknown, equation.tau)
+
+
+DASH = "--"
+
+METHODS = {"differential algebra": "A", "exact at more points than the degree": "P"}
+"""The letters by which the table calls the methods; the text above it says them."""
+
+_OUTERMOST = re.compile(r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)")
+"""A bracket with up to three levels of brackets in it, as deep as descriptions go."""
+
+SHOWN = 20
+"""Most characters of a misprinted part that are shown."""
+
+
+def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]) -> str:
+    """Solution, verdict, method, certificate, seconds to prove and to check, residual.
+
+    The residual is that of mpmath, independent of the proof; a form without one has a dash.
+    """
+    rows = [
+        [
+            rf"\texttt{{{escape(record.name)}}}",
+            escape(record.outcome.value),
+            METHODS.get(record.method, escape(record.method)),
+            _kilobytes(record.certificate_bytes),
+            f"{record.prove_seconds:.2f}",
+            DASH if record.check_seconds is None else f"{record.check_seconds:.2f}",
+            _answer(record.accepted),
+            _residual(residuals.get(record.name)),
+        ]
+        for record in records
+    ]
+    head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
+    return block("lllrrrll", head, rows)
+
+
+def mutation_table(counts: Iterable[MutationCount]) -> str:
+    """How many misprints of each form are refuted, proved and undecided, and in how long."""
+    found = list(counts)
+    rows = [
+        [
+            rf"\texttt{{{escape(count.name)}}}",
+            *map(str, (count.mutants, count.refuted, count.proved, count.undecided)),
+            f"{count.seconds:.1f}",
+        ]
+        for count in found
+    ]
+    together = [
+        str(sum(getattr(count, name) for count in found))
+        for name in ("mutants", "refuted", "proved", "undecided")
+    ]
+    rows.append(["together", *together, f"{sum(count.seconds for count in found):.1f}"])
+    head = ["solution", "misprints", "refuted", "proved", "undecided", "seconds"]
+    return block("lrrrrr", head, rows)
+
+
+def survivor_table(counts: Iterable[MutationCount]) -> str:
+    """The misprints that are not refuted, the same change with the same reason in one row."""
+    found: dict[tuple[str, str, str, str], list[str]] = {}
+    for count in counts:
+        for survivor in count.survivors:
+            part, change = _part_and_change(survivor.description)
+            key = (count.name, part, _reason(survivor), survivor.outcome.value)
+            found.setdefault(key, []).append(change)
+    merged: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
+    for (name, part, why, verdict), changes in found.items():
+        merged.setdefault((", ".join(changes), why, verdict), []).append((name, part))
+    rows = [
+        [
+            ", ".join(dict.fromkeys(part for _, part in places)),
+            change,
+            why,
+            verdict,
+            ", ".join(dict.fromkeys(rf"\texttt{{{escape(name)}}}" for name, _ in places)),
+        ]
+        for (change, why, verdict), places in merged.items()
+    ]
+    head = ["part", "change", "why", "verdict", "solutions"]
+    return block("L{37mm}L{22mm}L{25mm}L{16mm}L{43mm}", head, rows)
+
+
+def _part_and_change(description: str) -> tuple[str, str]:
+    """Return the part that a description names, what lies deep in it as dots, and its change."""
+    words, _, change = description.rpartition(": ")
+    text = words.partition(" ")[2]
+    change = escape(change.replace("coefficient times 101/100", "1 % more"))
+    if "..." not in text and len(text) <= SHOWN:
+        return f"${_mathematics(text)}$", change
+    outer = _OUTERMOST.sub(r"(\\cdots)", text)
+    if "/" in outer:
+        return "the fraction", change
+    return f"${_mathematics(outer)}$", change
+
+
+def _mathematics(text: str) -> str:
+    r"""Return a short part's text as LaTeX.
+
+    >>> _mathematics("-6*tau + xi"), _mathematics("k*jacobi_sn(\\cdots)")
+    ('-6 \\tau + \\xi', 'k \\mathrm{sn}(\\cdots)')
+    """
+    text = text.replace("sqrt(\\cdots)", "\\sqrt{\\cdots}").replace("jacobi_", "")
+    text = re.sub(r"\b(tau|xi|alpha|kappa)\b", r"\\\1", text)
+    text = re.sub(r"(?<!\\)\b([a-z]{2,})\(", r"\\mathrm{\1}(", text)
+    return text.replace("**", "^").replace("*", " ")
+
+
+def _reason(survivor: Survivor) -> str:
+    """Return why it is a solution, its symbols in mathematics."""
+    signs = survivor.reason.replace("U to -U", "$U\\to-U$")
+    return re.sub(r"another value of (\w+)", r"another value of $\1$", signs)
+
+
+def _kilobytes(size: int | None) -> str:
+    return DASH if size is None else f"{size / 1000:.1f}"
+
+
+def _answer(accepted: bool | None) -> str:
+    return DASH if accepted is None else "accepted" if accepted else "REJECTED"
+
+
+def _residual(verdict: Verdict | None) -> str:
+    return DASH if verdict is None or verdict.residual is None else scientific(verdict.residual)

@@ -1,0 +1,102 @@
+"""Wrong formulas: made one change at a time, and every one caught by the residual alone."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+
+from solutions.catalogue import CATALOGUE
+from solutions.functions import jacobi_dn
+from solutions.record import ClosedForm
+from solutions.symbols import X_0, k, tau, xi
+from verify.evidence.mutations import Mutant, mutants
+from verify.evidence.residual import Sampling, check_residual
+from verify.proof import prove
+from verify.subexpressions import replaced
+from verify.verdict import Outcome
+
+QUICK = Sampling(digits=(30, 50), points=2, seed=7)
+DENSE = Sampling(digits=(30, 50), points=24, seed=8)
+"""Where one exponential outweighs the rest by 50 digits, a point or two cannot see a wrong term."""
+
+KINDS = ("coefficient", "sign flipped", "dropped", "k for k**2", "k**2 for k")
+
+
+def _kind(mutant: Mutant) -> str:
+    return next(kind for kind in KINDS if kind in mutant.description.rsplit(": ", 1)[1])
+
+
+def _solutions_by_symmetry(form: ClosedForm) -> set[sp.Expr]:
+    """U to -U, another X_0, the bare background."""
+    shifts = {
+        replaced(form.expression, X_0, x) for x in (sp.S.Zero, -X_0, sp.Rational(101, 100) * X_0)
+    }
+    return {-form.expression, form.background, *shifts}
+
+
+def _wrong(form: ClosedForm) -> Iterator[Mutant]:
+    """The mutants that are neither constant nor a solution by symmetry."""
+    symmetric = _solutions_by_symmetry(form)
+    for mutant in mutants(form.expression, k):
+        if mutant.expression not in symmetric and mutant.expression.args:
+            yield mutant
+
+
+def _refuted(form: ClosedForm, mutant: Mutant) -> bool:
+    wrong = replace(form, expression=mutant.expression)
+    return any(
+        check_residual(wrong, sampling).outcome is Outcome.REFUTED for sampling in (QUICK, DENSE)
+    )
+
+
+def _is_a_solution(form: ClosedForm, mutant: Mutant) -> bool:
+    """Whether the misprint solves the equation all the same, by exact proof."""
+    return prove(form.equation, mutant.expression).outcome is Outcome.PROVED
+
+
+def _handful(form: ClosedForm) -> list[Mutant]:
+    """The first mutant of each kind."""
+    return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
+
+
+QUICK_FORMS = [form for form in CATALOGUE if form.name not in ("rogue_cn", "breather_sn")]
+
+
+@pytest.mark.parametrize("form", QUICK_FORMS, ids=lambda form: form.name)
+def test_a_handful_of_misprints_is_refuted(form: ClosedForm) -> None:
+    passed = [m.description for m in _handful(form) if not _refuted(form, m)]
+    assert passed == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+def test_every_misprint_is_refuted(form: ClosedForm) -> None:
+    passed = [m for m in _wrong(form) if not _refuted(form, m)]
+    assert [m.description for m in passed if not _is_a_solution(form, m)] == []
+
+
+def test_elliptic_forms_have_every_kind_of_mutant() -> None:
+    form = next(form for form in CATALOGUE if form.name == "soliton_dn")
+    assert {_kind(mutant) for mutant in mutants(form.expression, k)} >= set(KINDS[:4])
+
+
+def test_mutants_are_distinct_and_differ_from_the_original() -> None:
+    for form in CATALOGUE[:3]:
+        made = [mutant.expression for mutant in mutants(form.expression, k)]
+        assert len(set(made)) == len(made)
+        assert form.expression not in made
+
+
+def test_a_subexpression_changes_wherever_it_stands() -> None:
+    phase = xi - 2 * tau
+    expression = sp.sin(phase) / (2 + sp.cos(phase))
+    flipped = sp.sin(xi + 2 * tau) / (2 + sp.cos(xi + 2 * tau))
+    assert flipped in [mutant.expression for mutant in mutants(expression)]
+
+
+def test_modulus_and_parameter_are_swapped_both_ways() -> None:
+    expression = k * jacobi_dn(xi, k**2)
+    made = [mutant.expression for mutant in mutants(expression, k)]
+    assert k * jacobi_dn(xi, k) in made
+    assert k**2 * jacobi_dn(xi, k**2) in made

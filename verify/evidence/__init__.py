@@ -1,0 +1,1 @@
+"""Evidence beside the proofs: residuals at many digits, and misprints that must be refuted."""

@@ -1,0 +1,383 @@
+"""What accuracy costs on the lattice: by scheme and engine, by eps, by sites, by RK4's step.
+
+Errors are sup errors of y/eps over the compared sites at the scene's end. The stencil is judged by
+the spectral ring, the ring by the stencil: never a method by itself. Seconds are those of the march
+from data that are there already; what making them takes a ring, whose circumference closes them, is
+told beside. The error of the reduction itself is that of Y_j at its peak against eps.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from lattice.spectral.evolution import SpectralRing
+from verify.comparison import (
+    SCHEMES,
+    Scene,
+    load_scene,
+    rational_family_scenes,
+    relative_sup_error,
+    run,
+    stability_limit,
+)
+from verify.comparison.initial_data import build_wave
+from verify.comparison.spectral_data import RingPlace, ring_data
+
+Array = NDArray[np.float64]
+
+SHARES = (0.95, 0.6, 0.4, 0.25, 0.15)
+"""Steps, as shares of the largest stable one."""
+
+RING_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+FINEST_TOLERANCE = 1e-7
+FINEST_SHARE = 0.1
+SPECTRAL = "spectral"
+COMPARED = 200
+SITES = 3072
+
+
+@dataclass(frozen=True)
+class CostPoint:
+    """One run: its series, its sup error of y/eps, the seconds of its march.
+
+    ``data_seconds`` is what making the initial data took, if that counts (the spectral ring).
+    """
+
+    problem: str
+    series: str
+    error: float
+    seconds: float
+    data_seconds: float = 0.0
+
+
+def smooth() -> Scene:
+    """Y2 long before its peak: a weak, wide wave."""
+    return _ring("rational_2_eps_0.05", -10000.0, -9750.0)
+
+
+def crest() -> Scene:
+    """Y2 through its peak."""
+    return _ring("rational_2_eps_0.05", -125.0, 125.0)
+
+
+def periodic() -> Scene:
+    """The cn rogue wave through its peak."""
+    return _ring("rogue_cn_k_0.5", -400.0, 400.0)
+
+
+PROBLEMS: Mapping[str, Callable[[], Scene]] = {
+    "smooth": smooth,
+    "crest": crest,
+    "periodic": periodic,
+}
+
+
+def _ring(name: str, t0: float, end: float) -> Scene:
+    """The shipped scene between two times, on a ring whose seam no compared site hears of."""
+    return replace(
+        load_scene(name),
+        t0=t0,
+        snapshots=(end,),
+        domain="ring",
+        sites=SITES,
+        compared=COMPARED,
+        observables=("strain",),
+    )
+
+
+def work_precision(problem: str) -> list[CostPoint]:
+    """All schemes and the spectral engine on one problem."""
+    scene = PROBLEMS[problem]()
+    by_stencil = _strain(_timed(by_scheme(scene, "kahan_li_8", FINEST_SHARE)))
+    by_ring = _strain(_timed(spectral(scene, FINEST_TOLERANCE)))
+    points = []
+    for series, variants in (*_stencils(scene), (SPECTRAL, _rings(scene))):
+        reference = by_stencil if series == SPECTRAL else by_ring
+        for variant in variants:
+            found = _timed(variant)
+            error = float(np.max(np.abs(_strain(found) - reference))) / scene.eps
+            whole = float(found.attrs["seconds"])
+            march = march_seconds(variant, found) if series == SPECTRAL else whole
+            points.append(CostPoint(problem, series, error, march, max(0.0, whole - march)))
+    return points
+
+
+def _stencils(scene: Scene) -> Iterator[tuple[str, list[Scene]]]:
+    for scheme in SCHEMES:
+        yield scheme.name, [by_scheme(scene, scheme.name, share) for share in SHARES]
+
+
+def _rings(scene: Scene) -> list[Scene]:
+    return [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
+
+
+def by_scheme(scene: Scene, name: str, share: float) -> Scene:
+    """The scene with a scheme at a share of its largest stable step."""
+    limit = stability_limit(next(scheme for scheme in SCHEMES if scheme.name == name))
+    fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
+    return replace(scene, scheme=name, step=share * limit / fastest)
+
+
+def spectral(scene: Scene, tolerance: float) -> Scene:
+    """The scene by the spectral engine, which finds its own step, sampling and circumference."""
+    return Scene(
+        name=scene.name,
+        wave=scene.wave,
+        eps=scene.eps,
+        t0=scene.t0,
+        snapshots=scene.snapshots,
+        K2=scene.K2,
+        K4=scene.K4,
+        compared=scene.compared,
+        parameters=scene.parameters,
+        observables=("strain",),
+        tolerance=tolerance,
+        engine="spectral",
+    )
+
+
+@cache
+def warmed(scheme: str) -> None:
+    """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
+    scene = smooth()
+    short = replace(scene, snapshots=(scene.t0 + 1.0,))
+    run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
+
+
+def march_seconds(scene: Scene, found: xr.Dataset) -> float:
+    """Seconds of a ring's last march, done once more from data that are there already."""
+    task_times = (scene.t0, *scene.snapshots)
+    wave, tolerance = build_wave(scene), scene.tolerance or FINEST_TOLERANCE
+    data = ring_data(scene.constants, wave, scene.eps, task_times, scene.compared, tolerance)
+    ring = RingPlace(float(found.attrs["circumference"]))
+    state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
+    begun = time.perf_counter()
+    SpectralRing(scene.constants, state, step, absorbed=data.absorbed).at(scene.end)
+    return time.perf_counter() - begun
+
+
+def _timed(scene: Scene) -> xr.Dataset:
+    """The run, compiled beforehand."""
+    warmed(scene.scheme)
+    return run(scene)
+
+
+def _strain(found: xr.Dataset) -> Array:
+    """The strains at the end."""
+    return np.asarray(found["strain"].values[-1])
+
+
+SLOW_TIME = 1.25
+"""T runs from minus this to 0, the peak."""
+
+SPECTRAL_TOLERANCE, FINER_SPECTRAL_TOLERANCE = 1e-3, 1e-4
+WINDOW_SCHEME = "reduced_phase_6"
+WINDOW_STEP, RK4_STEP = 1.0, 0.1
+STEPS = 400
+"""Steps of a run that is timed, where the whole is too long."""
+
+WINDOW_COMPARED = 400
+COMPARED_X = 10.0
+WINDOW_X = 200.0
+"""Half-width compared, and width of a window, in X."""
+
+REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
+
+
+@dataclass(frozen=True)
+class ScalingPoint:
+    """A quantity at one abscissa; ``scaled`` if only a fraction of the run was timed."""
+
+    series: str
+    x: float
+    value: float
+    scaled: bool = False
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """value = factor * x^exponent, fitted to a series."""
+
+    series: str
+    factor: float
+    exponent: float
+
+
+def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
+    """The power law through the points of one series.
+
+    >>> fit_law([ScalingPoint("s", 1.0, 3.0), ScalingPoint("s", 2.0, 12.0)]).exponent
+    2.0
+    """
+    exponent, level = np.polyfit(
+        np.log([point.x for point in points]), np.log([point.value for point in points]), 1
+    )
+    return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+
+
+def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
+    """Seconds of each way, and the reduction's error, for Y2 to its peak at one eps.
+
+    From one to the next a way changes one thing: RK4 on as many sites as sound travels (the
+    paper's), RK4 in a window, a scheme of order 6 in that window, the exponential method on the
+    spectral ring. All but the last are timed for a number of steps and scaled. If ``judged``, the
+    last one's distance to a run with a tenth of its tolerance is measured, too.
+    """
+    for scheme in ("", WINDOW_SCHEME, "rk4"):
+        warmed(scheme)
+    base = _scene(eps)
+    found = run(spectral(base, SPECTRAL_TOLERANCE))
+    whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
+    wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
+    sites = max(2048, round(WINDOW_X / eps))
+    rk4 = _scaled(base, "rk4", RK4_STEP, sites)
+    rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
+    points = [
+        ScalingPoint("RK4, wide lattice", 1 / eps, rk4 * wide / sites, scaled=True),
+        ScalingPoint("RK4, window", 1 / eps, rk4, scaled=True),
+        ScalingPoint(
+            "order 6, window", 1 / eps, _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites), True
+        ),
+        ScalingPoint("spectral", 1 / eps, whole),
+        ScalingPoint(REDUCTION, eps, relative_sup_error(*rows)),
+    ]
+    if judged:
+        finer = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - found["strain"]
+        points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(finer).max()) / eps))
+    return points
+
+
+def _scene(eps: float) -> Scene:
+    end = SLOW_TIME / eps**3
+    return replace(
+        load_scene("rational_2_eps_0.05"),
+        eps=eps,
+        t0=-end,
+        snapshots=(0.0,),
+        compared=round(COMPARED_X / eps),
+        observables=("strain",),
+    )
+
+
+def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
+    """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
+    part = replace(
+        base,
+        scheme=scheme,
+        step=step,
+        sites=sites,
+        compared=min(base.compared, 200),
+        snapshots=(base.t0 + STEPS * step,),
+    )
+    seconds = float(run(part).attrs["seconds"])
+    return seconds * (base.end - base.t0) / (STEPS * step)
+
+
+def _figure(t0: float) -> Scene:
+    """Y2 at eps = 0.05 up to its peak."""
+    scene = load_scene("rational_2_eps_0.05")
+    return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
+
+
+def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
+    """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
+    scene = replace(_figure(t0), compared=WINDOW_COMPARED)
+    strains = [run(replace(scene, sites=count))["strain"].values[-1] for count in sites]
+    return [
+        ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
+        for count, strain in zip(sites[:-1], strains[:-1], strict=True)
+    ]
+
+
+def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
+    """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
+    scene = _figure(t0)
+    variants = {step: replace(scene, scheme="rk4", step=step) for step in steps}
+    points = []
+    for step, variant in {**variants, 0.0: scene}.items():
+        found = run(variant)
+        rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
+        points.append(ScalingPoint("error figure", step, relative_sup_error(*rows)))
+    return points
+
+
+HALF_WIDTH = 25.0
+"""Half-width compared, in X: all extrema of Y_2 .. Y_5 from the family's first slow time on."""
+
+PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
+"""Sup error of y/eps allowed, by order: the higher the order, the larger the error to be shown."""
+
+RESOLVED = 0.1
+"""Most of a value that its discretisation error may be."""
+
+FITTED_PEAKS = 3
+"""Points at the small-eps end through which the law is fitted."""
+
+
+@dataclass(frozen=True)
+class PeakError:
+    """The relative sup error of one member of the family at T = 0.
+
+    ``own`` is the estimated discretisation error over the same denominator, ``seconds`` the run
+    with its planning. ``fault`` tells why there is no value, if there is none.
+    """
+
+    order: int
+    eps: float
+    value: float = math.nan
+    own: float = math.nan
+    seconds: float = math.nan
+    engine: str = ""
+    fault: str = ""
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the value is the reduction's and not the discretisation's.
+
+        >>> PeakError(2, 0.1, 0.35, 1e-4).resolved, PeakError(2, 0.1, fault="blow-up").resolved
+        (True, False)
+        """
+        return self.own <= RESOLVED * self.value
+
+
+def peak_scene(order: int, eps: float) -> Scene:
+    """The member of the family up to its peak, by whichever engine is cheaper."""
+    (scene,) = rational_family_scenes((order,), (eps,), PEAK_TOLERANCES[order]).values()
+    return replace(scene, snapshots=(0.0,), compared=round(HALF_WIDTH / eps))
+
+
+def peak_error(order: int, eps: float) -> PeakError:
+    """Run one member; a run that does not come to its end is a record, too."""
+    scene = peak_scene(order, eps)
+    try:
+        found = run(scene)
+    except ValueError as error:
+        return PeakError(order, eps, fault=str(error))
+    seconds = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
+    engine, fault = str(found.attrs["engine"]), str(found.attrs["blow_up"])
+    if fault:
+        return PeakError(order, eps, seconds=seconds, engine=engine, fault=fault)
+    height = float(np.max(np.abs(found["analytic"] - found["background"]))) / eps
+    own = float(found.attrs["error_estimate"]) / height
+    return PeakError(order, eps, float(found["error"][-1]), own, seconds, engine)
+
+
+def peak_laws(points: Iterable[PeakError]) -> dict[int, PowerLaw | None]:
+    """For each order the power of eps through its smallest resolved eps; None below two points."""
+    orders: dict[int, list[PeakError]] = {}
+    for point in points:
+        orders.setdefault(point.order, []).append(point)
+    return {order: _law(found) for order, found in sorted(orders.items())}
+
+
+def _law(points: Sequence[PeakError]) -> PowerLaw | None:
+    sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
+    if len(sound) < 2:
+        return None
+    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED_PEAKS]])

@@ -1,0 +1,217 @@
+"""A random statement for the prover: its symbols with their ranges, and what is known of it."""
+
+from __future__ import annotations
+
+import enum
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import sympy as sp
+
+Point = Mapping[sp.Symbol, sp.Rational]
+
+SPAN = 4
+"""How far beyond the end of a half line, and beyond 0 on the whole line, numbers are drawn."""
+
+LARGEST_DENOMINATOR = 200
+
+
+class Truth(enum.StrEnum):
+    """What a statement is.  VOID: the formula is defined nowhere, so that nothing can be said."""
+
+    TRUE = "true"
+    FALSE = "false"
+    VOID = "void"
+
+
+@dataclass(frozen=True)
+class Range:
+    """The open interval from which a symbol takes its values; None for an end at infinity."""
+
+    symbol: sp.Symbol
+    low: sp.Rational | None = None
+    high: sp.Rational | None = None
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether the symbol's own assumptions do not say it all."""
+        return any(end not in (None, 0) for end in (self.low, self.high)) or self.is_bounded
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether both ends are finite."""
+        return self.low is not None and self.high is not None
+
+    def has_sign(self, sign: int) -> bool:
+        """Whether all values have the sign +1 or -1."""
+        end = self.low if sign > 0 else self.high
+        return end is not None and bool(sign * end >= 0)
+
+    def interval(self) -> sp.Interval:
+        """The range as a SymPy set."""
+        low = -sp.oo if self.low is None else self.low
+        high = sp.oo if self.high is None else self.high
+        return sp.Interval.open(low, high)
+
+    def number(self, draw: random.Random) -> sp.Rational:
+        """A random rational number in the range, other than 0."""
+        low = self.low if self.low is not None else min(self.high or 0, 0) - SPAN
+        high = self.high if self.high is not None else max(self.low or 0, 0) + SPAN
+        denominator = draw.randint(7, LARGEST_DENOMINATOR)
+        part = sp.Rational(draw.randint(1, denominator - 1), denominator)
+        found = low + (high - low) * part
+        return found if found != 0 else self.number(draw)
+
+    def holds(self, value: sp.Rational) -> bool:
+        """Whether ``value`` lies in the range."""
+        above = self.low is None or value > self.low
+        return bool(above and (self.high is None or value < self.high))
+
+
+@dataclass(frozen=True)
+class Statement:
+    """``left = right`` as functions of ``variables``; or, with ``unknown``, ``left = 0`` solved.
+
+    In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
+    is put for ``unknown``.  ``ranges`` has every symbol.  ``counterexample`` is an admissible
+    point at which a false statement fails; ``change`` is its residual, where that is one term.
+    """
+
+    kind: str
+    truth: Truth
+    left: sp.Expr
+    right: sp.Expr
+    variables: tuple[sp.Symbol, ...]
+    ranges: tuple[Range, ...]
+    unknown: sp.Expr | None = None
+    counterexample: Point | None = None
+    change: sp.Expr | None = None
+    seed: int = 0
+    index: int = 0
+
+    @property
+    def domains(self) -> dict[sp.Symbol, sp.Interval]:
+        """The ranges that the symbols' assumptions do not say."""
+        return {r.symbol: r.interval() for r in self.ranges if r.is_stated}
+
+    def point(self, draw: random.Random) -> Point:
+        """A random admissible point."""
+        return {r.symbol: r.number(draw) for r in self.ranges}
+
+    def numbered(self, seed: int, index: int) -> Statement:
+        """The same statement with its number in the search."""
+        return replace(self, seed=seed, index=index)
+
+    def script(self) -> str:
+        """Python source that asks the prover about the statement."""
+        call = "prove" if self.unknown is not None else "prove_equal"
+        last = f", {sp.srepr(list(self.variables))}" if self.unknown is None else ""
+        domains = f", domains={sp.srepr(self.domains)}" if self.domains else ""
+        return "\n".join(
+            [
+                f"# {self.kind}, {self.truth}: statement({self.seed}, {self.index})",
+                "from sympy import *",
+                "from solutions.functions import *",
+                f"from verify.proof import {call}",
+                f"left = {sp.srepr(self.left)}",
+                f"right = {sp.srepr(self.right)}",
+                f"print({call}(left, right{last}{domains}))",
+            ]
+        )
+
+
+VARIABLES = ("x", "t", "y")
+PARAMETERS = ("a", "b", "c", "q", "w", "i", "e", "root", "sn", "U", "u", "lambda")
+"""Among them are names that a prover may take for its own."""
+
+
+@dataclass
+class Setting:
+    """The symbols of a statement.
+
+    ``modulus`` is the parameter m of the Jacobi functions, once one was asked for.
+    """
+
+    draw: random.Random
+    variables: tuple[sp.Symbol, ...]
+    parameters: list[sp.Symbol]
+    ranges: dict[sp.Symbol, Range]
+    modulus: sp.Expr | None = field(default=None)
+
+    @property
+    def unknown(self) -> sp.Expr:
+        """The function to be solved for."""
+        return sp.Function("u")(*self.variables)
+
+    def point(self) -> Point:
+        """A random admissible point."""
+        return {s: self.ranges[s].number(self.draw) for s in (*self.variables, *self.parameters)}
+
+    def of_sign(self, sign: int) -> list[sp.Symbol]:
+        """The symbols that have one sign throughout."""
+        return [made.symbol for made in self.ranges.values() if made.has_sign(sign)]
+
+    def with_both_signs(self) -> list[sp.Symbol]:
+        """The symbols that have both signs."""
+        signed = {*self.of_sign(1), *self.of_sign(-1)}
+        return [symbol for symbol in self.ranges if symbol not in signed]
+
+    def new_parameter(
+        self, name: str, low: sp.Rational | None, high: sp.Rational | None
+    ) -> sp.Symbol:
+        """One more parameter with a range of its own."""
+        made = ranged(name, low, high)
+        self.parameters.append(made.symbol)
+        self.ranges[made.symbol] = made
+        return made.symbol
+
+    def elliptic_parameter(self) -> sp.Expr:
+        """The m of all Jacobi functions here: a number, or the square of a modulus."""
+        if self.modulus is None:
+            kind = self.draw.random()
+            if kind < 0.3:
+                self.modulus = sp.Rational(self.draw.randint(1, 8), 9)
+            elif kind < 0.8:
+                self.modulus = self.new_parameter("k", sp.S.Zero, sp.S.One) ** 2
+            else:
+                self.modulus = self.new_parameter("m", sp.S.Zero, sp.S.One)
+        return self.modulus
+
+
+def ranged(name: str, low: sp.Rational | None, high: sp.Rational | None) -> Range:
+    """A symbol whose assumptions say what they can of its range."""
+    if low is not None and low >= 0:
+        return Range(sp.Symbol(name, positive=True), low, high)
+    if high is not None and high <= 0:
+        return Range(sp.Symbol(name, negative=True), low, high)
+    return Range(sp.Symbol(name, real=True), low, high)
+
+
+def random_setting(draw: random.Random, variables: int = 0, parameters: int = -1) -> Setting:
+    """One to three variables and up to three parameters, each with a random range."""
+    count = variables or draw.choice((1, 2, 2, 2, 3))
+    names = VARIABLES[:count]
+    extra = draw.sample(PARAMETERS, draw.randint(0, 3) if parameters < 0 else parameters)
+    if draw.random() < 0.8:
+        extra = list("abc")[: len(extra)]
+    made = [random_range(draw, name) for name in (*names, *extra)]
+    symbols = [r.symbol for r in made]
+    return Setting(draw, tuple(symbols[:count]), symbols[count:], {r.symbol: r for r in made})
+
+
+def random_range(draw: random.Random, name: str) -> Range:
+    """The whole line, a half line or an interval."""
+    kind = draw.random()
+    if kind < 0.4:
+        return ranged(name, None, None)
+    if kind < 0.6:
+        return ranged(name, sp.S.Zero, None)
+    if kind < 0.75:
+        return ranged(name, None, sp.S.Zero)
+    end = sp.Rational(draw.randint(-12, 12), draw.choice((1, 2, 3, 5)))
+    if kind < 0.8:
+        return ranged(name, end, None)
+    if kind < 0.85:
+        return ranged(name, None, end)
+    return ranged(name, end, end + sp.Rational(draw.randint(1, 30), draw.choice((1, 4, 9, 10))))
