@@ -23,7 +23,6 @@ from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
 from solutions.forms.rational import rational, rational_tau
-from solutions.parameter import Bound
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
 
@@ -55,9 +54,14 @@ def lab_problem(form: ClosedForm) -> SolutionProblem:
     """The statement that ``form`` solves the equation in the lab variables."""
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
+    unknown = sp.Function("U")(X, T)
     expression = form.expression.xreplace(variables)
     return solution_problem(
-        LabEquation(frame), expression, name=form.name, stated=form_domains(form)
+        frame.residual(unknown),
+        expression,
+        name=form.name,
+        equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
+        stated=form_domains(form),
     )
 
 
@@ -91,10 +95,16 @@ def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """
-    return {
-        parameter.symbol: _between(parameter.lower, parameter.upper)
-        for parameter in form.parameters
-    }
+    domains = {}
+    for parameter in form.parameters:
+        low, high = parameter.lower, parameter.upper
+        domains[parameter.symbol] = Domain(
+            -sp.oo if low is None else low.value,
+            sp.oo if high is None else high.value,
+            low is None or low.is_open,
+            high is None or high.is_open,
+        )
+    return domains
 
 
 def check_certificate(data: Any) -> str:
@@ -126,21 +136,15 @@ def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
         yield {"statement": statement_data(problem, table), "nodes": table.nodes}
 
 
-def _between(lower: Bound | None, upper: Bound | None) -> Domain:
-    return Domain(
-        -sp.oo if lower is None else lower.value,
-        sp.oo if upper is None else upper.value,
-        lower is None or lower.is_open,
-        upper is None or upper.is_open,
-    )
-
-
 a = sp.Symbol("a", positive=True)
 
 
 @dataclass(frozen=True)
 class LabFrame:
-    """K2, K4, xi and tau as rational functions of X, T, a and c, for K4 of the sign ``s``."""
+    """The reduced equation in X and T, K2, K4, xi and tau being rational in X, T, a and c.
+
+    ``s`` is the sign of K4.
+    """
 
     s: int
     K2: sp.Expr
@@ -148,14 +152,16 @@ class LabFrame:
     xi: sp.Expr
     tau: sp.Expr
 
-    @property
-    def generators(self) -> tuple[sp.Symbol, sp.Symbol]:
-        """The symbols that stand for K2 and K4."""
-        return (c, a)
-
     def constants(self) -> dict[sp.Symbol, sp.Expr]:
         """The lattice constants in the generators."""
         return {K2: self.K2, K4: self.K4}
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``, as derived."""
+        pde, constants = mkdv_reduction().pde, self.constants()
+        nonlinear = pde.nonlinear_coefficient.subs(constants)
+        dispersive = pde.dispersive_coefficient.subs(constants)
+        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
 
 
 @functools.cache
@@ -167,35 +173,6 @@ def lab_frame(s: int) -> LabFrame:
     cubic = sp.solve(record.a**2 - a**2, size)[0].subs(K2, stiffness)
     rate = record.b.subs({size: cubic, K2: stiffness})
     return LabFrame(s, stiffness, s * cubic, a * X, rate * T)
-
-
-@dataclass(frozen=True)
-class LabEquation:
-    """The reduced equation in X and T with the derivation's coefficients, in the generators."""
-
-    frame: LabFrame
-
-    @property
-    def name(self) -> str:
-        """The name of the equation."""
-        return f"mKdV in X, T, K4 {'>' if self.frame.s > 0 else '<'} 0"
-
-    @property
-    def xi(self) -> sp.Symbol:
-        """The space variable X."""
-        return X
-
-    @property
-    def tau(self) -> sp.Symbol:
-        """The time variable T."""
-        return T
-
-    def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``."""
-        pde, constants = mkdv_reduction().pde, self.frame.constants()
-        nonlinear = pde.nonlinear_coefficient.subs(constants)
-        dispersive = pde.dispersive_coefficient.subs(constants)
-        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
 
 
 HIGHER_ORDERS = range(4, 10)

@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from verify.terms import FieldEquation
+from solutions.record import Equation
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
@@ -33,7 +33,7 @@ SHOWN_DIGITS = 6
 
 
 def prove(
-    equation: FieldEquation | sp.Expr,
+    equation: Equation | sp.Expr,
     expression: sp.Expr,
     *,
     name: str = "expression",
@@ -61,7 +61,7 @@ def prove(
     <Outcome.REFUTED: 'REFUTED'>
     """
     start = time.perf_counter()
-    return decide(solution_problem(equation, expression, points, name, domains), start)
+    return decide(solution_problem(equation, expression, points, name, stated=domains), start)
 
 
 def prove_equal(
