@@ -22,6 +22,7 @@ import sympy as sp
 from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
+from solutions.exact import shown
 from solutions.forms.rational import rational, rational_tau
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
@@ -40,7 +41,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
-    generators of `lab.lab_frame`, one to one.
+    generators of `lab_frame`, one to one.
 
     >>> from solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
@@ -52,6 +53,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
 
 def lab_problem(form: ClosedForm) -> SolutionProblem:
     """The statement that ``form`` solves the equation in the lab variables."""
+    domains = form_domains(form)
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
     unknown = sp.Function("U")(X, T)
@@ -61,7 +63,7 @@ def lab_problem(form: ClosedForm) -> SolutionProblem:
         expression,
         name=form.name,
         equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
-        stated=form_domains(form),
+        stated=domains,
     )
 
 
@@ -78,23 +80,30 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
 
 def stable_problem(form: ClosedForm) -> EqualityProblem:
     """The statement that the evaluation form of ``form`` is its canonical one."""
+    domains = form_domains(form)
     return equality_problem(
         form.expression,
         form.stable,
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        stated=form_domains(form),
+        stated=domains,
     )
 
 
 def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     """The domains of the parameters of a closed form, from its record.
 
+    Raises TypeError for what is no closed form.
+
     >>> from solutions import closed_form
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """
+    if not isinstance(form, ClosedForm):
+        raise TypeError(
+            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
+        )
     domains = {}
     for parameter in form.parameters:
         low, high = parameter.lower, parameter.upper

@@ -154,7 +154,7 @@ class EqualityProblem(Problem):
 def solution_problem(
     equation: Equation | sp.Expr,
     expression: sp.Expr,
-    points: Sequence[Point] = (),
+    points: Iterable[Point] = (),
     name: str = "expression",
     equation_name: str | None = None,
     stated: Stated | None = None,
@@ -178,7 +178,9 @@ def solution_problem(
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated or {})
     found = problem_points(domains, points)
     label = equation_name or label
-    return SolutionProblem(name, label, expression, unknown.args, domains, found, left, unknown)
+    return SolutionProblem(
+        _text(name), label, expression, unknown.args, domains, found, left, unknown
+    )
 
 
 def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
@@ -220,19 +222,21 @@ def equality_problem(
     left: sp.Expr,
     right: sp.Expr,
     variables: Sequence[sp.Symbol],
-    points: Sequence[Point] = (),
+    points: Iterable[Point] = (),
     name: str = "expressions",
     equation_name: str = "equality",
     stated: Stated | None = None,
 ) -> EqualityProblem:
     """The problem that `prove_equal` is called with; raises as `domains.settled_domains` does."""
     left, right = formula("left", left), formula("right", right)
+    if not isinstance(variables, Iterable):
+        raise TypeError(f"variables must be a list of symbols, got {shown(variables)} ([x, t])")
     real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
     left, right = left.xreplace(real), right.xreplace(real)
     domains = settled_domains(left.free_symbols | right.free_symbols, stated or {})
     own = tuple(real.get(variable, variable) for variable in variables)
     found = problem_points(domains, points)
-    return EqualityProblem(name, equation_name, left, own, domains, found, right)
+    return EqualityProblem(_text(name), equation_name, left, own, domains, found, right)
 
 
 def formula(name: str, given: object) -> sp.Expr:
@@ -246,10 +250,16 @@ def formula(name: str, given: object) -> sp.Expr:
     )
 
 
+def _text(name: object) -> str:
+    if isinstance(name, str):
+        return name
+    raise TypeError(f"name must be text, got {shown(name)} (such as 'kink')")
+
+
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
     """Real symbols in place of those of which SymPy knows nothing.
 
-    Raises ValueError as `domain.settled_domains` does.
+    Raises ValueError as `domains.settled_domains` does.
     """
     return {
         symbol: sp.Symbol(symbol.name, real=True)
@@ -284,11 +294,17 @@ def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...
 
     Raises ValueError for an added point outside the domains.
     """
+    listed = tuple(added) if isinstance(added, Iterable) else (added,)
+    if not all(isinstance(point, Mapping) for point in listed):
+        raise TypeError(
+            f"points must be a list of dictionaries from symbols to numbers, got {shown(added)} "
+            "([{x: sympy.Rational(1, 2)}])"
+        )
     found = sample(domains, POINTS)
     by_name = {symbol.name: symbol for symbol in domains}
     extra = [
         {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
-        for p in added
+        for p in listed
     ]
     for point in extra:
         for symbol, value in point.items():

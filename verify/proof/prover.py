@@ -44,7 +44,7 @@ def prove(
 
     ``equation`` is an object with a residual (as `solutions.record.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
-    ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
+    ``domains`` states intervals (`domains.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
     points of the domains to look for a witness at, besides sampled ones.  PROVED means that
     `checker.check_certificate` has accepted the certificate that the verdict carries.
