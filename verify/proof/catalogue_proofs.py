@@ -32,7 +32,7 @@ from .certificate_writer import NodeTable
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
 from .domains import Domain
-from .problem import EqualityProblem, SolutionProblem, equality_problem, solution_problem
+from .problem import EqualityProblem, Problem, SolutionProblem, equality_problem, solution_problem
 from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
 
@@ -65,6 +65,11 @@ def lab_problem(form: ClosedForm) -> SolutionProblem:
         equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
         stated=domains,
     )
+
+
+def own_problem(form: ClosedForm) -> SolutionProblem:
+    """The statement that ``form`` solves its equation in its own variables."""
+    return solution_problem(form.equation, form.expression, stated=form_domains(form))
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -139,8 +144,8 @@ def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
-    own = solution_problem(form.equation, form.expression, stated=form_domains(form))
-    for problem in (lab_problem(form), own, stable_problem(form)):
+    for made in (lab_problem, own_problem, stable_problem):
+        problem: Problem = made(form)
         table = NodeTable()
         yield {"statement": statement_data(problem, table), "nodes": table.nodes}
 
