@@ -32,7 +32,7 @@ from .certificate_writer import NodeTable
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
 from .domains import Domain
-from .problem import EqualityProblem, Problem, SolutionProblem, equality_problem, solution_problem
+from .problem import Problem, equality_problem, solution_problem
 from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
 
@@ -51,7 +51,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     return decide(lab_problem(form), start)
 
 
-def lab_problem(form: ClosedForm) -> SolutionProblem:
+def lab_problem(form: ClosedForm) -> Problem:
     """The statement that ``form`` solves the equation in the lab variables."""
     domains = form_domains(form)
     frame = lab_frame(form.equation.s)
@@ -67,7 +67,7 @@ def lab_problem(form: ClosedForm) -> SolutionProblem:
     )
 
 
-def own_problem(form: ClosedForm) -> SolutionProblem:
+def own_problem(form: ClosedForm) -> Problem:
     """The statement that ``form`` solves its equation in its own variables."""
     return solution_problem(form.equation, form.expression, stated=form_domains(form))
 
@@ -83,7 +83,7 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
     return decide(stable_problem(form), start)
 
 
-def stable_problem(form: ClosedForm) -> EqualityProblem:
+def stable_problem(form: ClosedForm) -> Problem:
     """The statement that the evaluation form of ``form`` is its canonical one."""
     domains = form_domains(form)
     return equality_problem(
@@ -145,9 +145,8 @@ def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
     for made in (lab_problem, own_problem, stable_problem):
-        problem: Problem = made(form)
         table = NodeTable()
-        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
+        yield {"statement": statement_data(made(form), table), "nodes": table.nodes}
 
 
 a = sp.Symbol("a", positive=True)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import ClassVar
 
 import sympy as sp
 from flint import acb
@@ -38,74 +36,53 @@ Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
 
 
 @dataclass(frozen=True, repr=False)
-class Problem(ABC):
-    """Does ``formula`` satisfy an equation of that name on the domains?
+class Problem:
+    """Does ``formula`` for ``unknown`` make ``left`` vanish on the domains?
 
-    ``domains`` has every variable and parameter.  ``points`` are rational points of them, for
-    witnesses and for denominators: sampled ones, then those that the caller added.
+    With ``right``, whether it is the same function as that is asked instead: ``left`` is their
+    difference.  ``domains`` has every variable and parameter.  ``points`` are rational points of
+    them, for witnesses and for denominators: sampled ones, then those that the caller added.
     """
 
     name: str
     equation_name: str
+    unknown: sp.Expr
     formula: sp.Expr
-    variables: tuple[sp.Symbol, ...]
+    left: sp.Expr
     domains: Domains
     points: tuple[Point, ...]
-
-    has_derivatives: ClassVar[bool]
-
-    @property
-    @abstractmethod
-    def unknown_name(self) -> str:
-        """What the equation calls the formula."""
-
-    @abstractmethod
-    def terms(self) -> list[Term]:
-        """The equation's terms; raises ValueError if it is no polynomial in its jets."""
-
-    @abstractmethod
-    def residual(self, point: Point, bits: int, signs: Signs) -> acb:
-        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
-
-    @property
-    def expressions(self) -> list[sp.Expr]:
-        """The formula, and the known factors in the equation."""
-        return [self.formula, *dict.fromkeys(f for _, known, _ in self.terms() for f in known)]
-
-    def more_points(self) -> tuple[Point, ...]:
-        """Further points of the domains, of all sizes and near the ends."""
-        return sample(self.domains, POINTS + MORE_POINTS)[POINTS:]
-
-    def __repr__(self) -> str:
-        where = ", ".join(domain.text(symbol) for symbol, domain in self.domains.items())
-        formula = f"{self.unknown_name} = {abbreviated(self.formula)}"
-        return f"<{type(self).__name__} {self.name}: {formula} in {self.equation_name}; {where}>"
-
-    def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.unknown_name} = {sp.latex(self.formula)}$"
-
-
-@dataclass(frozen=True, repr=False)
-class SolutionProblem(Problem):
-    """Does ``formula`` for ``unknown`` make ``left`` vanish?"""
-
-    left: sp.Expr
-    unknown: sp.Expr
-
-    has_derivatives = True
+    right: sp.Expr | None = None
 
     @property
     def unknown_name(self) -> str:
         """The name of the undefined function."""
         return str(self.unknown.func.__name__)
 
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        """Its arguments."""
+        return tuple(self.unknown.args)
+
+    @property
+    def expressions(self) -> list[sp.Expr]:
+        """The formula, and the known factors in the equation."""
+        return [self.formula, *dict.fromkeys(f for _, known, _ in self.terms() for f in known)]
+
     def terms(self) -> list[Term]:
-        """The terms of ``left``."""
+        """The equation's terms; raises ValueError if it is no polynomial in its jets."""
+        if self.right is not None:
+            return [(sp.S.One, [], [[0] * len(self.variables)]), (-sp.S.One, [self.right], [])]
         return [self._term(term) for term in terms_in(self.left, self.unknown)]
 
     def residual(self, point: Point, bits: int, signs: Signs) -> acb:
-        """A ball around the residual of ``left``."""
+        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
+        if self.right is not None:
+            return ball_value(self.left, point, bits, signs)
         return residual_ball(self.left, self.unknown, self.formula, point, bits, signs)
+
+    def more_points(self) -> tuple[Point, ...]:
+        """Further points of the domains, of all sizes and near the ends."""
+        return sample(self.domains, POINTS + MORE_POINTS)[POINTS:]
 
     def _term(self, term: sp.Expr) -> Term:
         number, known, jets = sp.S.One, [], []
@@ -132,23 +109,13 @@ class SolutionProblem(Problem):
             )
         return [[counts.get(variable, 0) for variable in self.variables]] * int(power)
 
+    def __repr__(self) -> str:
+        where = ", ".join(domain.text(symbol) for symbol, domain in self.domains.items())
+        formula = f"{self.unknown_name} = {abbreviated(self.formula)}"
+        return f"<Problem {self.name}: {formula} in {self.equation_name}; {where}>"
 
-@dataclass(frozen=True, repr=False)
-class EqualityProblem(Problem):
-    """Is ``formula`` the same function as ``right``?"""
-
-    right: sp.Expr
-
-    has_derivatives = False
-    unknown_name = "u"
-
-    def terms(self) -> list[Term]:
-        """The terms of u - ``right``."""
-        return [(sp.S.One, [], [[0] * len(self.variables)]), (-sp.S.One, [self.right], [])]
-
-    def residual(self, point: Point, bits: int, signs: Signs) -> acb:
-        """A ball around the difference."""
-        return ball_value(self.formula - self.right, point, bits, signs)
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.unknown_name} = {sp.latex(self.formula)}$"
 
 
 def solution_problem(
@@ -158,7 +125,7 @@ def solution_problem(
     name: str = "expression",
     equation_name: str | None = None,
     stated: Stated | None = None,
-) -> SolutionProblem:
+) -> Problem:
     """The problem that `prove` is called with.
 
     Raises ValueError without a single unknown, and as `domains.settled_domains` does.
@@ -178,9 +145,7 @@ def solution_problem(
     domains = settled_domains(left.free_symbols | expression.free_symbols, stated or {})
     found = problem_points(domains, points)
     label = equation_name or label
-    return SolutionProblem(
-        _text(name), label, expression, unknown.args, domains, found, left, unknown
-    )
+    return Problem(_text(name), label, unknown, expression, left, domains, found)
 
 
 def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
@@ -226,7 +191,7 @@ def equality_problem(
     name: str = "expressions",
     equation_name: str = "equality",
     stated: Stated | None = None,
-) -> EqualityProblem:
+) -> Problem:
     """The problem that `prove_equal` is called with; raises as `domains.settled_domains` does."""
     left, right = formula("left", left), formula("right", right)
     if not isinstance(variables, Iterable):
@@ -236,7 +201,8 @@ def equality_problem(
     domains = settled_domains(left.free_symbols | right.free_symbols, stated or {})
     own = tuple(real.get(variable, variable) for variable in variables)
     found = problem_points(domains, points)
-    return EqualityProblem(_text(name), equation_name, left, own, domains, found, right)
+    unknown = sp.Function("u")(*own)
+    return Problem(_text(name), equation_name, unknown, left, left - right, domains, found, right)
 
 
 def formula(name: str, given: object) -> sp.Expr:

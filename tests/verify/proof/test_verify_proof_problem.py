@@ -48,14 +48,14 @@ def test_points_may_come_from_anything_that_yields_them() -> None:
 def test_a_problem_says_what_is_asked_and_where() -> None:
     problem = solution_problem(TRANSPORT, sp.sin(k * (x - t)), name="wave")
     assert repr(problem) == (
-        "<SolutionProblem wave: u = sin(k*(-t + x)) in "
+        "<Problem wave: u = sin(k*(-t + x)) in "
         "Derivative(u(x, t), t) + Derivative(u(x, t), x) = 0; 0 < k, t real, x real>"
     )
     assert (
         problem._repr_latex_() == r"$\displaystyle u = \sin{\left(k \left(- t + x\right) \right)}$"
     )
     assert repr(equality_problem(x, x + 0, [x])) == (
-        "<EqualityProblem expressions: u = x in equality; x real>"
+        "<Problem expressions: u = x in equality; x real>"
     )
 
 
