@@ -20,7 +20,7 @@ def findings(
     outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0, fails: bool = False
 ) -> Findings:
     """What a report found: one proof, one run, one count of misprints."""
-    proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
+    proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
     hard = HardCaseResult("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})

@@ -22,6 +22,7 @@ from verify.comparison import Scene, load_scene, resume, run
 from verify.comparison.domain import SiteRing, Window
 from verify.comparison.initial_data import build_wave
 from verify.comparison.trust import UNIT_ROUNDOFF, horizon
+from verify.processes import Job, Key
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 
@@ -522,3 +523,17 @@ def hard_case(name: str) -> HardCase:
 def run_hard_cases(cases: Sequence[HardCase] = HARD_CASES) -> list[HardCaseResult]:
     """Run the cases, in order."""
     return [case.run() for case in cases]
+
+
+def run_hard_case(name: str) -> HardCaseResult:
+    """Run the case of that name."""
+    return hard_case(name).run()
+
+
+def hard_case_jobs(full: bool) -> dict[Key, Job]:
+    """The cases, the slow ones if ``full``."""
+    return {
+        ("hard", case.name): Job(run_hard_case, (case.name,), 2.0 if case.slow else 1.0)
+        for case in HARD_CASES
+        if full or not case.slow
+    }
