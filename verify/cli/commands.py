@@ -33,7 +33,7 @@ def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[st
     """The closed forms whose names begin like that."""
     from solutions.catalogue import CATALOGUE
 
-    return [form.name for form in CATALOGUE if form.name.startswith(begun)]
+    return [name for name in CATALOGUE.names if name.startswith(begun)]
 
 
 _only = click.option(
