@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -27,7 +28,9 @@ from verify.comparison import (
     stability_limit,
 )
 from verify.comparison.initial_data import build_wave
+from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.comparison.spectral_data import RingPlace, ring_data
+from verify.processes import Job, Key
 
 Array = NDArray[np.float64]
 
@@ -186,6 +189,9 @@ COMPARED_X = 10.0
 WINDOW_X = 200.0
 """Half-width compared, and width of a window, in X."""
 
+FITTED = 3
+"""Points at the small-eps end through which a law is fitted."""
+
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
 
 
@@ -218,6 +224,18 @@ def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
         np.log([point.x for point in points]), np.log([point.value for point in points]), 1
     )
     return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+
+
+def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
+    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
+    series: dict[str, list[ScalingPoint]] = {}
+    for point in points:
+        if point.series != TRUE_ERROR:
+            series.setdefault(point.series, []).append(point)
+    return {
+        name: fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
+        for name, found in series.items()
+    }
 
 
 def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
@@ -314,9 +332,6 @@ PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
 RESOLVED = 0.1
 """Most of a value that its discretisation error may be."""
 
-FITTED_PEAKS = 3
-"""Points at the small-eps end through which the law is fitted."""
-
 
 @dataclass(frozen=True)
 class PeakError:
@@ -378,4 +393,30 @@ def _law(points: Sequence[PeakError]) -> PowerLaw | None:
     sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
     if len(sound) < 2:
         return None
-    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED_PEAKS]])
+    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED]])
+
+
+EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
+RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
+WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
+"""What the short report shows, and what the full one adds."""
+
+PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
+"""About what a member of the family takes: by its order below ``NARROW``, and from there on."""
+
+NARROW = 0.02
+
+
+def lattice_cost_jobs(full: bool) -> dict[Key, Job]:
+    """Work and precision, scaling, RK4's share, windows; the error of the reduction if ``full``."""
+    jobs: dict[Key, Job] = {}
+    for problem in PROBLEMS:
+        jobs["precision", problem] = Job(work_precision, (problem,), 5.0)
+    for eps in EPSILONS + MORE_EPSILONS * full:
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
+    jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
+    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
+    for order, eps in product(ORDERS, EPS) if full else ():
+        seconds = PEAK_SECONDS[order] if eps < NARROW else WIDE_PEAK_SECONDS
+        jobs["peak", (order, eps)] = Job(peak_error, (order, eps), seconds)
+    return jobs
