@@ -5,25 +5,24 @@ Nothing of the rooms is imported before a command runs, so help and completion a
 
 import json
 import os
-from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem, get_completion_class
+
+from derive.__main__ import derive
+from derive.command_line import example, fail
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
 ENGINES = ("stencil", "spectral")
 METHODS = ("proof", "residual")
-CONSTANTS = ("K2", "K3", "K4")
 KINDS = ("lattices", "waves", "schemes", "scenes", "observables")
 PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
 SHELLS = ("bash", "zsh", "fish")
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Words(click.Group):
@@ -41,10 +40,6 @@ class Words(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The words in the order in which they are declared."""
         return list(self.commands)
-
-
-def _example(*lines: str) -> str:
-    return "\b\nExample:\n" + "\n".join(f"  {line}" for line in lines)
 
 
 def _program() -> str:
@@ -100,7 +95,7 @@ _only = click.option(
 @click.group(
     cls=Words,
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=_example("longwave run rogue_cn_k_0.5")
+    epilog=example("longwave run rogue_cn_k_0.5")
     + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
     "2 wrong input, 130 Ctrl-C.",
 )
@@ -126,33 +121,10 @@ def longwave() -> None:
     """
 
 
-def _constants(function: Function) -> Function:
-    for name in reversed(CONSTANTS):
-        said = f"Value of {name} for the coefficients (integer, decimal or ratio)."
-        option = click.option(f"--{name.lower()}", name, metavar="P/Q", help=said)
-        function = option(function)
-    return function
+longwave.add_command(derive)
 
 
-@longwave.command(epilog=_example("longwave derive --k2 1 --k4 1/3"))
-@click.option("--latex", is_flag=True, help="Print LaTeX (an aligned block).")
-@click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
-@click.option("--orders", metavar="N", help="Highest power of eps.")
-@_constants
-def derive(latex: bool, json_wanted: bool, orders: str | None, **constants: str | None) -> int:
-    """Derive the reduced equation and its coefficients."""
-    if latex and json_wanted:
-        raise click.UsageError("--json must not be given with --latex, got both (leave one)")
-    from derive.__main__ import print_reduction
-    from derive.multiscale import DEFAULT_ORDERS
-
-    wanted = str(DEFAULT_ORDERS) if orders is None else orders
-    return print_reduction(
-        constants, wanted, "json" if json_wanted else "latex" if latex else "text"
-    )
-
-
-@longwave.command(epilog=_example("longwave prove rogue_cn --output rogue_cn.json"))
+@longwave.command(epilog=example("longwave prove rogue_cn --output rogue_cn.json"))
 @click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=_waves)
 @click.option(
     "--certificate", metavar="FILE", type=click.Path(), help="Check the proofs in this file."
@@ -192,7 +164,7 @@ def prove(
     cls=Words,
     invoke_without_command=True,
     subcommand_metavar="[COMMAND [ARGS]...]",
-    epilog=_example("longwave verify --digits 30,50,100"),
+    epilog=example("longwave verify --digits 30,50,100"),
 )
 @_only
 @click.option("--json", "json_wanted", is_flag=True, help="Print the verdicts as JSON.")
@@ -223,7 +195,6 @@ def verify(
                 f"{context.invoked_subcommand}"
             )
         return 0
-    from derive.command_line import fail
     from verify.cli.verdicts import Options, digits_in, print_verdicts
 
     try:
@@ -235,7 +206,7 @@ def verify(
     return print_verdicts(options, _program())
 
 
-@verify.command("check-certificate", epilog=_example("longwave verify check-certificate c.json"))
+@verify.command("check-certificate", epilog=example("longwave verify check-certificate c.json"))
 @click.argument("file", type=click.Path())
 @_json
 def check_certificate(file: str, json_wanted: bool) -> int:
@@ -245,7 +216,7 @@ def check_certificate(file: str, json_wanted: bool) -> int:
     return print_certificates(Path(file), json_wanted)
 
 
-@verify.command(epilog=_example("longwave verify mutations --only kink"))
+@verify.command(epilog=example("longwave verify mutations --only kink"))
 @_only
 @_json
 def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
@@ -255,7 +226,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
     return print_mutations(only, json_wanted, _program())
 
 
-@verify.command(epilog=_example("longwave verify accuracy --only kink --drawn 10"))
+@verify.command(epilog=example("longwave verify accuracy --only kink --drawn 10"))
 @_only
 @click.option("--jobs", type=int, help="Processes (default all cores).")
 @click.option("--drawn", type=int, help="Random cases a wave.")
@@ -270,7 +241,7 @@ def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wa
     return accuracy_command([*words, *(["--json"] if json_wanted else [])])
 
 
-@click.command(epilog=_example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
+@click.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
 @click.argument("scene", shell_complete=_scenes)
 @click.option(
     "--tolerance",
@@ -294,7 +265,7 @@ longwave.add_command(run)
 verify.add_command(run)
 
 
-@longwave.command(epilog=_example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
+@longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
 @click.argument("source", shell_complete=_scenes)
 @click.option(
     "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
@@ -312,7 +283,7 @@ def plot(source: str, output: str | None, kind: str) -> int:
     return draw(source, output, kind, _program())
 
 
-@longwave.command(epilog=_example("longwave report --output report"))
+@longwave.command(epilog=example("longwave report --output report"))
 @click.option("--output", metavar="FOLDER", type=click.Path(), help="Where it is written.")
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
@@ -328,7 +299,7 @@ def report(output: str | None, full: bool, workers: int | None) -> int:
     return write_report(Options(folder, full, processes), _program())
 
 
-@longwave.command("list", epilog=_example("longwave list waves --json"))
+@longwave.command("list", epilog=example("longwave list waves --json"))
 @click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
 @_json
 def list_(kind: str | None, json_wanted: bool) -> int:
@@ -346,7 +317,7 @@ def list_(kind: str | None, json_wanted: bool) -> int:
     return 0
 
 
-@longwave.command(epilog=_example("longwave doctor --json"))
+@longwave.command(epilog=example("longwave doctor --json"))
 @_json
 def doctor(json_wanted: bool) -> int:
     """Show what is installed, and what each missing piece costs."""

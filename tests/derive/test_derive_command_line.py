@@ -23,10 +23,12 @@ COMMANDS = {
 @pytest.mark.parametrize("module", COMMANDS)
 def test_an_unknown_option_is_one_line(module: str, capsys: pytest.CaptureFixture[str]) -> None:
     command = getattr(import_module(module), COMMANDS[module])
-    with pytest.raises(SystemExit) as stop:
-        command(["--bogus"])
+    try:
+        status = command(["--bogus"])
+    except SystemExit as stop:
+        status = stop.code
     error = capsys.readouterr().err
-    assert stop.value.code == 2
+    assert status == 2
     assert error.startswith("error: ")
     assert error.count("\n") == 1
     assert "--help)" in error
@@ -38,6 +40,5 @@ def test_a_message_of_several_lines_is_told_in_one(capsys: pytest.CaptureFixture
 
 
 def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["--k2", "--"])
-    assert capsys.readouterr().err.startswith("error: argument --k2: expected one argument")
+    assert main(["--k2", "--"]) == 2
+    assert capsys.readouterr().err.startswith("error: K2 must be a rational number, got '--'")
