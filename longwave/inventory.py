@@ -116,7 +116,7 @@ def scenes() -> list[Record]:
 
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
-    from verify.comparison.observables.table import ENTRIES
+    from verify.comparison.observables import OBSERVABLES
 
     return [
         {
@@ -125,7 +125,7 @@ def observables() -> list[Record]:
             "needs_ring": entry.needs_ring,
             "arrays": [variable.name for variable in entry.variables],
         }
-        for entry in ENTRIES
+        for entry in OBSERVABLES
     ]
 
 

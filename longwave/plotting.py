@@ -33,11 +33,11 @@ from reports.figures.drawing import (
     styled,
 )
 from reports.figures.paper import snapshots
-from verify.cli.run import check_output, find_scene, plain_console, progress_bar
+from verify.cli.run import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.recording import Progress
-from verify.comparison.restart import scene_of
-from verify.comparison.unfinished import UnfinishedRun
+from verify.comparison.recording import Progress, UnfinishedRun
+from verify.comparison.saved_run import scene_of
+from verify.comparison.scene_catalogue import find_scene
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

@@ -13,7 +13,7 @@ import xarray as xr
 from derive.command_line import announce
 from solutions import CATALOGUE, closed_form
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.scene_families import EPS, ORDERS
+from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import check_residual
 from verify.processes import ignore_interrupt, stopping

@@ -24,7 +24,7 @@ NAMES = {
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
-    "observables": list(OBSERVABLES),
+    "observables": [observable.name for observable in OBSERVABLES],
 }
 
 

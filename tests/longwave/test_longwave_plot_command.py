@@ -11,7 +11,7 @@ from longwave.__main__ import main
 from longwave.commands import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
-from verify.comparison.unfinished import UnfinishedRun
+from verify.comparison.recording import UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

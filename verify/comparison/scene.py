@@ -3,23 +3,18 @@
 import json
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from importlib.resources import as_file, files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme
-from verify.comparison import scene_checks as check
-from verify.comparison.observables import NAMES, entry_named
-from verify.comparison.scene_checks import read_scene_file
+from verify.comparison import checks as check
+from verify.comparison.observables import observable_named
+from verify.comparison.scene_file import read_scene_file
 
-OBSERVABLES = NAMES
 DOMAINS = ("window", "ring", "closed_ring")
 ENGINES = ("stencil", "spectral")
 DEFAULT_SCHEME = "kahan_li_8"
-FOLDER = files("verify.comparison.scenes")
-FURTHER = files("verify.comparison.scenes.further")
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ class Scene:
 
     @classmethod
     def from_toml(cls, path: str | Path) -> "Scene":
-        """Read a scene file (`scene_toml.py` says what may stand in it)."""
+        """Read a scene file (`scene_file.py` says what may stand in it)."""
         try:
             return cls(**read_scene_file(Path(path)))
         except ValueError as error:
@@ -109,7 +104,7 @@ class Scene:
                 "tolerance must be given for engine 'spectral', got none (it takes no step)"
             )
         for name in self.observables:
-            if entry_named(name).needs_ring and self.domain == "window":
+            if observable_named(name).needs_ring and self.domain == "window":
                 raise ValueError(
                     f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
                 )
@@ -131,16 +126,16 @@ class Scene:
                     "(it has its own)"
                 )
         for name in self.observables:
-            if entry_named(name).seen == "refinement":
+            if observable_named(name).seen == "refinement":
                 raise ValueError(
                     f"observables must have no refinement with a tolerance, got {name} "
                     "(leave it out: the run reports an estimate of its own)"
                 )
 
     @cached_property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
-        return Constants(self.K2, self.K3, self.K4)
+        return Model(self.K2, self.K3, self.K4)
 
     @property
     def scheme_table(self) -> Scheme:
@@ -159,40 +154,7 @@ class Scene:
 
 def with_tolerance(scene: Scene, tolerance: float) -> Scene:
     """The scene with a tolerance in the place of its step, domain and measured refinements."""
-    wanted = tuple(name for name in scene.observables if entry_named(name).seen != "refinement")
+    kept = (name for name in scene.observables if observable_named(name).seen != "refinement")
     scheme = scene.scheme if scene.tolerance is not None else ""
     chosen = {"scheme": scheme, "step": 0.0, "domain": "", "sites": 0}
-    return replace(scene, tolerance=tolerance, observables=wanted, **chosen)  # type: ignore[arg-type]
-
-
-def shipped_scenes() -> tuple[str, ...]:
-    """Names of the paper's scenes, which come with the package, sorted.
-
-    >>> "rational_2_eps_0.05" in shipped_scenes()
-    True
-    """
-    return _names(FOLDER)
-
-
-def further_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with the package and go beyond the paper, sorted.
-
-    >>> "rogue_cn_k_0.5_long" in further_scenes()
-    True
-    """
-    return _names(FURTHER)
-
-
-def load_scene(name: str) -> Scene:
-    """The shipped scene of that name, the paper's or a further one; ValueError lists them."""
-    for folder in (FOLDER, FURTHER):
-        if name in _names(folder):
-            with as_file(folder / f"{name}.toml") as path:
-                return Scene.from_toml(path)
-    known = ", ".join((*shipped_scenes(), *further_scenes()))
-    raise ValueError(f"scene must be a TOML file or a shipped scene, got {name!r} (one of {known})")
-
-
-def _names(folder: Traversable) -> tuple[str, ...]:
-    found = (entry.name for entry in folder.iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in found if name.endswith(".toml")))
+    return replace(scene, tolerance=tolerance, observables=tuple(kept), **chosen)  # type: ignore[arg-type]

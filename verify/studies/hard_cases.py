@@ -13,16 +13,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import KAHAN_LI_8, SCHEMES, STOERMER_VERLET, SUZUKI_UMENO_8
-from lattice.schemes.scheme import Composition, Scheme
-from lattice.schemes.stability import check_step, stability_limit
-from lattice.sites.state import State, ring_energy
-from lattice.sites.stepper import March
+from lattice.schemes.scheme import Composition, Scheme, check_step, stability_limit
+from lattice.state import State, ring_energy
+from lattice.stepper import Stepper
 from verify.comparison import Scene, load_scene, resume, run
-from verify.comparison.domain import Ring, Window
+from verify.comparison.domain import SiteRing, Window
 from verify.comparison.initial_data import build_wave
-from verify.comparison.trust import ROUNDING, horizon
+from verify.comparison.trust import UNIT_ROUNDOFF, horizon
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 
@@ -90,7 +89,7 @@ class HardCase:
         )
 
 
-LINEAR = Constants(4.0, 0.0, 0.0)
+LINEAR = Model(4.0, 0.0, 0.0)
 NOISE = 1e-12
 
 
@@ -170,7 +169,7 @@ def soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    state = Ring(scene, build_wave(scene)).start()
+    state = SiteRing(scene, build_wave(scene)).start()
     y, s = doubled(state.y), doubled(state.s)
     for step in range(1, round((scene.end - scene.t0) / scene.step) + 1):
         advance_doubled(KAHAN_LI_8, y, s, scene.step, 1, scene.constants)
@@ -208,10 +207,10 @@ def wrong_feed() -> Reading:
     state = window.start()
     amplitude = float(np.max(np.abs(state.y)))
     window.scene = replace(scene, eps=1.001 * scene.eps)
-    march = March(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
+    march = Stepper(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
     moves = sum(1 for _ in march.through([0.0])) + 1
     reference = sound.start()
-    other = March(reference, scene.scheme_table, scene.constants, sound, scene.step, amplitude)
+    other = Stepper(reference, scene.scheme_table, scene.constants, sound, scene.step, amplitude)
     sound_moves = sum(1 for _ in other.through([0.0]))
     stopped = march.blow_up is not None and other.blow_up is None and sound_moves > 1
     detail = f"a sound feed misses by {sound.mismatch:.1g} eps"
@@ -256,7 +255,7 @@ def cn_horizon() -> Reading:
     """Time until rounding alone has grown to 1e-4 eps, against the predicted horizon."""
     wave = travelling_wave(*CN)
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
-    predicted = horizon(rate, 1e-4, ROUNDING)
+    predicted = horizon(rate, 1e-4, UNIT_ROUNDOFF)
     n = np.arange(float(CN_WAVELENGTHS * wave.period))
     times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
     found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
@@ -303,7 +302,7 @@ def shape_deviation(wave: TravellingWave, y: Array, t: float) -> tuple[float, fl
     return float(np.sqrt(np.mean(missed**2))), shift
 
 
-HARD = Constants(1.0, 0.0, 1.0)
+HARD = Model(1.0, 0.0, 1.0)
 
 
 def energies(scheme: Scheme, h: float, steps: int, looks: int, sites: int) -> Array:

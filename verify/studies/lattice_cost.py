@@ -27,7 +27,7 @@ from verify.comparison import (
     stability_limit,
 )
 from verify.comparison.initial_data import build_wave
-from verify.comparison.spectral_data import Ring, ring_data
+from verify.comparison.spectral_data import RingPlace, ring_data
 
 Array = NDArray[np.float64]
 
@@ -155,7 +155,7 @@ def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     task_times = (scene.t0, *scene.snapshots)
     wave, tolerance = build_wave(scene), scene.tolerance or FINEST_TOLERANCE
     data = ring_data(scene.constants, wave, scene.eps, task_times, scene.compared, tolerance)
-    ring = Ring(float(found.attrs["circumference"]))
+    ring = RingPlace(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()
     SpectralRing(scene.constants, state, step, absorbed=data.absorbed).at(scene.end)

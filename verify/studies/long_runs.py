@@ -12,8 +12,8 @@ import xarray as xr
 from verify.comparison import Scene, load_scene, run, scheme_named
 from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Progress
-from verify.comparison.restart import scene_of
-from verify.comparison.stencil import PREFERRED, extent_of, least_sites, longest_step
+from verify.comparison.saved_run import scene_of
+from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step, scene_bounds
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
 
@@ -67,13 +67,13 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
     wave = build_wave(scene)
-    extent = extent_of(scene, wave)
+    bounds = scene_bounds(scene, wave)
     return replace(
         scene,
         tolerance=None,
         engine="stencil",
         scheme=PREFERRED,
-        step=share * longest_step(scene, scheme_named(PREFERRED), extent),
+        step=share * longest_step(scene, scheme_named(PREFERRED), bounds),
         domain="ring",
-        sites=least_sites(scene, wave, "ring", extent),
+        sites=least_sites(scene, wave, "ring", bounds),
     )

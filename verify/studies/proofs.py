@@ -10,7 +10,7 @@ from typing import Any
 
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.proof import CertificateError, check_certificate
-from verify.proof.catalogue_proofs import NAMES, named_form
+from verify.proof.catalogue_proofs import NAMES, named_form, prove_named
 from verify.verdict import Outcome
 
 

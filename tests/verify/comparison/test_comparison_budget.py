@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lattice.refine import Choices, Engine, Kind, Progress, TooDearError, Trial, refine
+from lattice.refine import Engine, Kind, Progress, TooDearError, refine
+from lattice.trial import Choices, Trial
 from verify.comparison import Scene, run
 from verify.studies.estimate_scenes import random_scene
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene, run
-from verify.comparison.engine_choice import choose_engine
 from verify.comparison.initial_data import build_wave
+from verify.comparison.run import choose_engine
 from verify.studies.estimate_scenes import RandomScene
 from verify.studies.estimates import judge_scene
 

@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from lattice.sites.blow_up import BlowUp
+from lattice.state import BlowUp
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import Ring, build_domain
-from verify.comparison.error import Comparison
+from verify.comparison.domain import SiteRing, build_domain
 from verify.comparison.initial_data import build_wave, initial_data
-from verify.comparison.stencil import refined
+from verify.comparison.stated_run import refined
+from verify.comparison.view import View
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 
@@ -65,7 +65,7 @@ def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
     wave = build_wave(scene)
-    comparison = Comparison(scene, wave, Ring(scene, wave).start())
+    comparison = View(scene, wave, SiteRing(scene, wave).start())
     ends = np.abs(comparison.sites - comparison.sites.mean()) > 300
     deviation = np.abs(comparison.analytic - comparison.far_field)
     assert np.max(deviation[ends]) < 1e-6 * scene.eps

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from lattice.spectral.evolution import SpectralRing
 from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
 from verify.comparison import spectral_search as spectral_run
-from verify.comparison.domain import compared_sites
-from verify.comparison.engine_choice import choose_engine
 from verify.comparison.initial_data import build_wave
-from verify.comparison.scene_families import rational_family_scenes
+from verify.comparison.run import choose_engine
+from verify.comparison.scene_catalogue import rational_family_scenes
 from verify.comparison.spectral_data import ring_data
+from verify.comparison.view import compared_sites
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
     window_scene: Callable[..., Scene],
 ) -> None:
     """So that it can be repeated to the bit without planning again."""
-    from verify.comparison.restart import scene_of
+    from verify.comparison.saved_run import scene_of
 
     measured = run(with_tolerance(window_scene(observables=("strain",)), 1e-3))
     stated = scene_of(measured)

@@ -9,6 +9,9 @@ NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
 GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
 DIGITS, EXPONENT, NAME = 2_000, 1_000, 60
 
+FORMS, PARTS = 4, 8
+"""Most linear forms that belong together, and most equal parts that a proof may rest on."""
+
 WORK = 40_000_000
 """Products of terms in all polynomial multiplications; the catalogue's dearest proof takes a
 tenth of it."""

@@ -1,21 +1,31 @@
-"""The error figure: the paper's relative sup norm over integer sites.
+"""The lattice against the wave on the compared sites at one time, and the paper's error figure."""
 
-The lattice against the wave on the compared sites at one time.
-"""
-
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.state import Sites, State
+from lattice.model import Model
+from lattice.state import Sites, State
 from solutions import Wave, WaveValues
-from verify.comparison.domain import compared_sites
-from verify.comparison.scene import Scene
+
+if TYPE_CHECKING:
+    from verify.comparison.scene import Scene
 
 Array = NDArray[np.float64]
+
+
+def frame(scene: "Scene", t: float) -> int:
+    """The site nearest to c t: the middle of the compared region."""
+    return math.floor(scene.constants.sound_speed() * t + 0.5)
+
+
+def compared_sites(scene: "Scene", t: float) -> Sites:
+    """The sites within ``compared`` of c t."""
+    return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
 
 
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:
@@ -52,10 +62,10 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
 
 
 @dataclass(frozen=True)
-class Comparison:
+class View:
     """Strains of the run and of the wave on the compared sites; each is made when first used."""
 
-    scene: Scene
+    scene: "Scene"
     wave: Wave
     state: State
 
@@ -87,7 +97,7 @@ class Comparison:
         return np.where(np.arange(left.size) < self.scene.compared, left, right)
 
     @property
-    def constants(self) -> Constants:
+    def constants(self) -> Model:
         """The lattice constants."""
         return self.scene.constants
 

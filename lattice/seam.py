@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.special import erfc
 
-from lattice.sites.state import State
+from lattice.state import State
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
@@ -39,8 +39,8 @@ Profile = Callable[[Array], Array]
 SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
-REACH = 6.0
-"""The blend runs from 0 to 1, to double precision, within REACH of its widths on either side."""
+BLEND_REACH = 6.0
+"""The blend runs from 0 to 1, to double precision, within so many of its widths on either side."""
 
 
 def close_circumference(profile: Profile, wavelength: float, count: int) -> float:
@@ -70,8 +70,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
 def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -> Array:
     """The profile made smoothly periodic, at points -L/2 <= x <= L/2 (its last axis).
 
-    Within REACH ``width`` of the seam it passes over into its own copy a circumference away, so
-    that what is left of the miss puts no kink, and no short waves, there.
+    Within BLEND_REACH ``width`` of the seam it passes over into its own copy a circumference away,
+    so that what is left of the miss puts no kink, and no short waves, there.
 
     >>> x = np.array([-5.0, 0.0, 5.0])
     >>> blend_seam(lambda x: x, 10.0, 0.5, x)
@@ -80,7 +80,7 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
     values = np.array(profile(x), dtype=np.float64)
     for sign in (-1.0, 1.0):
         inside = sign * x - 0.5 * circumference
-        near = inside > -REACH * width
+        near = inside > -BLEND_REACH * width
         share = 0.5 * erfc(-inside[near] / width)
         copy = profile(x[near] - sign * circumference)
         values[..., near] += share * (np.asarray(copy) - values[..., near])
@@ -112,7 +112,7 @@ def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Arra
     (0.0, 1.0)
     """
     distance = 0.5 * circumference - np.abs(x)
-    bump = np.exp(-((distance / width) ** 2)) * (distance < REACH * width)
+    bump = np.exp(-((distance / width) ** 2)) * (distance < BLEND_REACH * width)
     rest: Array = s - float(np.mean(s)) / float(np.mean(bump)) * bump
     return rest
 
@@ -141,10 +141,10 @@ def fade_at_seam(
     return y, s
 
 
-DEPTH = 128
+FADING_DEPTH = 128
 """Least sites over which the fading sets in."""
 
-STRENGTH = 12.0
+FADING_STRENGTH = 12.0
 """Rate of the fading at that depth and beyond, in units of the time in which the cone's end goes
 it: a wave that runs into it at twice that speed has lost 86 % there."""
 
@@ -173,7 +173,7 @@ class Fading:
         if gone <= 0 or passed <= 0.0:
             return
         inside = np.arange(gone, 0, -1.0) / self.depth
-        rate = STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
+        rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
         kept = np.exp(-rate * passed)
         for sites, left in ((state.sites[:gone], kept), (state.sites[-gone:], kept[::-1])):
             y, s = state.strain(sites), state.velocity(sites)

@@ -1,11 +1,23 @@
-"""The observables that a scene may ask for. Adding one is one function and one entry here."""
+"""The observables that a scene may ask for, as a table; each is computed only if it is asked for.
 
-from collections.abc import Mapping
-from typing import Any
+Adding one is one function in `measures.py` and one entry here: what it computes, when it looks,
+what it adds and what it needs.
 
-from verify.comparison.observables.entry import Entry, Variable, View
-from verify.comparison.observables.measures import (
+>>> from verify.comparison.observables import observable_named
+>>> [variable.name for variable in observable_named("momentum").variables]
+['mean_strain', 'mean_velocity']
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.comparison.measures import (
     background_difference,
+    cell_width,
     crest_track,
     energy,
     error_curve,
@@ -16,6 +28,75 @@ from verify.comparison.observables.measures import (
     strain,
     whole_state,
 )
+from verify.comparison.view import View
+
+Moment = Literal["snapshots", "curve", "looks", "refinement"]
+
+TIME_DIMENSION: Mapping[Moment, str] = {
+    "snapshots": "time",
+    "curve": "curve_time",
+    "looks": "look_time",
+    "refinement": "time",
+}
+"""The time dimension of what is seen at each kind of moment.
+
+``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
+taken where the march stops anyway, so they change no step. A ``refinement`` runs the scene again.
+"""
+
+Measure = Callable[[View], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array that an observable adds; ``dimensions`` are those after the time."""
+
+    name: str
+    dimensions: tuple[str, ...] = ()
+    units: str = "1"
+    long_name: str = ""
+    optional: bool = False
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the array in the run."""
+        return {"units": self.units} | ({"long_name": self.long_name} if self.long_name else {})
+
+
+@dataclass(frozen=True)
+class Observable:
+    """One observable.
+
+    ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
+    missing from all moments of a run. ``uses_wave`` says that the closed form is evaluated,
+    ``needs_ring`` that the sites must form a ring, ``all_sites`` that others than the compared ones
+    are looked at.
+    """
+
+    name: str
+    what: str
+    seen: Moment
+    variables: tuple[Variable, ...]
+    measure: Measure
+    uses_wave: bool = False
+    needs_ring: bool = False
+    all_sites: bool = False
+
+
+def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dict[str, str]] | None:
+    """Values and attributes of a dimension, None for one that is only counted."""
+    count = 2 * compared + 1
+    if dimension == "site":
+        offsets = np.arange(-compared, compared + 1)
+        return offsets, {"long_name": "offset from the site nearest c t"}
+    if dimension == "wavenumber":
+        values = 2.0 * np.pi * np.fft.rfftfreq(count)
+        return values, {"units": "1/site"}
+    if dimension == "map_site":
+        starts = np.arange(-compared, compared + 1, cell_width(compared))
+        return starts, {"long_name": "first site of the cell, from the site nearest c t"}
+    return None
+
 
 STRAIN, PER_TIME, SITES = "strain (lattice units)", "strain per lattice time", "sites"
 RELATIVE = "relative sup error against the bare background"
@@ -28,8 +109,8 @@ def _nothing(_: View) -> Mapping[str, Any]:
     return {}
 
 
-ENTRIES = (
-    Entry(
+OBSERVABLES = (
+    Observable(
         name="strain",
         what="strains of run, wave and background at the snapshots, and the error there",
         seen="snapshots",
@@ -44,7 +125,7 @@ ENTRIES = (
         measure=strain,
         uses_wave=True,
     ),
-    Entry(
+    Observable(
         name="error_curve",
         what="the relative sup error against time",
         seen="curve",
@@ -55,7 +136,7 @@ ENTRIES = (
         measure=error_curve,
         uses_wave=True,
     ),
-    Entry(
+    Observable(
         name="energy",
         what="kinetic and potential energy of the ring against time",
         seen="looks",
@@ -64,7 +145,7 @@ ENTRIES = (
         needs_ring=True,
         all_sites=True,
     ),
-    Entry(
+    Observable(
         name="momentum",
         what="mean strain and mean velocity of the ring against time",
         seen="looks",
@@ -76,14 +157,14 @@ ENTRIES = (
         needs_ring=True,
         all_sites=True,
     ),
-    Entry(
+    Observable(
         name="spectrum",
         what="Fourier amplitudes of the compared strains at the snapshots",
         seen="snapshots",
         variables=(Variable("spectrum", ("wavenumber",), STRAIN),),
         measure=spectrum,
     ),
-    Entry(
+    Observable(
         name="crest_track",
         what="position and strain of the crest against time",
         seen="looks",
@@ -93,14 +174,14 @@ ENTRIES = (
         ),
         measure=crest_track,
     ),
-    Entry(
+    Observable(
         name="space_time",
         what="a map of the strain over time and cells of sites",
         seen="looks",
         variables=(Variable("space_time", ("map_site",), STRAIN),),
         measure=space_time,
     ),
-    Entry(
+    Observable(
         name="background_difference",
         what="strain of the run less the bare background at the snapshots",
         seen="snapshots",
@@ -108,7 +189,7 @@ ENTRIES = (
         measure=background_difference,
         uses_wave=True,
     ),
-    Entry(
+    Observable(
         name="error_split",
         what="the error at the snapshots as shift in position, amplitude and shape",
         seen="snapshots",
@@ -122,7 +203,7 @@ ENTRIES = (
         measure=error_split,
         uses_wave=True,
     ),
-    Entry(
+    Observable(
         name="state",
         what="strains and velocities of all computed sites at the snapshots, for a restart",
         seen="snapshots",
@@ -134,14 +215,14 @@ ENTRIES = (
         measure=whole_state,
         all_sites=True,
     ),
-    Entry(
+    Observable(
         name="time_step_error",
         what="largest difference of y/eps to the run with half the step",
         seen="refinement",
         variables=(Variable("time_step_error", units="strain / eps", long_name=REFINED),),
         measure=_nothing,
     ),
-    Entry(
+    Observable(
         name="domain_error",
         what="largest difference of y/eps to the run with twice the sites",
         seen="refinement",
@@ -150,18 +231,18 @@ ENTRIES = (
     ),
 )
 
-NAMES = tuple(entry.name for entry in ENTRIES)
+NAMES = tuple(entry.name for entry in OBSERVABLES)
 
 
-def entry_named(name: str) -> Entry:
+def observable_named(name: str) -> Observable:
     """The entry of that name; ValueError lists the known ones.
 
-    >>> entry_named("colour")
+    >>> observable_named("colour")
     Traceback (most recent call last):
     ...
     ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
     """
-    for entry in ENTRIES:
+    for entry in OBSERVABLES:
         if entry.name == name:
             return entry
     raise ValueError(f"observables must be known ones, got {name!r} (one of {', '.join(NAMES)})")

@@ -1,13 +1,6 @@
-"""Strains at the snapshots, the errors there, and what a restart needs.
+"""What an observable measures on a view of the run: one function each.
 
-The crest: where the strain is farthest from its background.
-
-Conserved quantities of a ring.
-
-The spectrum of the strain.
-
-The error split into a shift in position, a change of amplitude and a change of shape.
-
+The error split writes the error as a shift in position, a change of amplitude and one of shape.
 With y the run's strain, w the wave, b its bare background and n the compared sites, the shift d
 (sites) and the scale a minimise
 
@@ -23,14 +16,27 @@ The error is then, exactly,
 Each is reported as its largest modulus over max_n |w - b|, the denominator of the error figure.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from lattice.sites.state import ring_energy
-from verify.comparison.observables.entry import Array, View, cell_width
+from lattice.state import ring_energy
+from verify.comparison.view import Array, View
+
+MAP_CELLS = 256
+"""Most cells of a space-time map."""
+
+
+def cell_width(compared: int) -> int:
+    """Sites in one cell of a space-time map.
+
+    >>> cell_width(1500), cell_width(50)
+    (12, 1)
+    """
+    return math.ceil((2 * compared + 1) / MAP_CELLS)
 
 
 def strain(view: View) -> Mapping[str, Any]:
@@ -126,7 +132,7 @@ def space_time(view: View) -> Mapping[str, Array]:
 
 
 def energy(view: View) -> Mapping[str, float]:
-    """The energy of the chain whose bonds are strained by y (`energy.py`)."""
+    """The energy of the chain whose bonds are strained by y (`ring_energy`)."""
     return {"energy": ring_energy(view.state, view.constants)}
 
 

@@ -4,10 +4,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.scheme import Scheme
-from lattice.sites.blow_up import BlowUp, find_blow_up
-from lattice.sites.state import State
+from lattice.state import BlowUp, State, find_blow_up
 
 CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
@@ -44,7 +43,7 @@ class Domain(Protocol):
         """``found``, with what the domain may have to do with it."""
 
 
-class March:
+class Stepper:
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
@@ -57,14 +56,14 @@ class March:
         self,
         state: State,
         scheme: Scheme,
-        constants: Constants,
+        model: Model,
         domain: Domain,
         step: float,
         amplitude: float,
     ) -> None:
         self.state = state
         self.scheme = scheme
-        self.constants = constants
+        self.model = model
         self.domain = domain
         self.step = step
         self.steps = 0
@@ -102,7 +101,7 @@ class March:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
         state, begin = self.state, self.state.t
         before = state.y.copy(), state.s.copy()
-        self.scheme.advance(state.y, state.s, h, steps, self.constants)
+        self.scheme.advance(state.y, state.s, h, steps, self.model)
         state.t = t
         found = self._find_blow_up()
         if found is None:
@@ -126,5 +125,5 @@ class March:
         """
         y, (least, most) = self.state.y, self.strain
         self.strain = min(least, float(y.min())), max(most, float(y.max()))
-        found = find_blow_up(self.constants, self.state, self._amplitude)
+        found = find_blow_up(self.model, self.state, self._amplitude)
         return None if found is None else self.domain.locate(found, self.state)

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from lattice.sites.state import State
+from lattice.state import State
 from verify.comparison.recording import Progress
 from verify.comparison.scene import Scene
-from verify.comparison.stencil import run_from
+from verify.comparison.stated_run import run_from
 
 
 def scene_of(run: xr.Dataset) -> Scene:

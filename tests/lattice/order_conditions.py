@@ -1,4 +1,4 @@
-"""Order conditions of the time-stepping tables, checked when a scheme is declared.
+"""Order conditions of time-stepping tables for any equation, not only y'' = f(y).
 
 Two kinds of table, two algebras:
 
@@ -9,7 +9,7 @@ Two kinds of table, two algebras:
 * a Runge-Kutta table: sum_i b_i Phi_i(tree) = 1/gamma(tree) for every rooted tree of at most p
   vertices (Butcher; the same book, III.1).
 
-Both return the largest defect, so that a declaration can demand zero or a rounding bound.
+Both return the largest defect.
 """
 
 from collections.abc import Sequence
