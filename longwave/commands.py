@@ -79,7 +79,7 @@ def scene_names() -> list[str]:
 def _waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
     from solutions.catalogue import CATALOGUE
 
-    return [form.name for form in CATALOGUE if form.name.startswith(begun)]
+    return [name for name in CATALOGUE.names if name.startswith(begun)]
 
 
 _json = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")

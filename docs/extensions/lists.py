@@ -1,7 +1,6 @@
 """Markdown tables made from the objects: the paper's map, waves, scenes, observables, schemes."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
 
 from house import HOUSE, ROOMS
 from lattice.schemes.scheme import stability_limit
@@ -79,16 +78,8 @@ def waves() -> str:
 
 def _formula(form: ClosedForm) -> str:
     if form.expression.count_ops() > MOST_OPERATIONS:
-        return f"in {{py:mod}}`{_module(form)}`"
+        return f"in {{py:mod}}`{CATALOGUE.module(form.name)}`"
     return f"$\\displaystyle {latex(form.expression)}$"
-
-
-def _module(form: ClosedForm) -> str:
-    """The module that the record is written in."""
-    for path in sorted(Path(HOUSE, "solutions", "forms").glob("*.py")):
-        if f'name="{form.name}"' in path.read_text(encoding="utf-8"):
-            return f"solutions.forms.{path.stem}"
-    raise ValueError(f"form must be written in solutions/forms, got {form.name} (add its file)")
 
 
 def scenes() -> str:

@@ -43,7 +43,7 @@ def print_mutations(only: Sequence[str] | None, json_wanted: bool, program: str)
 
     Returns 0, 1 if any is undecided, 2 for a name that is none, 130 after Ctrl-C.
     """
-    names = only or [form.name for form in CATALOGUE]
+    names = only or list(CATALOGUE.names)
     try:
         announce(f"the misprints of {', '.join(only or ['all forms'])}", MUTANTS.total(names))
     except ValueError as error:

@@ -155,7 +155,7 @@ class WaveCase:
     @property
     def form(self) -> ClosedForm:
         """The closed form; rational solutions keep the shifts that have values as parameters."""
-        if self.name in {form.name for form in CATALOGUE}:
+        if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
         return rational(order, [int(name.removeprefix("tau_")) for name, _ in self.parameters])
@@ -181,7 +181,7 @@ class WaveCase:
 def wave_names() -> list[str]:
     """The catalogue's names and the rational solutions of higher order."""
     higher = range(4, LARGEST_ORDER + 1)
-    return [form.name for form in CATALOGUE] + [f"rational_{order}" for order in higher]
+    return list(CATALOGUE.names) + [f"rational_{order}" for order in higher]
 
 
 def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
