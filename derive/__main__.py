@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from derive.command_line import example, run_command
+from derive.command_line import example, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
 """The constants of the strain FPUT lattice."""
@@ -43,7 +43,7 @@ def derive(latex: bool, json_wanted: bool, orders: str | None, **constants: str 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status (2 for wrong input)."""
-    return run_command(derive, "python -m derive", arguments)
+    return run_words(derive, "python -m derive", arguments)
 
 
 if __name__ == "__main__":

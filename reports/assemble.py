@@ -5,7 +5,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
-from reports.figures.paper import draw_all
+from reports.figures.paper_figures import draw_all
 from reports.latex import render, write
 from reports.paper import SOURCES
 from reports.sections import costs, runs

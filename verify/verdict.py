@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 
@@ -112,10 +112,6 @@ class ProofVerdict(Verdict):
         """The length of `certificate_text`."""
         text = self.certificate_text()
         return None if text is None else len(text)
-
-    def timed(self, seconds: float) -> ProofVerdict:
-        """The same verdict with the time it took."""
-        return replace(self, seconds=seconds)
 
     def json(self) -> dict[str, Any]:
         """The record as plain data, with the certificate's size (it is a file of its own)."""

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from house import HOUSE, ROOMS
 from lattice.schemes.scheme import stability_limit
 from paper_map import Holder, Row, paper_map
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.formulas import latex
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.formulas.printing import latex
 from reports.sections.theory import domain_latex
 from solutions import CATALOGUE, ClosedForm
 from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from reports.figures.drawing import CostPanel, Snapshot
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
 from solutions import closed_form

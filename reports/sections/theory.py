@@ -8,7 +8,8 @@ import sympy as sp
 
 from derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
 from derive.dispersion import agrees_with_reduction
-from reports.formulas import Formula, equation_latex, latex
+from reports.formulas.formula import Formula
+from reports.formulas.printing import equation_latex, latex
 from reports.latex import block, escape, scientific
 from reports.paper import cited
 from solutions import CATALOGUE, ClosedForm

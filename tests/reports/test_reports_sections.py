@@ -9,7 +9,7 @@ import pytest
 
 from reports.assemble import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import SOURCES, cited
 from reports.sections.costs import accuracy_table
 from reports.sections.runs import caption_part, claim_table, mathematics

@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 import re
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,16 +23,17 @@ from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
 from solutions.forms.rational import rational, rational_tau
+from solutions.parameter import Bound
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
 
-from .certificate import equality_certificate, equation_certificate
-from .certificate_writer import Data
+from .certificate import statement_data
+from .certificate_writer import NodeTable
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
-from .domains import form_domains
-from .problem import Problem, make_equality, make_problem
-from .prover import decide, prove_equal
+from .domains import Domain
+from .problem import EqualityProblem, SolutionProblem, equality_problem, solution_problem
+from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
 
 
@@ -47,15 +48,17 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    return decide(lab_problem(form)).timed(time.perf_counter() - start)
+    return decide(lab_problem(form), start)
 
 
-def lab_problem(form: ClosedForm) -> Problem:
+def lab_problem(form: ClosedForm) -> SolutionProblem:
     """The statement that ``form`` solves the equation in the lab variables."""
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
     expression = form.expression.xreplace(variables)
-    return make_problem(LabEquation(frame), expression, (), form.name, form_domains(form))
+    return solution_problem(
+        LabEquation(frame), expression, name=form.name, stated=form_domains(form)
+    )
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -65,14 +68,33 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
     >>> prove_stable(closed_form("rational_2")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    return prove_equal(
+    start = time.perf_counter()
+    return decide(stable_problem(form), start)
+
+
+def stable_problem(form: ClosedForm) -> EqualityProblem:
+    """The statement that the evaluation form of ``form`` is its canonical one."""
+    return equality_problem(
         form.expression,
         form.stable,
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        domains=form_domains(form),
+        stated=form_domains(form),
     )
+
+
+def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
+    """The domains of the parameters of a closed form, from its record.
+
+    >>> from solutions import closed_form
+    >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
+    {'k': '0 < k < 1'}
+    """
+    return {
+        parameter.symbol: _between(parameter.lower, parameter.upper)
+        for parameter in form.parameters
+    }
 
 
 def check_certificate(data: Any) -> str:
@@ -92,19 +114,25 @@ def check_certificate(data: Any) -> str:
     return statement
 
 
-def _named(form: ClosedForm) -> Iterator[Data]:
+def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
     """What a certificate with the name of ``form`` may state."""
     family = form.name.removeprefix("rational_")
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
-    yield equation_certificate(lab_problem(form))
-    domains, variables = form_domains(form), (form.equation.xi, form.equation.tau)
-    own = make_problem(form.equation, form.expression, (), form.name, domains)
-    yield equation_certificate(own)
-    names = (form.name, "stable form = canonical form")
-    equality = make_equality(form.expression, form.stable, (), names, domains)
-    yield equality_certificate(equality, form.expression, form.stable, variables)
+    own = solution_problem(form.equation, form.expression, stated=form_domains(form))
+    for problem in (lab_problem(form), own, stable_problem(form)):
+        table = NodeTable()
+        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
+
+
+def _between(lower: Bound | None, upper: Bound | None) -> Domain:
+    return Domain(
+        -sp.oo if lower is None else lower.value,
+        sp.oo if upper is None else upper.value,
+        lower is None or lower.is_open,
+        upper is None or upper.is_open,
+    )
 
 
 a = sp.Symbol("a", positive=True)
