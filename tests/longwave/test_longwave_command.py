@@ -12,7 +12,7 @@ import click
 import pytest
 
 import derive.output.printout
-import longwave.commands as tree
+import longwave.command_tree as tree
 import longwave.inventory
 import reports.build
 import verify.cli.accuracy
