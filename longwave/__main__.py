@@ -1,4 +1,4 @@
-"""The command `longwave`: the words of `longwave.command_tree`, and what their completion asks for."""
+"""The command `longwave`: its words, and what their completion asks for."""
 
 import os
 import sys
