@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import derive
-from lattice.kernels import blocked as tiled
-from lattice.model import Constants
+from lattice.kernels import blocked
+from lattice.model import Model
 from solutions import Wave, closed_form
 
 Array = NDArray[np.float64]
 
 SITES, DURATION, T0, EPS = 4096, 500.0, -250.0, 0.05
-CONSTANTS = Constants(4.0, 0.0, 1.0)
+CONSTANTS = Model(4.0, 0.0, 1.0)
 
 SOFRONIOU_SPALETTA = (
     0.078795722521686419263907679337684, 0.31309610341510852776481247192647,
@@ -41,7 +41,7 @@ def reference(y: Array, s: Array, steps: int = 2000) -> Array:
     ends = np.concatenate([[0.0], gammas, [0.0]])
     h, y, s = DURATION / steps, y.copy(), s.copy()
     drifts = 0.5 * h * (ends[1:] + ends[:-1])
-    tiled.advance_tiled(y, s, drifts, h * gammas, steps, *CONSTANTS.kernel)
+    blocked.advance_blocked(y, s, drifts, h * gammas, steps, *CONSTANTS.kernel)
     return y
 
 

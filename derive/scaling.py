@@ -96,7 +96,9 @@ class Scaling(Displayed):
                 f"speed of {names[0]} must be a positive symbol or minus one, got {self.speed} "
                 "(take derive.symbols.c: the reduction finds its value; -c is the other direction)"
             )
-        pairs = self.background and tuple_of("background", self.background, tuple, "((0, ybar),)")
+        pairs = self.background and tuple_of(
+            "background", self.background, tuple, "((0, ybar),) is a uniform strain"
+        )
         for pair in pairs:
             if len(pair) != 2:
                 raise ValueError(

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels.plain import present
-
 Array = NDArray[np.float64]
 KernelConstants = tuple[float, float | None, float | None]
+
 
 NEGLIGIBLE = 1e-200
 """K3 and K4 in units of the largest constant below which no strain up to 1e90 feels them; quotients
@@ -17,7 +16,7 @@ of the others neither overflow nor underflow."""
 
 
 @dataclass(frozen=True)
-class Constants:
+class Model:
     """Force constants of V'(y) = K2 y + K3 y^2 + K4 y^3 (unit mass, unit spacing)."""
 
     K2: float
@@ -37,17 +36,17 @@ class Constants:
     def kernel(self) -> KernelConstants:
         """The constants as the kernels take them: ``None`` for an absent or a negligible term.
 
-        >>> Constants(4, 1e-300, 1).kernel
+        >>> Model(4, 1e-300, 1).kernel
         (4.0, None, 1.0)
         """
         least = NEGLIGIBLE * max(self.K2, abs(self.K3), abs(self.K4))
-        K3, K4 = (0.0 if abs(value) < least else value for value in (self.K3, self.K4))
-        return float(self.K2), present(K3), present(K4)
+        K3, K4 = (None if abs(value) < least else float(value) for value in (self.K3, self.K4))
+        return float(self.K2), K3, K4
 
     def stiffness(self, y: Array) -> Array:
         """V''(y) = K2 + 2 K3 y + 3 K4 y^2; waves exist only where it is positive.
 
-        >>> float(Constants(4, 0, 1).stiffness(np.array(1.0)))
+        >>> float(Model(4, 0, 1).stiffness(np.array(1.0)))
         7.0
         """
         y = np.asarray(y, dtype=np.float64)
@@ -56,7 +55,7 @@ class Constants:
     def least_stiffness(self, least: float, most: float) -> float:
         """The smallest V''(y) of all strains from ``least`` to ``most``.
 
-        >>> Constants(4, 1, 1).least_stiffness(-2.0, 3.0)  # at y = -1/3
+        >>> Model(4, 1, 1).least_stiffness(-2.0, 3.0)  # at y = -1/3
         3.6666666666666665
         """
         places = [least, most]
@@ -70,7 +69,7 @@ class Constants:
     def sound_speed(self, ybar: float = 0.0) -> float:
         """Speed (sites per unit time) of long waves on the uniform strain ``ybar``.
 
-        >>> Constants(4, 0, 1).sound_speed()
+        >>> Model(4, 0, 1).sound_speed()
         2.0
         """
         stiffness = self._stiffness(ybar)

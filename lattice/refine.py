@@ -1,6 +1,4 @@
-"""A run that a search has done: what was chosen about it, and what it gave.
-
-The one judge of a run's error: run again, finer, wider and elsewhere, and compare.
+"""The one judge of a run's error: run again, finer, wider and elsewhere, and compare.
 
 Everything that is chosen about a run is one record, `Choices`. A *control* run varies all of it at
 once: a shorter step, a denser sampling, a wider domain with its ends elsewhere, a weaker absorber.
@@ -22,77 +20,14 @@ import math
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.trial import Choices, StoppedTrial, Trial, difference
+
 Array = NDArray[np.float64]
-
-NUDGE = 2.0**-51
-"""Relative change of the data's last digits."""
-
-
-@dataclass(frozen=True)
-class Choices:
-    """All numerical choices of a run.
-
-    ``step`` in time; ``size`` of the domain in sites; ``causal`` if no signal from its ends reaches
-    a compared site in time; ``density`` in points per site, or more if the spectrum calls for more,
-    and of either ``finer`` times as many; ``shift`` of the domain's middle, in its sizes;
-    ``absorber`` is the strength of one at the seam, 0 if there is none; ``start`` the
-    step at first, until what the data send to the left has left the wave, 0 if there is none.
-    ``nudged`` if the last digits of the data are changed, by ``NUDGE``.
-    """
-
-    step: float
-    size: float
-    causal: bool = False
-    density: float = 1.0
-    finer: float = 1.0
-    shift: float = 0.0
-    absorber: float = 0.0
-    start: float = 0.0
-    nudged: bool = False
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
-
-    They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
-    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
-    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
-    before it was stopped.
-    """
-
-    choices: Choices
-    values: Array | None
-    work: float
-    seconds: float
-    rounding: float
-    payload: Any
-    shown: bool = True
-    alike: float = 0.0
-
-
-class StoppedTrial(KeyboardInterrupt):
-    """Ctrl-C during a run: what there is of it."""
-
-    def __init__(self, trial: Trial) -> None:
-        super().__init__("interrupted")
-        self.trial = trial
-
-
-def difference(one: Trial, other: Trial) -> float:
-    """Largest difference of y/eps between two runs; infinite if either blew up."""
-    if one.values is None or other.values is None:
-        return math.inf
-    with np.errstate(invalid="ignore", over="ignore"):
-        found = float(np.max(np.abs(one.values - other.values)))
-    return found if math.isfinite(found) else math.inf
-
-
 Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -422,3 +357,41 @@ class _Search:
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
             self._announce(spent / work * asked)
+
+
+LEAST_FACTOR = 0.2
+"""Least factor from one step to the next one tried."""
+
+
+def lawful_step(step: float, order: int, excess: float) -> float:
+    """The step with which an error that falls like step^order is smaller by ``excess``.
+
+    >>> round(lawful_step(1.0, 6, 64.0), 3)
+    0.475
+    """
+    return step * max(LEAST_FACTOR, 0.95 * excess ** (-1.0 / order))
+
+
+def mean_step(stops: Array, step: float, order: int) -> float:
+    """The step that would make the same error if the stops did not shorten it.
+
+    Between two stops the steps are equal and at most ``step``.
+
+    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
+    0.5
+    """
+    gaps = np.diff(stops)
+    gaps = gaps[gaps > 0]
+    if gaps.size == 0:
+        return step
+    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
+    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
+
+
+def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
+    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    wanted = ratio * mean_step(stops, step, order)
+    found = ratio * step
+    while mean_step(stops, found, order) > wanted:
+        found *= 0.97
+    return found

@@ -1,10 +1,13 @@
 """Pictures of a run: snapshots against the wave, space-time map, errors, crest track.
 
 `PICTURES` says which pictures there are, and which observable and variables each is drawn from.
+`plot` draws a run, or a scene that is run first; `draw` is the work of `longwave plot`.
 """
 
+import textwrap
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,8 +15,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure, FigureBase
 
+from derive.algebra.exact_numbers import shown
+from derive.command_line import fail, interrupted, one_line
 from lattice.refine import Announce
-from longwave.plain_text import plain_text
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -28,11 +32,12 @@ from reports.figures.drawing import (
     snapshot_height,
     styled,
 )
-from reports.figures.paper import snapshots
-from verify.cli.run import find_scene
+from reports.figures.paper_figures import snapshots
+from verify.cli.run import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.recording import Progress
-from verify.comparison.restart import scene_of
+from verify.comparison.recording import Progress, UnfinishedRun
+from verify.comparison.saved_run import scene_of
+from verify.comparison.scene_catalogue import find_scene
 
 SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -43,6 +48,9 @@ ACROSS, MOST_PANELS = 3, 12
 
 SHOWN, LEAST_SHOWN = 0.02, 20
 """Share of the wave's largest deviation from its background that is still seen; fewest sites."""
+
+WIDTH, MOST = 90, 270
+"""Characters in a line of a figure's title, and most of them altogether."""
 
 LOOKS = 201
 """Times of map and crest track where the scene does not state any."""
@@ -95,10 +103,11 @@ def plot(
 
 
 def _checked_output(output: str | Path) -> Path:
-    path = Path(output)
-    if path.suffix.lower() not in SUFFIXES:
+    path = Path(output) if isinstance(output, str | Path) else None
+    if path is None or path.suffix.lower() not in SUFFIXES:
+        got = shown(output if path is None else path.name)
         raise ValueError(
-            f"output must end in {', '.join(SUFFIXES)}, got {path.name!r} (such as run.png)"
+            f"output must be a path ending in {', '.join(SUFFIXES)}, got {got} (such as 'run.png')"
         )
     return path
 
@@ -109,7 +118,7 @@ def read_source(source: Source) -> xr.Dataset | Scene:
         return source
     if not isinstance(source, str | Path):
         raise ValueError(
-            f"source must be a run, a scene, or the path or name of one, got {source!r:.60} "
+            f"source must be a run, a scene, or the path or name of one, got {shown(source)} "
             "(such as 'run.nc')"
         )
     path = Path(source)
@@ -179,9 +188,10 @@ def _scene_of(data: xr.Dataset) -> Scene:
 
 
 def _title(data: xr.Dataset) -> str:
-    """The run's title, and a line on how it ended if it ended early."""
+    """The run's title, and a line on how it ended if it ended early, each cut and wrapped."""
     lines = [data.attrs.get("title", ""), data.attrs.get("blow_up"), data.attrs.get("unfinished")]
-    return "\n".join(plain_text(str(line)) for line in lines if line)
+    short = (textwrap.shorten(one_line(line), MOST, placeholder=" ...") for line in lines if line)
+    return "\n".join(textwrap.fill(line, WIDTH) for line in short)
 
 
 def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
@@ -277,3 +287,38 @@ PICTURES: Mapping[str, Picture] = {
     ),
 }
 """The kinds of pictures, in the order in which they are drawn."""
+
+
+def draw(source: str, output: str | None, kind: str, program: str) -> int:
+    """Draw and print the picture's path; return the exit status.
+
+    0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
+    """
+    path = default_output(source) if output is None else output
+    errors = plain_console(stderr=True, soft_wrap=True)
+    try:
+        check_output(path, "run.png")
+        with progress_bar(Path(source).name, source, errors) as (advance, tell):
+            plot(source, path, kind, advance, tell)
+    except UnfinishedRun as stop:
+        with suppress(ValueError, OSError):
+            plot(stop.run, path, kind)
+            return interrupted(program, f"what was run until then is in {path}")
+        return interrupted(program, "too little was run to be drawn")
+    except KeyboardInterrupt:
+        return interrupted(program, "nothing was drawn yet")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    except MemoryError as error:
+        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+    print(path)
+    return 0
+
+
+def default_output(source: str) -> str:
+    """The picture's file in the working folder, named after the run or scene.
+
+    >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
+    ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
+    """
+    return f"{Path(source).name.removesuffix('.nc').removesuffix('.toml')}.png"

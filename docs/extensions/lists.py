@@ -3,14 +3,14 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
-from lattice.schemes.stability import stability_limit
+from lattice.schemes.scheme import stability_limit
 from paper_map import Holder, Row, paper_map
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.formulas import latex
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.formulas.printing import latex
 from reports.sections.theory import domain_latex
 from solutions import CATALOGUE, ClosedForm
 from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
-from verify.comparison.observables.table import ENTRIES
+from verify.comparison.observables import OBSERVABLES
 
 MOST_OPERATIONS = 20
 """Operations up to which a formula is shown in a cell of a table."""
@@ -93,11 +93,10 @@ def scenes() -> str:
 def _scene_row(scene: Scene) -> Iterator[str]:
     yield f"`{scene.name}`"
     yield scene.title
-    yield f"`{scene.wave}`"
+    yield f"`{scene.wave_name}`"
     yield f"{scene.eps:g}"
     yield f"{scene.t0:g} to {scene.end:g}"
-    chosen = scene.tolerance is not None
-    yield f"to {scene.tolerance:g}" if chosen else f"{scene.scheme}, step {scene.step:g}"
+    yield str(scene.numerics)
 
 
 def observables() -> str:
@@ -108,7 +107,7 @@ def observables() -> str:
             entry.what + (" (on a ring only)" if entry.needs_ring else ""),
             ", ".join(f"`{variable.name}`" for variable in entry.variables),
         ]
-        for entry in ENTRIES
+        for entry in OBSERVABLES
     ]
     return table(["observable", "what", "arrays"], rows)
 

@@ -3,7 +3,7 @@
     y_n' = s_n,    s_n' = D[K2 y + K3 y^2 + K4 y^3]_n,    D f_n = f_{n+1} - 2 f_n + f_{n-1}
 
 (the paper's eq. (9), for the paper's eq. (4)). Site n is stored at index n mod N, and the kernels
-know nothing of windows: a domain (`domain.py`) decides which sites the indices stand for.
+know nothing of windows: a domain decides which sites the indices stand for.
 
 A constant that is zero is passed as ``None``. Numba prunes branches on ``None`` by type, so each
 combination of constants is compiled by itself and the absent terms are absent from its machine
@@ -21,15 +21,6 @@ BLOCK = 1024
 """Sites drifted before they are kicked; 1024 sites of y, s and force fit the L1 cache."""
 
 _jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
-
-
-def present(constant: float) -> float | None:
-    """The constant, or ``None`` for zero: the form in which the kernels take K3 and K4.
-
-    >>> present(0.0), present(2.5)
-    (None, 2.5)
-    """
-    return None if constant == 0 else float(constant)
 
 
 @_jit
@@ -87,7 +78,7 @@ def _drift_kick(
 
 
 @_jit
-def advance_composition(
+def advance_plain(
     y: Array,
     s: Array,
     drifts: Array,

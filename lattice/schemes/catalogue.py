@@ -1,9 +1,8 @@
-"""The catalogue of schemes. Adding one is one table here."""
+"""The catalogue of schemes. Adding one is one table here; tests check its order conditions."""
 
 from fractions import Fraction
 
-from lattice.schemes.scheme import Composition, RungeKutta, Scheme
-from lattice.schemes.splitting import Splitting
+from lattice.schemes.scheme import Composition, RungeKutta, Scheme, Splitting
 
 _0, _HALF, _1 = Fraction(0), Fraction(1, 2), Fraction(1)
 

@@ -32,7 +32,7 @@ WIDTH = 1.0 / 12.0
 NARROW = 1.0 / 24.0
 """The same for short waves, whose slow ones feel it from farther off."""
 
-STRENGTH = 14.0
+ABSORBER_STRENGTH = 14.0
 """Logarithm of what one passage divides a wave by, usually."""
 
 OFTEN = 1.0 / 64.0
@@ -60,7 +60,7 @@ class LeftAbsorber:
         speed: float,
         step: float,
         cutoff: float,
-        strength: float = STRENGTH,
+        strength: float = ABSORBER_STRENGTH,
     ) -> None:
         length, travel = state.circumference, 2.0 * speed * step
         self.every = 0 if travel > FARTHEST * length else max(1, int(OFTEN * length / travel))
@@ -108,7 +108,7 @@ class ShortAbsorber:
         speed: float,
         step: float,
         cutoff: float,
-        strength: float = STRENGTH,
+        strength: float = ABSORBER_STRENGTH,
     ) -> None:
         length, count = state.circumference, state.y.size
         numbers = 2.0 * math.pi / length * np.arange(w.size)

@@ -23,8 +23,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.spectral.absorber import STRENGTH, LeftAbsorber, ShortAbsorber
+from lattice.model import Model
+from lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from lattice.spectral.exponential import ExponentialAdams
 from lattice.spectral.ring import RingState, backward, forward, spectrum_tail
 from solutions.run.jit import njit
@@ -80,29 +80,29 @@ class SpectralRing:
     and FloatingPointError when it exceeds the largest strain there was at first. ``dealias`` drops
     the modes of the force above half of the highest one (exact for a cubic force); without it the
     tail bounds the aliasing. Left-going waves of numbers below ``absorbed`` are absorbed at the
-    seam, and right-going ones of numbers above ``short`` (`spectral_absorber.py`), by ``strength``;
+    seam, and right-going ones of numbers above ``short`` (`ShortAbsorber`), by ``strength``;
     0 is for none of them. ``strain`` holds the smallest and the largest
     strain that was met.
     """
 
     def __init__(
         self,
-        constants: Constants,
+        model: Model,
         state: RingState,
         step: float,
         tail: float = math.inf,
         dealias: bool = False,
         absorbed: float = 0.0,
-        strength: float = STRENGTH,
+        strength: float = ABSORBER_STRENGTH,
         short: float = 0.0,
     ) -> None:
-        self._constants, self._start, self._bound = constants, state, tail
+        self._model, self._start, self._bound = model, state, tail
         count = state.y.size
         k = 2.0 * math.pi / state.circumference * np.arange(count // 2 + 1)
         self._amplitude = float(np.max(np.abs(state.y)))
         self.strain = (math.inf, -math.inf)
         stiffness = float(np.mean(self._sound(state.y, state.t)))
-        self._b = stiffness - constants.K2
+        self._b = stiffness - model.K2
         self._w = 2.0 * math.sqrt(stiffness) * np.abs(np.sin(k / 2.0))
         self._symbol = -4.0 * np.sin(k / 2.0) ** 2
         if dealias:
@@ -119,7 +119,7 @@ class SpectralRing:
         p = np.stack([s - 1j * self._w * y, s + 1j * self._w * y])
         p[:, still] = y[still], s[still]
         p[:, 0] = 0.0
-        speed = constants.sound_speed()
+        speed = model.sound_speed()
         turn = np.where(still, 0.0, self._w)
         linear = 1j * np.stack([speed * k - turn, speed * k + turn])
         self._watch(p, state.t)
@@ -152,7 +152,7 @@ class SpectralRing:
         velocity[self._still] = p[1, self._still]
         velocity[0] = self._drift
         s = backward(velocity, start.y.size)
-        left = start.left + self._constants.sound_speed() * (t - start.t)
+        left = start.left + self._model.sound_speed() * (t - start.t)
         return RingState(t, left, start.circumference, y, s)
 
     def _absorb(self) -> None:
@@ -174,13 +174,13 @@ class SpectralRing:
     def _sound(self, y: Array, t: float) -> Array:
         """The stiffness about the strains ``y``, if waves exist about all of them."""
         with np.errstate(over="ignore", invalid="ignore"):
-            stiffness = self._constants.stiffness(y)
+            stiffness = self._model.stiffness(y)
         least, most = self.strain
         self.strain = min(least, float(np.min(y))), max(most, float(np.max(y)))
         worst = int(np.argmin(stiffness))
         if stiffness[worst] <= 0:
             start = self._start
-            left = start.left + self._constants.sound_speed() * (t - start.t)
+            left = start.left + self._model.sound_speed() * (t - start.t)
             raise NotHyperbolicError(t, left + worst * start.circumference / y.size)
         return stiffness
 
@@ -193,7 +193,7 @@ class SpectralRing:
 
     def _nonlinearity(self, p: Complex) -> Complex:
         y = backward(self._strain(p), self._values.size, self._values)
-        _residual_force(y, self._b, self._constants.K3, self._constants.K4)
+        _residual_force(y, self._b, self._model.K3, self._model.K4)
         force = forward(y)
         _bend(force, self._symbol)
         force[0] = 1.0

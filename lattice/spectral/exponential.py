@@ -16,7 +16,7 @@ the predictor uses ``VALUES`` of them, the corrector one more, at the predicted 
 Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where ETDRK4 evaluates it four times.
 
 The step is fixed: its error is then a smooth function of it, which a run with half the step shows
-(`halving.py`). Times that are not whole steps are reached by a shorter step on the side.
+(`halve`). Times that are not whole steps are reached by a shorter step on the side.
 
 A run with half the step, again and again, until the step no longer matters.
 """

@@ -1,17 +1,25 @@
-"""The tiled vector kernel is the plain one, for all constants and at every seam."""
+"""The blocked vector kernel is the plain one, for all constants and at every seam.
+
+Catches also: arcs that overlap too little, lose a site, or round otherwise than one core does.
+"""
+
+import multiprocessing
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from lattice.kernels import blocked as tiled
-from lattice.kernels import plain as stencil
-from lattice.model import Constants
-from lattice.schemes.catalogue import BLANES_MOAN_6, SCHEMES
-from lattice.schemes.nystroem_conditions import splitting_defect
-from lattice.schemes.scheme import Composition
-from lattice.schemes.splitting import Splitting
+from lattice.kernels import blocked, plain
+from lattice.model import Model
+from lattice.schemes.catalogue import (
+    BLANES_MOAN_6,
+    KAHAN_LI_8,
+    REDUCED_PHASE_6,
+    SCHEMES,
+    STOERMER_VERLET,
+)
+from lattice.schemes.scheme import Composition, Splitting
 from solutions import Wave, closed_form
 
 SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
@@ -22,15 +30,15 @@ SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Com
 @pytest.mark.parametrize(
     ("size", "steps"), [(4096, 9), (4608, 4), (3648, 9), (3872, 1), (1032, 4), (120, 5)]
 )
-def test_tiled_equals_plain(K3: float, K4: float, size: int, steps: int) -> None:
+def test_blocked_equals_plain(K3: float, K4: float, size: int, steps: int) -> None:
     random = np.random.default_rng(1)
     y, s = 0.1 * random.standard_normal((2, size))
     u, v = y.copy(), s.copy()
     drifts, kicks = 0.3 * BLANES_MOAN_6.drifts, 0.3 * BLANES_MOAN_6.kicks
-    constants = Constants(4.0, K3, K4).kernel
-    assert tiled.fits(size, kicks.size)
-    stencil.advance_composition(y, s, drifts, kicks, steps, *constants)
-    tiled.advance_tiled(u, v, drifts, kicks, steps, *constants)
+    constants = Model(4.0, K3, K4).kernel
+    assert blocked.fits(size, kicks.size)
+    plain.advance_plain(y, s, drifts, kicks, steps, *constants)
+    blocked.advance_blocked(u, v, drifts, kicks, steps, *constants)
     np.testing.assert_allclose(u, y, atol=1e-13)
     np.testing.assert_allclose(v, s, atol=1e-13)
 
@@ -40,12 +48,12 @@ def test_every_splitting_is_advanced_by_either_kernel(
     splitting: Splitting | Composition, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A number of stages that is odd, one, or does not divide the stages of a passage."""
-    constants = Constants(1.0, 0.2, 0.9)
+    constants = Model(1.0, 0.2, 0.9)
     ends = []
     for admitted in (True, False):
         y, s = 0.1 * np.random.default_rng(4).standard_normal((2, 1200))
         if not admitted:
-            monkeypatch.setattr(tiled, "fits", lambda *_: False)
+            monkeypatch.setattr(blocked, "fits", lambda *_: False)
         splitting.advance(y, s, 0.2, 61, constants)
         ends.append((y, s))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=2e-13)
@@ -66,7 +74,7 @@ def test_engine_agrees_with_dop853() -> None:
 
     start = np.concatenate([y, s])
     solved = solve_ivp(rate, (0.0, duration), start, "DOP853", rtol=1e-13, atol=1e-15)
-    BLANES_MOAN_6.advance(y, s, duration / 200, 200, Constants(4.0, 0.0, 1.0))
+    BLANES_MOAN_6.advance(y, s, duration / 200, 200, Model(4.0, 0.0, 1.0))
     assert np.abs(y - solved.y[:size, -1]).max() < 1e-8 * eps
 
 
@@ -74,16 +82,34 @@ def test_odd_ring_falls_back() -> None:
     random = np.random.default_rng(2)
     y, s = 0.1 * random.standard_normal((2, 61))
     begin = y.copy(), s.copy()
-    constants = Constants(4.0, 0.0, 1.0)
+    constants = Model(4.0, 0.0, 1.0)
     BLANES_MOAN_6.advance(y, s, 0.1, 7, constants)
     BLANES_MOAN_6.advance(y, s, -0.1, 7, constants)
     np.testing.assert_allclose(y, begin[0], atol=1e-13)
     np.testing.assert_allclose(s, begin[1], atol=1e-13)
 
 
-def test_wrong_digit_is_refused() -> None:
-    drifts = (BLANES_MOAN_6.drift_half[0] + "1", *BLANES_MOAN_6.drift_half[1:])
-    drifts = (*drifts[:-1], "0.2073050690668954")
-    with pytest.raises(ValueError, match="conditions of order 6"):
-        Splitting("wrong", 6, drifts, BLANES_MOAN_6.kick_half, "")
-    assert splitting_defect(["0.5", "0.5"], ["1"], 3) > 0.01
+@pytest.mark.parametrize("scheme", [REDUCED_PHASE_6, KAHAN_LI_8, STOERMER_VERLET])
+@pytest.mark.parametrize("size", [blocked.LEAST_SITES, blocked.LEAST_SITES + 3 * blocked.LANES])
+@pytest.mark.parametrize("steps", [0, 1, blocked.MEETING, 2 * blocked.MEETING + 3])
+def test_two_cores_give_the_bits_of_one(scheme: Splitting, size: int, steps: int) -> None:
+    y, s = 0.05 * np.random.default_rng(3).standard_normal((2, size))
+    u, v = y.copy(), s.copy()
+    work = 0.2 * scheme.drifts, 0.2 * scheme.kicks, steps, *Model(4.0, 0.2, 1.0).kernel
+    blocked.advance_blocked(y, s, *work)
+    blocked.advance_on_two_cores(u, v, *work)
+    np.testing.assert_array_equal(u, y)
+    np.testing.assert_array_equal(v, s)
+
+
+def test_a_worker_process_leaves_the_other_core_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(blocked.os, "cpu_count", lambda: 2)
+    assert blocked.pays(blocked.LEAST_SITES)
+    assert not blocked.pays(blocked.LEAST_SITES - 1)
+    monkeypatch.setattr(multiprocessing, "parent_process", lambda: object())
+    assert not blocked.pays(blocked.LEAST_SITES)
+
+
+def test_one_core_is_not_divided(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(blocked.os, "cpu_count", lambda: 1)
+    assert not blocked.pays(blocked.LEAST_SITES)

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from lattice.model import Constants
-from lattice.sites.blow_up import find_blow_up
-from lattice.sites.state import State
+from lattice.model import Model
+from lattice.state import State, find_blow_up
 
-SOFT = Constants(1.0, 0.0, -1.0)
+SOFT = Model(1.0, 0.0, -1.0)
 
 
 def state(value: float) -> State:
@@ -35,7 +34,7 @@ def test_criterion_time_and_site_are_named(value: float, criterion: str) -> None
 
 
 def test_runaway_strain_on_a_hard_lattice() -> None:
-    found = find_blow_up(Constants(1.0, 0.0, 1.0), state(10.1), 0.1)
+    found = find_blow_up(Model(1.0, 0.0, 1.0), state(10.1), 0.1)
     assert found is not None
     assert "100-fold" in found.criterion
 
@@ -56,7 +55,7 @@ def test_a_velocity_that_is_not_finite_is_seen() -> None:
 @pytest.mark.parametrize("K4", [-0.3, 0.0, 0.26, 0.3])
 def test_the_extremes_alone_tell_what_all_sites_do(K3: float, K4: float) -> None:
     """Catches: a soft strain between the extremes, or at one of them, that is overlooked."""
-    constants = Constants(1.0, K3, K4)
+    constants = Model(1.0, K3, K4)
     for least, most in ((-0.5, 0.2), (-2.0, 0.5), (-0.5, 2.0), (-2.0, 2.0), (0.9, 2.0)):
         strains = np.linspace(least, most, 4001)
         made = State(0.0, 0, strains, np.zeros(strains.size))

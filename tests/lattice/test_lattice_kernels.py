@@ -10,13 +10,13 @@ from numba import float64, njit, none
 
 import derive
 from derive import symbols
-from lattice.kernels import plain as stencil
-from lattice.model import Array, Constants
+from lattice.kernels import plain
+from lattice.model import Array, Model
 from lattice.schemes.catalogue import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET
 from lattice.schemes.scheme import Scheme
-from lattice.sites.state import State, ring_energy
+from lattice.state import State, ring_energy
 
-SIZES = (3, 4, stencil.BLOCK - 1, stencil.BLOCK, stencil.BLOCK + 1, 2 * stencil.BLOCK + 2)
+SIZES = (3, 4, plain.BLOCK - 1, plain.BLOCK, plain.BLOCK + 1, 2 * plain.BLOCK + 2)
 PRESENT = list(itertools.product((0.0, 0.7), (0.0, -0.4)))
 
 
@@ -24,7 +24,7 @@ def laplacian(values: Array) -> Array:
     return np.roll(values, -1) - 2.0 * values + np.roll(values, 1)
 
 
-def force(y: Array, constants: Constants) -> Array:
+def force(y: Array, constants: Model) -> Array:
     return constants.K2 * y + constants.K3 * y**2 + constants.K4 * y**3
 
 
@@ -37,7 +37,7 @@ def smooth_ring(size: int, rng: np.random.Generator) -> tuple[Array, Array]:
 def test_composition_equals_plain_numpy(
     size: int, K3: float, K4: float, rng: np.random.Generator
 ) -> None:
-    constants, h = Constants(1.3, K3, K4), 0.1
+    constants, h = Model(1.3, K3, K4), 0.1
     y, s = smooth_ring(size, rng)
     plain_y, plain_s = y.copy(), s.copy()
     for _ in range(3):
@@ -52,7 +52,7 @@ def test_composition_equals_plain_numpy(
 @pytest.mark.parametrize(("K3", "K4"), PRESENT)
 def test_rk4_equals_the_textbook_form(K3: float, K4: float, rng: np.random.Generator) -> None:
     """The kernel runs the Nystroem form of the table; the textbook form has four (y, s) stages."""
-    constants, h = Constants(1.3, K3, K4), 0.2
+    constants, h = Model(1.3, K3, K4), 0.2
     y, s = smooth_ring(17, rng)
 
     def rate(state: Array) -> Array:
@@ -76,10 +76,10 @@ def test_force_and_stiffness_are_those_of_the_derivation(K3: float, K4: float) -
     lattice = derive.LATTICES["fput_strain"]
     numbers = {symbols.K2: sp.Rational(13, 10), symbols.K3: K3, symbols.K4: K4}
     polynomial = lattice.bonds[0].force.subs(numbers).subs(symbols.x, y)
-    constants = Constants(1.3, K3, K4)
+    constants = Model(1.3, K3, K4)
     for value in (-0.9, 0.0, 0.35):
         exact = float(polynomial.subs(y, value))
-        assert stencil.force(value, *constants.kernel) == pytest.approx(exact, abs=1e-15)
+        assert plain.force(value, *constants.kernel) == pytest.approx(exact, abs=1e-15)
         slope = float(sp.diff(polynomial, y).subs(y, value))
         assert constants.stiffness(np.array(value)) == pytest.approx(slope, abs=1e-15)
 
@@ -93,7 +93,7 @@ def test_absent_terms_are_absent_from_the_machine_code(
     K3: object, K4: object, multiplications: int
 ) -> None:
     signature = (float64, float64, K3, K4)
-    fresh = njit(signature, error_model="numpy")(stencil.force.py_func)
+    fresh = njit(signature, error_model="numpy")(plain.force.py_func)
     code = fresh.overloads[signature].library.get_llvm_str()
     body = code[code.index("define") : code.index("\n}", code.index("define"))]
     assert len(re.findall(r"= fmul", body)) == multiplications
@@ -103,7 +103,7 @@ def test_absent_terms_are_absent_from_the_machine_code(
 def test_no_steps_change_nothing(scheme: Scheme, rng: np.random.Generator) -> None:
     y, s = smooth_ring(9, rng)
     before = y.copy(), s.copy()
-    scheme.advance(y, s, 0.1, 0, Constants(1, 0, 1))
+    scheme.advance(y, s, 0.1, 0, Model(1, 0, 1))
     assert np.array_equal(y, before[0])
     assert np.array_equal(s, before[1])
 
@@ -113,16 +113,16 @@ def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -
     """The discrete Laplacian sums to zero on a ring: a leak at the seam would show."""
     y, s = smooth_ring(50, rng)
     total = s.sum()
-    scheme.advance(y, s, 0.1, 50, Constants(1, 0.3, 1))
+    scheme.advance(y, s, 0.1, 50, Model(1, 0.3, 1))
     assert s.sum() == pytest.approx(total, abs=1e-12)
 
 
 def test_symmetric_schemes_run_backwards(rng: np.random.Generator) -> None:
     y, s = smooth_ring(40, rng)
     before = y.copy(), s.copy()
-    KAHAN_LI_8.advance(y, s, 0.3, 40, Constants(1, 0, 1))
+    KAHAN_LI_8.advance(y, s, 0.3, 40, Model(1, 0, 1))
     assert np.max(np.abs(y - before[0])) > 0.1
-    KAHAN_LI_8.advance(y, s, -0.3, 40, Constants(1, 0, 1))
+    KAHAN_LI_8.advance(y, s, -0.3, 40, Model(1, 0, 1))
     np.testing.assert_allclose(y, before[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(s, before[1], rtol=0, atol=1e-11)
 
@@ -130,7 +130,7 @@ def test_symmetric_schemes_run_backwards(rng: np.random.Generator) -> None:
 def test_energy_is_conserved_without_drift_and_only_by_symplectic_schemes(
     rng: np.random.Generator,
 ) -> None:
-    constants = Constants(1, 0.3, 1)
+    constants = Model(1, 0.3, 1)
     drift = {}
     for scheme in SCHEMES:
         y, s = smooth_ring(64, rng)

@@ -17,10 +17,9 @@ from lattice.schemes.catalogue import (
     STOERMER_VERLET,
     SUZUKI_UMENO_8,
 )
-from lattice.schemes.nystroem_conditions import phase_lag_defect, splitting_defect
-from lattice.schemes.order_conditions import composition_defect, runge_kutta_defect, trees, words
-from lattice.schemes.scheme import Composition
-from lattice.schemes.splitting import Splitting
+from lattice.schemes.order import check_order, nystroem_defect, phase_lag_defect
+from lattice.schemes.scheme import Composition, Scheme, Splitting
+from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
 COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
 
@@ -31,49 +30,58 @@ def test_compositions_have_their_order_to_all_digits_and_no_more(scheme: Composi
     assert composition_defect(scheme.gammas, scheme.order + 1) > 1e-4
 
 
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_every_table_has_the_order_that_it_claims_and_no_more(scheme: Scheme) -> None:
+    check_order(scheme)
+    assert nystroem_defect(scheme.table(), scheme.order + 1) > 1e-6
+
+
+def off(literal: str, change: str) -> str:
+    return str(Decimal(literal) + Decimal(change))
+
+
 @pytest.mark.parametrize("scheme", [SUZUKI_UMENO_8, KAHAN_LI_8], ids=lambda scheme: scheme.name)
-@pytest.mark.parametrize("place", range(8))
+@pytest.mark.parametrize("place", range(7))
 def test_one_digit_off_is_refused(scheme: Composition, place: int) -> None:
     """A change of 1e-20 in one weight is far below what an order test by slopes can see."""
-    literal = scheme.half[place]
-    wrong = str(Decimal(literal) + Decimal("1e-20"))
-    half = (*scheme.half[:place], wrong, *scheme.half[place + 1 :])
+    half = list(scheme.half)
+    half[place] = off(half[place], "1e-20")
+    with pytest.raises(ValueError, match=r"must sum to 1 .* got a defect of 2\.0e-20"):
+        replace(scheme, half=tuple(half))
+    half[-1] = off(half[-1], "-2e-20")
+    consistent = replace(scheme, half=tuple(half))
     with pytest.raises(ValueError, match=r"order 8 .* got a defect"):
-        replace(scheme, half=half)
+        check_order(consistent)
 
 
 @pytest.mark.parametrize(
     "scheme", [MCLACHLAN_4, BLANES_MOAN_6, REDUCED_PHASE_6], ids=lambda scheme: scheme.name
 )
-def test_splittings_have_their_orders_and_no_more(scheme: Splitting) -> None:
-    tables = literals(scheme.drift_half, scheme.kick_half)
-    assert splitting_defect(*tables, scheme.order) < 1e-13
-    assert splitting_defect(*tables, scheme.order + 1) > 1e-6
+def test_splittings_have_their_phase_lag_order_and_no_more(scheme: Splitting) -> None:
     reached = max(scheme.order, scheme.phase_order)
-    assert phase_lag_defect(*tables, reached) < 1e-13
-    assert phase_lag_defect(*tables, reached + 2) > 1e-11
+    assert phase_lag_defect(*scheme.exact, reached) < scheme.rounding
+    assert phase_lag_defect(*scheme.exact, reached + 2) > 1e-11
 
 
-def literals(drifts: tuple[str, ...], kicks: tuple[str, ...]) -> tuple[list[str], list[str]]:
-    """All weights of a symmetric splitting; the longer half, or the kicks, hold the middle."""
-    drift_middle = len(drifts) > len(kicks)
-    return (
-        [*drifts, *drifts[::-1][drift_middle:]],
-        [*kicks, *kicks[::-1][not drift_middle :]],
-    )
-
-
-@pytest.mark.parametrize("place", range(7))
+@pytest.mark.parametrize("place", range(6))
 def test_one_digit_off_in_a_splitting_is_refused(place: int) -> None:
-    half = REDUCED_PHASE_6.kick_half
-    wrong = str(Decimal(half[place]) + Decimal("1e-22"))
+    half = list(REDUCED_PHASE_6.kick_half)
+    half[place] = off(half[place], "1e-22")
+    with pytest.raises(ValueError, match=r"must sum to 1 .* got a defect of 2\.0e-22"):
+        replace(REDUCED_PHASE_6, kick_half=tuple(half))
+    half[-1] = off(half[-1], "-2e-22")
     with pytest.raises(ValueError, match=r"order 6 .* got a defect"):
-        replace(REDUCED_PHASE_6, kick_half=(*half[:place], wrong, *half[place + 1 :]))
+        check_order(replace(REDUCED_PHASE_6, kick_half=tuple(half)))
 
 
 def test_a_phase_lag_order_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match="phase-lag order 8"):
-        replace(BLANES_MOAN_6, phase_order=8)
+        check_order(replace(BLANES_MOAN_6, phase_order=8))
+
+
+def test_halves_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(ValueError, match="drift_half must have as many weights as kick_half"):
+        replace(BLANES_MOAN_6, drift_half=BLANES_MOAN_6.drift_half[:3])
 
 
 def test_phase_lag_is_that_of_the_matrices() -> None:
@@ -102,17 +110,22 @@ def test_a_yoshida_weight_off_by_a_thousandth_is_refused() -> None:
     """Such a scheme still shows slope 3.95 on coarse steps."""
     outer = "1.35120719195965763404768780897"
     inner = "-1.70241438391931526809537561795"
-    Composition("yoshida_4", 4, (outer, inner), "")
+    check_order(Composition("yoshida_4", 4, (outer, inner), ""))
+    wrong = Composition("yoshida_4", 4, ("1.3525", "-1.705"), "")
     with pytest.raises(ValueError, match="order 4"):
-        Composition("yoshida_4", 4, ("1.3525", "-1.705"), "")
+        check_order(wrong)
 
 
 def test_runge_kutta_table_is_exact_and_perturbations_are_refused() -> None:
     assert runge_kutta_defect(RK4.A, RK4.b, 4) == 0
     with pytest.raises(ValueError, match="order 5"):
-        replace(RK4, order=5)
+        check_order(replace(RK4, order=5))
     with pytest.raises(ValueError, match="order 4"):
-        replace(RK4, b=(Fraction(1, 4),) * 4)
+        check_order(replace(RK4, b=(Fraction(1, 4),) * 4))
+    with pytest.raises(ValueError, match="b must sum to 1, got 3/4 in rk4"):
+        replace(RK4, b=(*RK4.b[:3], Fraction(-1, 12)))
+    with pytest.raises(ValueError, match="A must have 4 rows and columns"):
+        replace(RK4, A=RK4.A[:3])
 
 
 def test_jameson_is_not_of_order_four() -> None:
@@ -123,7 +136,7 @@ def test_jameson_is_not_of_order_four() -> None:
     b = (Fraction(0), Fraction(0), Fraction(0), Fraction(1))
     assert runge_kutta_defect(A, b, 2) == 0
     with pytest.raises(ValueError, match="order 4"):
-        replace(RK4, A=A, b=b)
+        check_order(replace(RK4, A=A, b=b))
 
 
 def test_an_implicit_table_is_refused() -> None:

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from lattice.model import Array, Constants
+from lattice.model import Array, Model
 from lattice.schemes.catalogue import SCHEMES
 from lattice.schemes.scheme import RungeKutta, Scheme
 
-CONSTANTS = Constants(1.0, 0.4, 0.9)
+CONSTANTS = Model(1.0, 0.4, 0.9)
 DURATION = 12.0
 STEPS = {
     "stoermer_verlet": (120, 240, 480),
@@ -85,7 +85,9 @@ def from_table(
                 s = s + kick * h * g(y)
             y = y + scheme.drifts[-1] * h * s
         else:
-            nodes, inner, outer, weights = scheme.nystroem
+            nodes, inner, outer, weights = (
+                np.array(part, dtype=object).astype(float) for part in scheme.table()
+            )
             rates: list[Array] = []
             for node, row in zip(nodes, inner, strict=True):
                 known = sum((a * r for a, r in zip(row, rates, strict=False)), np.zeros_like(y))

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.spectral.evolution import SamplingError, SpectralRing
 from lattice.spectral.ring import RingState
 
-CONSTANTS = Constants(4.0, 0.0, 1.0)
+CONSTANTS = Model(4.0, 0.0, 1.0)
 
 
 def _bump(sites: int, width: float = 5.0) -> RingState:
@@ -22,7 +22,7 @@ def _bump(sites: int, width: float = 5.0) -> RingState:
 
 @pytest.mark.parametrize(("K3", "K4"), [(0.0, 1.0), (0.2, -0.5), (0.1, 0.0)])
 def test_engines_agree(K3: float, K4: float) -> None:
-    constants = Constants(4.0, K3, K4)
+    constants = Model(4.0, K3, K4)
     state = _bump(512)
     ring = SpectralRing(constants, state.resampled(1024), 0.03)
     y, s = state.y.copy(), state.s.copy()
@@ -47,7 +47,7 @@ def test_one_point_a_site_folds_short_waves() -> None:
 
 def test_mean_drifts() -> None:
     state = RingState(0.0, 0.0, 64.5, np.full(64, 0.1), np.full(64, 1e-3))
-    reached = SpectralRing(Constants(1.0, 0.0, 1.0), state, 1.0).at(10.0)
+    reached = SpectralRing(Model(1.0, 0.0, 1.0), state, 1.0).at(10.0)
     np.testing.assert_allclose(reached.y, 0.11, atol=1e-12)
     np.testing.assert_allclose(reached.s, 1e-3, atol=1e-12)
 
@@ -80,7 +80,7 @@ def test_waves_must_exist() -> None:
     state = _bump(64)
     large = RingState(0.0, state.left, 64.0, 20.0 * state.y, state.s)
     with pytest.raises(FloatingPointError, match=r"<= 0 at t = 0, site"):
-        SpectralRing(Constants(4.0, 0.0, -1.0), large, 1.0)
+        SpectralRing(Model(4.0, 0.0, -1.0), large, 1.0)
 
 
 def test_interpolation() -> None:
@@ -99,7 +99,7 @@ def test_waves_that_every_site_sees_as_a_constant_stay() -> None:
     x = length / count * np.arange(count)
     y = 0.1 * np.cos(2 * np.pi * x / length) + 0.02 * np.cos(2 * np.pi * x)
     s = 0.001 * np.sin(4 * np.pi * x)
-    ring = SpectralRing(Constants(1.0, 0.0, 1e-12), RingState(0.0, 0.0, length, y, s), 0.5)
+    ring = SpectralRing(Model(1.0, 0.0, 1e-12), RingState(0.0, 0.0, length, y, s), 0.5)
     for t in (0.0, 7.3, 20.0):
         state = ring.at(t)
         frequency = 2.0 * np.sin(np.pi / length)

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import SCHEMES, scheme_named
-from lattice.schemes.scheme import Scheme
-from lattice.schemes.stability import check_step, stability_limit
+from lattice.schemes.scheme import Scheme, check_step, stability_limit
 
-LINEAR = Constants(4.0, 0.0, 0.0)
+LINEAR = Model(4.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
@@ -34,7 +33,7 @@ def test_known_limits(name: str, limit: float) -> None:
 
 def test_strain_stiffens_the_lattice() -> None:
     """Forgetting 3 K4 y^2 lets a step through that is unstable on the crest."""
-    scheme, constants = scheme_named("rk4"), Constants(4.0, 0.0, 1.0)
+    scheme, constants = scheme_named("rk4"), Model(4.0, 0.0, 1.0)
     step = 0.99 * stability_limit(scheme) / 4.0
     check_step(step, scheme, constants, np.zeros(3))
     with pytest.raises(ValueError, match=r"step must satisfy step <= 0\.53.*rk4.*smaller step"):

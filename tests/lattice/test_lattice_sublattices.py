@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import derive
-from lattice.model import Constants
-from lattice.spectral.sublattices import DENSITY, energy_spread
+from lattice.model import Model
+from lattice.spectral.ring import DENSITY, energy_spread
 from solutions import Wave, closed_form
 from verify.comparison.spectral_data import ring_data
 
@@ -16,7 +16,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
     """The spread of a soliton's energies, and the same from sums over the sites of each lattice."""
     wave = Wave(closed_form("soliton_sech"), derive.mkdv_normal_form(1, 1), A=1)
     eps = steepness / float(wave.normal_form.a)
-    data = ring_data(Constants(1.0, 0.0, 1.0), wave, eps, (0.0, 100.0), 60, 1e-4)
+    data = ring_data(Model(1.0, 0.0, 1.0), wave, eps, (0.0, 100.0), 60, 1e-4)
     ring = data.ring(data.smallest)
     state = data.state(ring, 2 * round(points_per_site * ring.circumference / 2))
     sites = round(ring.circumference / 2 - data.seam(ring.circumference))

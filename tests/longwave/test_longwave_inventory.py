@@ -8,7 +8,7 @@ import pytest
 import longwave.inventory as inventory
 from derive import LATTICES
 from longwave.__main__ import main
-from longwave.commands import KINDS
+from longwave.command_tree import KINDS
 from solutions import CATALOGUE
 from verify.comparison import (
     OBSERVABLES,
@@ -24,7 +24,7 @@ NAMES = {
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
-    "observables": list(OBSERVABLES),
+    "observables": [observable.name for observable in OBSERVABLES],
 }
 
 

@@ -1,31 +1,26 @@
-"""``python -m verify run SCENE``: run a scene file or a shipped scene."""
+"""``python -m verify run SCENE``: run a scene, print its errors, cost and trust."""
 
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
 
-from derive.command_line import OneLineParser, announce, fail, interrupted
-from verify.comparison.restart import save_run
+from derive.command_line import announce, fail, interrupted
+from verify.comparison.recording import UnfinishedRun
 from verify.comparison.run import run
-from verify.comparison.scene import (
-    ENGINES,
-    Scene,
-    further_scenes,
-    load_scene,
-    shipped_scenes,
-    with_tolerance,
+from verify.comparison.saved_run import save_run
+from verify.comparison.scene import Scene, with_tolerance
+from verify.comparison.scene_catalogue import (
+    find_scene,
 )
-from verify.comparison.scene_families import rational_family_scenes
-from verify.comparison.summary import print_summary
-from verify.comparison.trust import trust_attributes
-from verify.comparison.unfinished import UnfinishedRun
-
-PROGRAM = "python -m verify run"
+from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 
 Tell = Callable[[float], None]
 
@@ -40,18 +35,13 @@ class Options:
     output: str | None = None
 
 
-def run_command(arguments: Sequence[str]) -> int:
+def run_and_print(options: Options, program: str) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
 
-    ``arguments`` are the words after ``run``. Exit status 0, 1 if the run blew up, 2 for bad
-    input, told in one line, and 130 after Ctrl-C: what was recorded until then is printed and
-    written, too. More than 10 s are announced.
+    Exit status 0, 1 if the run blew up, 2 for bad input, told in one line, and 130 after Ctrl-C,
+    which ``program`` tells: what was recorded until then is printed and written, too. More than
+    10 s are announced.
     """
-    return run_and_print(_parser().parse_args(list(arguments), Options()), PROGRAM)
-
-
-def run_and_print(options: Options, program: str) -> int:
-    """As `run_command`, for options that are read; ``program`` is what Ctrl-C is told by."""
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(options.output)
@@ -88,25 +78,6 @@ def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
     return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
-def _parser() -> OneLineParser:
-    parser = OneLineParser(
-        prog="python -m verify run",
-        description="Run the lattice from a closed-form wave and compare the two.",
-        epilog=f"Shipped scenes: {', '.join((*shipped_scenes(), *further_scenes()))}; "
-        f"families: {', '.join(rational_family_scenes())}.",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or a shipped scene's name")
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="X",
-        help="sup error of y/eps to be kept; step and domain are then chosen by the program",
-    )
-    parser.add_argument("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance")
-    parser.add_argument("--output", metavar="FILE.nc", help="write the run as netCDF")
-    return parser
-
-
 def check_output(text: str | None, example: str = "run.nc") -> None:
     """Raise ValueError before anything is computed if ``text`` can be no file's path."""
     if text is None:
@@ -119,22 +90,11 @@ def check_output(text: str | None, example: str = "run.nc") -> None:
         raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
 
 
-def find_scene(text: str) -> Scene:
-    """The scene in a TOML file, or the shipped one or member of a family of that name.
-
-    Raises ValueError for a file that cannot be read and a name that is none.
-    """
-    if text.endswith(".toml") or Path(text).is_file():
-        return Scene.from_toml(text)
-    family = rational_family_scenes()
-    return family[text] if text in family else load_scene(text)
-
-
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
     """The scene with what the command line says in the place of what the file says."""
     if tolerance is not None:
         scene = with_tolerance(scene, tolerance)
-    return scene if engine is None else replace(scene, engine=engine)
+    return scene if engine is None else scene.changed(engine=engine)
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
@@ -160,3 +120,78 @@ def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell,
             bar.start()
 
         yield lambda share: bar.update(task, completed=share), tell
+
+
+COLUMNS = {
+    "error": "relative error",
+    "error_far_field": "against far field",
+    "time_step_error": "time step / eps",
+    "domain_error": "domain / eps",
+}
+
+
+def print_summary(dataset: xr.Dataset, scene: Scene, console: Console) -> None:
+    """Print a run's errors, its cost, what can be trusted of it, and a blow-up if there was one."""
+    shown = {name: title for name, title in COLUMNS.items() if name in dataset}
+    if shown:
+        table = Table("t", *shown.values(), title=dataset.attrs["title"])
+        for index, t in enumerate(dataset["time"].values):
+            table.add_row(f"{t:g}", *(f"{float(dataset[name][index]):.3g}" for name in shown))
+        console.print(table)
+    for line in summary_lines(dataset, scene):
+        console.print(line, markup=False, soft_wrap=True)
+
+
+def summary_lines(dataset: xr.Dataset, scene: Scene) -> Iterator[str]:
+    """The lines below the table."""
+    yield _cost(dataset)
+    if "trust_rate" in dataset.attrs:
+        yield _trust(dataset.attrs, scene)
+    if "unfinished" in dataset.attrs:
+        yield f"unfinished: {dataset.attrs['unfinished']}"
+    if dataset.attrs["blow_up"]:
+        yield f"{dataset.attrs['blow_up']}; {dataset.sizes['time']} snapshots before it are kept"
+
+
+def _trust(found: Mapping[str, Any], scene: Scene) -> str:
+    """Whether the periodic background is stable, and until when rounding stays small if not."""
+    if found["trust_rate"] == 0.0:
+        return "background: periodic and stable"
+    if math.isnan(found["trust_rate"]):
+        return "background: periodic, its crests too far apart for its stability to be computed"
+    last, allowed = scene.t0 + found["trust_horizon"], scene.tolerance or USUAL_TOLERANCE
+    verdict = "before" if scene.end <= last else "after that, and is not to be trusted there"
+    return (
+        f"background: periodic and unstable; the fastest perturbation grows like "
+        f"exp({found['trust_rate']:.3g} t), rounding reaches {allowed:g} eps "
+        f"{found['trust_horizon']:.3g} after t0, at t = {last:.3g}; "
+        f"the scene ends {verdict}"
+    )
+
+
+def _cost(dataset: xr.Dataset) -> str:
+    """The cost line: what was done, how exact it is, what it took, and what more would take."""
+    cost = dataset.attrs
+    line = (
+        f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
+        f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"
+    )
+    if "step_limit" in cost:
+        line += f" (step limit {cost['step_limit']:.3g})"
+    return line + (_accuracy(cost) if "error_estimate" in cost else "")
+
+
+def _accuracy(cost: Mapping[str, Any]) -> str:
+    """Estimate against tolerance, planning, and the next decade if the tolerance was met."""
+    line = (
+        f"; error estimate {cost['error_estimate']:.2g} of {cost['tolerance']:g} allowed, "
+        f"planned in {cost['planning_seconds']:.2f} s"
+    )
+    if "next_decade" not in cost:
+        return line
+    dear = cost["next_decade"]
+    return (
+        f"{line}; an estimate of "
+        f"{cost['error_estimate'] / 10:.2g} would take {dear:.2g} times as long, "
+        f"{dear * cost['seconds']:.2g} s"
+    )

@@ -6,24 +6,21 @@
 ('breather_sn', 0.05, (-100.0, 0.0, 100.0))
 """
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import SCHEMES, scheme_named
-from lattice.schemes.scheme import Composition, RungeKutta, Scheme
-from lattice.schemes.stability import stability_limit
-from lattice.sites.blow_up import BlowUp
-from verify.comparison.error import relative_sup_error
-from verify.comparison.restart import load_run, resume, save_run
+from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
+from lattice.state import BlowUp
+from verify.comparison.observables import OBSERVABLES
 from verify.comparison.run import run
-from verify.comparison.scene import (
-    ENGINES,
-    OBSERVABLES,
-    Scene,
+from verify.comparison.saved_run import load_run, resume, save_run
+from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
+from verify.comparison.scene_catalogue import (
     further_scenes,
     load_scene,
+    rational_family_scenes,
     shipped_scenes,
-    with_tolerance,
 )
-from verify.comparison.scene_families import rational_family_scenes
+from verify.comparison.view import relative_sup_error
 
 __all__ = [
     "ENGINES",
@@ -31,10 +28,12 @@ __all__ = [
     "SCHEMES",
     "BlowUp",
     "Composition",
-    "Constants",
+    "Discretisation",
+    "Model",
     "RungeKutta",
     "Scene",
     "Scheme",
+    "Tolerance",
     "further_scenes",
     "load_run",
     "load_scene",

@@ -11,42 +11,23 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.sites.blow_up import BlowUp
-from lattice.sites.inflow_check import WATCHED, FeedMonitor
-from lattice.sites.seam import DEPTH, Fading, fade_at_seam, negate_at_seam
-from lattice.sites.state import State, empty_state
-from lattice.sites.stepper import Domain
+from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
+from lattice.state import WATCHED, BlowUp, InflowCheck, State, empty_state
+from lattice.stepper import Domain
 from solutions import Wave
 from verify.comparison.initial_data import Tail, initial_data
-from verify.comparison.observables import entry_named
+from verify.comparison.observables import observable_named
 from verify.comparison.scene import Scene
+from verify.comparison.view import frame
+from verify.comparison.wave_bounds import MARGIN, front, seam_room
 
 Array = NDArray[np.float64]
 
 STRIDE = 64
 """Most sites by which a window moves at once."""
 
-MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
-
-KINK = 80.0
-"""Room for a kink at the seam, in units of its width."""
-
 BISECTIONS = 40
 """Halvings to the speed that a ring holds."""
-
-FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
-
-
-def frame(scene: Scene, t: float) -> int:
-    """The site nearest to c t: the middle of the compared region."""
-    return math.floor(scene.constants.sound_speed() * t + 0.5)
-
-
-def compared_sites(scene: Scene, t: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """The sites within ``compared`` of c t."""
-    return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
 
 
 def least_window(compared: int) -> int:
@@ -79,21 +60,6 @@ def speed_held(scene: Scene, sites: float) -> float:
     return slow
 
 
-def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def seam_room(wave: Wave, eps: float) -> float:
-    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
-    if wave.constant_background is not None:
-        return 0.0
-    if wave.wavelength is not None:
-        return 2.0 * wave.wavelength / eps
-    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-    return KINK / (float(wave.normal_form.a) * eps * height)
-
-
 def creeping(scene: Scene, wave: Wave) -> int:
     """Sites by which sound on the wave's constant background gains on c t during the scene."""
     background = scene.eps * (wave.constant_background or 0.0)
@@ -109,7 +75,7 @@ def window_moves(scene: Scene) -> tuple[float, ...]:
 
 
 @dataclass
-class Ring:
+class SiteRing:
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
@@ -128,7 +94,9 @@ class Ring:
         """The initial state on all sites of the ring."""
         scene = self.scene
         middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
-        state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
+        state = empty_state(
+            scene.t0, middle - scene.discretisation.sites // 2, scene.discretisation.sites
+        )
         state.store(state.sites, *self._data(state))
         self._check(state)
         self._fading = self._build_fading()
@@ -141,12 +109,12 @@ class Ring:
 
     def _build_fading(self) -> Fading | None:
         scene, wave = self.scene, self.wave
-        whole = any(entry_named(name).all_sites for name in scene.observables)
-        if scene.domain != "closed_ring" or whole or scene.end == scene.t0:
+        whole = any(observable_named(name).all_sites for name in scene.observables)
+        if scene.discretisation.domain != "closed_ring" or whole or scene.end == scene.t0:
             return None
-        speed = speed_held(scene, scene.sites - seam_room(wave, scene.eps))
+        speed = speed_held(scene, scene.discretisation.sites - seam_room(wave, scene.eps))
         level = scene.eps * (wave.constant_background or 0.0)
-        depth = max(float(DEPTH), (wave.wavelength or 0.0) / scene.eps)
+        depth = max(float(FADING_DEPTH), (wave.wavelength or 0.0) / scene.eps)
         return Fading(scene.t0, speed, level, depth)
 
     def _data(self, state: State) -> tuple[Array, Array]:
@@ -157,7 +125,7 @@ class Ring:
         """
         scene, wave = self.scene, self.wave
         room = seam_room(wave, scene.eps)
-        if scene.domain == "ring" or room == 0.0:
+        if scene.discretisation.domain == "ring" or room == 0.0:
             return initial_data(wave, scene, state.sites)
         middle = state.left + 0.5 * state.size
         length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
@@ -177,17 +145,17 @@ class Ring:
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
-        if self.scene.domain == "closed_ring":
+        if self.scene.discretisation.domain == "closed_ring":
             return found
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
         reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found
 
     def _check(self, state: State) -> None:
-        least = least_ring(self.scene, state.y)
-        if self.scene.sites < least:
+        least, sites = least_ring(self.scene, state.y), self.scene.discretisation.sites
+        if sites < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} on this ring, got {self.scene.sites} "
+                f"sites must satisfy sites >= {least} on this ring, got {sites} "
                 "(else signals from the seam reach the compared sites; widen it or end earlier)"
             )
 
@@ -213,16 +181,16 @@ class Window:
         background = self.wave.constant_background
         if background is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.scene.wave}, got 'window' "
+                f"domain must be 'ring' for {self.scene.wave_name}, got 'window' "
                 "(its background is not constant)"
             )
-        self.monitor = FeedMonitor(self.scene.eps)
+        self.monitor = InflowCheck(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.moves = frozenset(window_moves(self.scene))
-        least = least_window(self.scene.compared)
-        if self.scene.sites < least:
+        least, sites = least_window(self.scene.compared), self.scene.discretisation.sites
+        if sites < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} in this window, got {self.scene.sites} "
+                f"sites must satisfy sites >= {least} in this window, got {sites} "
                 "(its ends would touch the compared sites; widen it)"
             )
 
@@ -234,7 +202,11 @@ class Window:
     def start(self) -> State:
         """The initial state, centred on c t0."""
         scene = self.scene
-        state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
+        state = empty_state(
+            scene.t0,
+            frame(scene, scene.t0) - scene.discretisation.sites // 2,
+            scene.discretisation.sites,
+        )
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
 
@@ -247,7 +219,7 @@ class Window:
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
-        left = frame(self.scene, state.t) - self.scene.sites // 2
+        left = frame(self.scene, state.t) - self.scene.discretisation.sites // 2
         fed = 2 * (left - state.left) + MARGIN
         state.left = left
         end = left + state.size
@@ -263,7 +235,7 @@ class Window:
         scene = self.scene
         gain = self.background_speed - scene.constants.sound_speed()
         drift = gain * (scene.end - scene.t0)
-        end = scene.sites - scene.sites // 2
+        end = (scene.discretisation.sites + 1) // 2
         begin = end - (2 * (STRIDE + 1) + MARGIN + WATCHED)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, scene, self.background_speed, low, high)
@@ -271,4 +243,4 @@ class Window:
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:
     """The domain that the scene asks for."""
-    return Window(scene, wave) if scene.domain == "window" else Ring(scene, wave)
+    return Window(scene, wave) if scene.discretisation.domain == "window" else SiteRing(scene, wave)

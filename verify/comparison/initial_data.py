@@ -1,13 +1,11 @@
-"""Numbers in a scene that are multiples of the quarter period: "K/2", "3*K/4", "K".
+"""The wave of a scene, and the lattice's initial data made from it.
 
-The grammar is ``[integer *] K [/ integer]`` and nothing else; nothing is evaluated as code.
+Numbers of a scene may be multiples of the quarter period: "K/2", "3*K/4", "K". The grammar is
+``[integer *] K [/ integer]`` and nothing else; nothing is evaluated as code.
 
-The wave of a scene, and the lattice's initial data made from it.
-
-What a window is fed at its front: the wave's initial far field, moved rigidly.
-
-In the frame that moves with it this is one smooth function, wanted on few hundred sites over and
-over again. It is therefore evaluated once, on Chebyshev points, and interpolated from there.
+What a window is fed at its front is the wave's initial far field, moved rigidly. In the frame that
+moves with it this is one smooth function, wanted on few hundred sites over and over again. It is
+therefore evaluated once, on Chebyshev points, and interpolated from there.
 """
 
 import re
@@ -22,7 +20,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 import derive
-from lattice.sites.state import Sites
+from lattice.state import Sites
 from solutions import ClosedForm, Wave, WaveValues, closed_form
 from solutions.exact import exact_number
 from solutions.run.jit import njit
@@ -74,11 +72,18 @@ def build_wave(scene: Scene) -> Wave:
     wrong sign for the wave's equation.
     """
     values = dict(scene.parameters)
-    form = closed_form(scene.wave, values)
+    form = scene_form(scene)
     _check_reduction(scene, form)
     modulus = exact_number("k", values["k"]) if "k" in values else None
     exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
     return Wave(form, derive.mkdv_normal_form(scene.K2, scene.K4), **exact)
+
+
+def scene_form(scene: Scene) -> ClosedForm:
+    """The closed form that the scene names or holds; a ValueError lists the known names."""
+    if isinstance(scene.wave, ClosedForm):
+        return scene.wave
+    return closed_form(scene.wave, dict(scene.parameters))
 
 
 def _check_reduction(scene: Scene, form: ClosedForm) -> None:
@@ -138,7 +143,7 @@ def rigid_data(wave: Wave, scene: Scene, speed: float, offsets: ArrayLike) -> tu
 DEGREES = (16, 32, 64, 128)
 """Degrees tried: Y2's far field takes the first of them."""
 
-ROUNDING = 1e-14
+INTERPOLATION_ERROR = 1e-14
 """Largest error of the interpolation, of y/eps or of what is largest."""
 
 _jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
@@ -200,6 +205,6 @@ class Tail:
             between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
             exact = self._exact(between)
             error = np.abs(_clenshaw(found, between) - exact).max()
-            if error <= ROUNDING * max(self.scene.eps, np.abs(exact).max()):
+            if error <= INTERPOLATION_ERROR * max(self.scene.eps, np.abs(exact).max()):
                 return found
         return None

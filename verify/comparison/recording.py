@@ -1,10 +1,7 @@
-"""When an observable sees the run.
+"""Running the lattice through a scene, seen by observers at their moments.
 
-Recorders: they see a run at their moments and give its variables at the end.
-
-What a run returns: what was recorded, with the scene, the versions and the cost.
-
-One march through a scene, seen by a list of observables.
+Recorders measure what the scene asks for; the data set that a run returns holds what was recorded,
+with the scene, the versions and the cost, and so does what Ctrl-C leaves of a run.
 """
 
 import time
@@ -17,16 +14,20 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from lattice.schemes.stability import check_step
-from lattice.sites.state import State
-from lattice.sites.stepper import March
+from lattice.schemes.scheme import check_step
+from lattice.state import State
+from lattice.stepper import Stepper
 from solutions import Wave
 from verify.comparison.domain import build_domain
-from verify.comparison.error import Comparison
-from verify.comparison.observables import axis_values
-from verify.comparison.observables.entry import TIME_DIMENSION, Entry, Moment, View
-from verify.comparison.observables.table import entry_named
+from verify.comparison.observables import (
+    TIME_DIMENSION,
+    Moment,
+    Observable,
+    axis_values,
+    observable_named,
+)
 from verify.comparison.scene import Scene
+from verify.comparison.view import View
 
 LOOK_EVALUATIONS = 1088
 """Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
@@ -67,7 +68,7 @@ def moments_of(scene: Scene, kind: Moment) -> Moments:
     if scene.look_points is not None:
         return Moments(_equidistant(scene, scene.look_points))
     share = (scene.end - scene.t0) / scene.curve_points
-    least = LOOK_EVALUATIONS / scene.scheme_table.stages * scene.step
+    least = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
     return Moments((), max(least, share) * (1.0 - 1e-12))
 
 
@@ -80,7 +81,7 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
 
-class Observable(Protocol):
+class Observer(Protocol):
     """Sees the run at its moments; gives its variables at the end."""
 
     @property
@@ -97,7 +98,7 @@ class Observable(Protocol):
 class Recorder:
     """Records the entries that share one kind of moment, and one time dimension."""
 
-    def __init__(self, entries: Sequence[Entry], moments: Moments, dimension: str) -> None:
+    def __init__(self, entries: Sequence[Observable], moments: Moments, dimension: str) -> None:
         self.entries = tuple(entries)
         self.moments = moments
         self.dimension = dimension
@@ -127,7 +128,7 @@ class Recorder:
 
 def build_recorders(scene: Scene) -> list[Recorder]:
     """One recorder for each kind of moment at which the scene wants something seen."""
-    entries = [entry_named(name) for name in scene.observables]
+    entries = [observable_named(name) for name in scene.observables]
     kinds: tuple[Moment, ...] = ("snapshots", "curve", "looks")
     return [
         Recorder(group, moments_of(scene, kind), TIME_DIMENSION[kind])
@@ -177,32 +178,33 @@ class Recording:
     ``stopped`` if Ctrl-C ended it.
     """
 
-    march: March
+    march: Stepper
     step_limit: float
     seconds: float
     stopped: bool = False
 
 
-def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[March, float]:
+def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Stepper, float]:
     """The march of a scene, kernels compiled, and the largest stable step.
 
     It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
     same scene. Raises ValueError for a step past the stability limit and for a domain that is too
     small.
     """
-    domain, scheme = build_domain(scene, wave), scene.scheme_table
+    domain, step = build_domain(scene, wave), scene.discretisation.step
+    scheme = scene.discretisation.table
     initial = domain.start()
-    limit = check_step(scene.step, scheme, scene.constants, initial.y)
-    scheme.advance(initial.y, initial.s, scene.step, 0, scene.constants)
+    limit = check_step(step, scheme, scene.constants, initial.y)
+    scheme.advance(initial.y, initial.s, step, 0, scene.constants)
     state = initial if restart is None else restart
     amplitude = float(np.max(np.abs(initial.y)))
-    return March(state, scheme, scene.constants, domain, scene.step, amplitude), limit
+    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
 
 
 def record(
     scene: Scene,
     wave: Wave,
-    observables: Sequence[Observable],
+    observers: Sequence[Observer],
     progress: Progress,
     restart: State | None = None,
 ) -> Recording:
@@ -212,16 +214,16 @@ def record(
     """
     march, step_limit = prepare(scene, wave, restart)
     begin = march.state.t
-    exact = {t for observable in observables for t in observable.moments.times}
+    exact = {t for observer in observers for t in observer.moments.times}
     first = {begin} if restart is None else set()
     times = sorted({t for t in exact if t > begin} | first | {scene.end})
     begun, stopped = time.perf_counter(), False
     try:
         for state in march.through(times):
-            view = Comparison(scene, wave, state)
-            for observable in observables:
-                if observable.moments.due(state.t):
-                    observable.see(view)
+            view = View(scene, wave, state)
+            for observer in observers:
+                if observer.moments.due(state.t):
+                    observer.see(view)
             progress(_share(begin, scene.end, state.t))
     except KeyboardInterrupt:
         stopped = True
@@ -230,3 +232,54 @@ def record(
 
 def _share(begin: float, end: float, t: float) -> float:
     return (t - begin) / (end - begin) if end > begin else 1.0
+
+
+LONG = 10.0
+"""Seconds from which work is announced."""
+
+
+class UnfinishedRun(KeyboardInterrupt):
+    """Ctrl-C during a run, which had recorded something: ``run``.
+
+    The run's attribute ``unfinished`` says why it is not what the scene asks for.
+    """
+
+    def __init__(self, run: xr.Dataset) -> None:
+        super().__init__("interrupted")
+        self.run = run
+
+
+def unfinished(
+    run: xr.Dataset | None, error: float | None, planning_seconds: float
+) -> KeyboardInterrupt:
+    """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
+    if run is None:
+        return KeyboardInterrupt("before anything was recorded")
+    found = run.assign_attrs(planning_seconds=planning_seconds)
+    why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
+    if error is None:
+        found.attrs["unfinished"] = f"{why}, its error not estimated"
+    else:
+        found.attrs |= {"unfinished": why, "error_estimate": error}
+    return UnfinishedRun(found)
+
+
+class Announcer:
+    """Passes on how many seconds are expected, if they are many and not what was said before.
+
+    >>> told = Announcer(print)
+    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
+    ...     told(seconds)
+    30.0
+    90.0
+    """
+
+    def __init__(self, announce: Callable[[float], None]) -> None:
+        self._announce = announce
+        self._said = LONG / 2.0
+
+    def __call__(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= max(LONG, 2.0 * self._said):
+            self._said = seconds
+            self._announce(seconds)

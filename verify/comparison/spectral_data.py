@@ -1,7 +1,4 @@
-"""The initial data of a spectral ring, from a closed form.
-
-Where the search for step and sampling begins: the scales of the data.
-"""
+"""The initial data of a spectral ring from a wave, and the scales at which a search begins."""
 
 import math
 from collections.abc import Sequence
@@ -11,13 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
-from lattice.sites.seam import REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
+from lattice.model import Model
+from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
 from lattice.spectral.ring import RingState, backward, forward
 from solutions import Wave
-from verify.comparison.domain import front, seam_room
 from verify.comparison.initial_data import lattice_data
-from verify.comparison.wave_bounds import Extent, find_extent
+from verify.comparison.wave_bounds import WaveBounds, find_bounds, front, seam_room
 
 Array = NDArray[np.float64]
 
@@ -39,7 +35,6 @@ SEEN = 4096
 ABSORBED = 2.0
 """Left-going waves of numbers below this are absorbed."""
 
-
 PASSED = 0.125
 """Right-going waves that fall farther behind c t, in circumferences, are absorbed."""
 
@@ -49,7 +44,7 @@ absorber ends is then no step for it."""
 
 
 @dataclass(frozen=True)
-class Ring:
+class RingPlace:
     """Where a ring lies: its middle is ``ahead`` of c t.
 
     On a ``causal`` one no signal from the seam reaches the compared sites in time.
@@ -64,16 +59,16 @@ class Ring:
 class RingData:
     """A wave on the lattice at time ``t0``, ready to be put on rings of any size.
 
-    ``extent`` holds the wave and the compared sites, the ``compared`` ones on either side of c t,
+    ``bounds`` holds the wave and the compared sites, the ``compared`` ones on either side of c t,
     at all times. A run that takes the time ``duration`` needs no ring wider than the causal one.
     """
 
-    constants: Constants
+    constants: Model
     wave: Wave
     eps: float
     t0: float
     compared: int
-    extent: Extent
+    bounds: WaveBounds
     duration: float = math.inf
 
     @property
@@ -95,7 +90,7 @@ class RingData:
     @property
     def smallest(self) -> float:
         """The smallest circumference: it holds the wave at all times, and the compared sites."""
-        least = ROOM * self.extent.width
+        least = ROOM * self.bounds.width
         if self.periodic:
             return max(LEAST * self.unit, least + 2.0 * self.unit)
         return least + 2.0 * self.seam(least)
@@ -120,7 +115,7 @@ class RingData:
             return 0.0
         return max(SMOOTH / circumference, 4.0 * math.asin(math.sqrt(behind)))
 
-    def ring(self, circumference: float, shift: float = 0.0) -> Ring:
+    def ring(self, circumference: float, shift: float = 0.0) -> RingPlace:
         """A ring of about that circumference, its middle off the usual place by ``shift`` of it.
 
         It is the causal ring if that is not wider.
@@ -128,11 +123,11 @@ class RingData:
         limit = self.causal
         if limit is not None and circumference >= limit.circumference:
             return limit
-        ahead = self.extent.middle + shift * circumference
-        return Ring(self._closed(circumference, ahead), ahead)
+        ahead = self.bounds.middle + shift * circumference
+        return RingPlace(self._closed(circumference, ahead), ahead)
 
     @cached_property
-    def causal(self) -> Ring | None:
+    def causal(self) -> RingPlace | None:
         """The ring whose seam cannot be felt within ``duration``, None if that is infinite.
 
         No signal is faster than sqrt(max V'') about the strains that it runs through, here those
@@ -146,16 +141,16 @@ class RingData:
         reach = self.seam(2.0 * fastest * self.duration + 2 * self.compared)
         half = self.compared + fastest * self.duration + front(fastest, self.duration) + reach
         ahead = c * self.duration
-        return Ring(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
+        return RingPlace(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
 
     @property
     def fastest(self) -> float:
-        """The largest speed of sound about the strains of the extent and of the data."""
-        x = self.smallest * (np.arange(SEEN) / SEEN - 0.5) + self.extent.middle
-        strain = np.concatenate([self._strain(x), self.extent.strain])
+        """The largest speed of sound about the strains of the bounds and of the data."""
+        x = self.smallest * (np.arange(SEEN) / SEEN - 0.5) + self.bounds.middle
+        strain = np.concatenate([self._strain(x), self.bounds.strain])
         return self.constants.highest_frequency(strain) / 2.0
 
-    def state(self, ring: Ring, points: int) -> RingState:
+    def state(self, ring: RingPlace, points: int) -> RingState:
         """The ring at t0, blended at its seam, without mean velocity."""
         length = ring.circumference
         x = length * (np.arange(points) / points - 0.5)
@@ -164,7 +159,7 @@ class RingData:
             crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
             return RingState(self.t0, left, length, y, s)
-        width = self.seam(length) / REACH
+        width = self.seam(length) / BLEND_REACH
         y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
         return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
 
@@ -175,7 +170,7 @@ class RingData:
         if self.kink:
             return 0.5 * seam_room(self.wave, self.eps)
         least = SCALES / self.steepness
-        return max(min(circumference, 4.0 * self.extent.width) / BLEND, least)
+        return max(min(circumference, 4.0 * self.bounds.width) / BLEND, least)
 
     @property
     def kink(self) -> bool:
@@ -207,17 +202,17 @@ class RingData:
 
 
 def ring_data(
-    constants: Constants,
+    constants: Model,
     wave: Wave,
     eps: float,
     times: Sequence[float],
     compared: int,
     tolerance: float,
 ) -> RingData:
-    """The data of a wave at the first of ``times``, with its extent until the last of them."""
-    extent = find_extent(constants, wave, eps, times, compared, tolerance)
+    """The data of a wave at the first of ``times``, with its bounds until the last of them."""
+    bounds = find_bounds(constants, wave, eps, times, compared, tolerance)
     t0, duration = times[0], times[-1] - times[0]
-    return RingData(constants, wave, eps, t0, compared, extent, duration)
+    return RingData(constants, wave, eps, t0, compared, bounds, duration)
 
 
 PER_RADIAN = 2.0
@@ -245,7 +240,7 @@ def first_step(speed: float, duration: float, k: float, turning: float) -> float
     return min(longest, turning, 24.0 / (speed * k**3))
 
 
-def turning_time(constants: Constants, state: RingState, k: float) -> float:
+def turning_time(constants: Model, state: RingState, k: float) -> float:
     """The time in which the nonlinear part turns the phase of a wave of number ``k`` by one.
 
     About a strain y it runs ahead of the mean by (V''(y) - mean)/(2 c) k.

@@ -15,25 +15,14 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.estimate import Estimate, clock_error, rounding_error
-from lattice.refine import (
-    NUDGE,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    Progress,
-    StoppedTrial,
-    Trial,
-    refine,
-)
-from lattice.spectral.absorber import STRENGTH
+from lattice.refine import Announce, Engine, Kind, Progress, refine
+from lattice.spectral.absorber import ABSORBER_STRENGTH
 from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from lattice.spectral.exponential import ORDER
-from lattice.spectral.ring import RingState
-from lattice.spectral.sublattices import ALIKE, DENSITY, energy_spread, telling_step
+from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from verify.comparison.spectral_data import (
-    Ring,
+    RingPlace,
     first_density,
     first_step,
     ring_data,
@@ -41,8 +30,6 @@ from verify.comparison.spectral_data import (
     typical_number,
 )
 from verify.comparison.spectral_task import SpectralCost, SpectralRun, SpectralTask
-
-__all__ = ["SpectralRun", "SpectralTask", "spectral_run"]
 
 Array = NDArray[np.float64]
 
@@ -158,13 +145,13 @@ class SpectralEngine:
             task.compared,
             task.tolerance,
         )
-        steepness = self._steepness(self._data.extent.strain)
+        steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
             raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
         self._density = first_density(task.wave, task.eps)
         self._started = task.t0
-        self._rings: dict[tuple[float, float, bool], Ring] = {}
-        self._states: dict[tuple[Ring, int], RingState] = {}
+        self._rings: dict[tuple[float, float, bool], RingPlace] = {}
+        self._states: dict[tuple[RingPlace, int], RingState] = {}
         self._alike = 0.0
         self._softened: list[float] = []
         self._soft: NotHyperbolicError | None = None
@@ -189,7 +176,7 @@ class SpectralEngine:
         start = START * length if STARTED * length < self._duration else 0.0
         if not start:
             step = min(step, START * length)
-        absorber = STRENGTH if self._data.absorbed and not choices.causal else 0.0
+        absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
         self._started = self._task.t0 + STARTED * length
         return replace(choices, step=step, absorber=absorber, start=start)
 
@@ -206,13 +193,13 @@ class SpectralEngine:
 
     def _apart(self, turns: float) -> float:
         """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
-        data, extent = self._data, self._data.extent
-        if self._steepness(extent.strain) <= SLENDER:
+        data, bounds = self._data, self._data.bounds
+        if self._steepness(bounds.strain) <= SLENDER:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
         spread = energy_spread(data.constants, state, data.seam(ring.circumference))
-        return (1.0 + turns) * spread * float(np.max(np.abs(extent.strain))) / data.eps
+        return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.eps
 
     def scout(self) -> Engine:
         """None: a ring must hold what it holds."""
@@ -304,10 +291,10 @@ class SpectralEngine:
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
         """The choices on a wider causal ring, if the strains met were too fast for this one."""
         data, constants = self._data, self._task.constants
-        strain = np.array([*met, *data.extent.strain])
+        strain = np.array([*met, *data.bounds.strain])
         if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
             return None
-        self._data = replace(data, extent=replace(data.extent, strain=strain))
+        self._data = replace(data, bounds=replace(data.bounds, strain=strain))
         self._rings.clear()
         return self._sized(choices, math.inf)
 
@@ -375,7 +362,7 @@ class SpectralEngine:
         yield t0, [t for t in times if t < began], choices.start
         yield began, [t for t in times if t >= began], choices.step
 
-    def _ring(self, choices: Choices) -> Ring:
+    def _ring(self, choices: Choices) -> RingPlace:
         key = (choices.size, choices.shift, choices.causal)
         if key not in self._rings:
             size = math.inf if choices.causal else choices.size

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.estimate import Estimate
-from lattice.model import Constants
-from lattice.refine import Choices
+from lattice.model import Model
+from lattice.trial import Choices, Estimate
 from solutions import Wave
 
 Array = NDArray[np.float64]
@@ -23,7 +22,7 @@ class SpectralTask:
     next runs may ever take, in points times their log2 times evaluations.
     """
 
-    constants: Constants
+    constants: Model
     wave: Wave
     eps: float
     t0: float

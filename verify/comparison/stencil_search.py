@@ -1,46 +1,112 @@
-"""A scene with a tolerance by the stencil, in a window that holds the wave or on a causal ring."""
+"""A scene with a tolerance, site by site: in a window that holds the wave, or on a causal ring."""
 
 import math
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from lattice.estimate import Estimate, clock_error, rounding_error
-from lattice.refine import (
-    NUDGE,
-    SAFETY,
-    Announce,
-    Choices,
-    Engine,
-    Kind,
-    StoppedSearch,
-    StoppedTrial,
-    Trial,
-    refine,
-)
+from lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
 from lattice.schemes.catalogue import scheme_named
+from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from solutions import Wave
-from verify.comparison.domain import window_moves
-from verify.comparison.recording import Progress
-from verify.comparison.scene import Scene
-from verify.comparison.stencil import (
-    PREFERRED,
-    StrainSamples,
-    domain_kind,
-    exact_times,
-    extent_of,
-    judged_times,
-    least_sites,
-    longest_step,
-    round_up,
-    run_from,
-    shorter_step,
-)
-from verify.comparison.unfinished import UnfinishedRun, unfinished
-from verify.comparison.wave_bounds import Extent
+from verify.comparison.domain import Array, creeping, least_ring, least_window, window_moves
+from verify.comparison.observables import observable_named
+from verify.comparison.recording import Progress, UnfinishedRun, moments_of, unfinished
+from verify.comparison.scene import Discretisation, Scene
+from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
+from verify.comparison.trust import USUAL_TOLERANCE
+from verify.comparison.wave_bounds import WaveBounds, find_bounds, seam_room
+
+PREFERRED = "reduced_phase_6"
+"""Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
+
+LIMIT_SHARE = 0.9
+"""Longest step tried, in units of the stability limit at the largest strain of the wave."""
+
+SITE_MULTIPLE = 64
+"""Sizes are multiples of this, which suits the kernels."""
+
+SEEN = 16
+"""Moves of a window at which runs are compared, beside the times that are asked for."""
+
+
+def scene_bounds(scene: Scene, wave: Wave) -> WaveBounds:
+    """The sites that hold the scene's wave and its compared sites at all times."""
+    times = (scene.t0, *scene.snapshots)
+    tolerance = scene.tolerance or USUAL_TOLERANCE
+    return find_bounds(scene.constants, wave, scene.eps, times, scene.compared, tolerance)
+
+
+def domain_kind(scene: Scene, wave: Wave) -> str:
+    """A window on a constant background, unless something asked for needs a ring."""
+    needs_ring = any(observable_named(name).needs_ring for name in scene.observables)
+    return "ring" if needs_ring or wave.constant_background is None else "window"
+
+
+def longest_step(scene: Scene, scheme: Scheme, bounds: WaveBounds) -> float:
+    """A step that is stable about the wave's largest strain."""
+    limit = stability_limit(scheme) / scene.constants.highest_frequency(bounds.strain)
+    return LIMIT_SHARE * limit
+
+
+def least_sites(scene: Scene, wave: Wave, domain: str, bounds: WaveBounds) -> int:
+    """Fewest sites that hold the wave and the compared sites, in a multiple that suits kernels.
+
+    A window's also keep off the rear's signals, which are faster than it on some backgrounds.
+    """
+    if domain == "ring":
+        return round_up(least_ring(scene, bounds.strain) + seam_room(wave, scene.eps))
+    return round_up(least_window(bounds.reach + creeping(scene, wave)))
+
+
+def round_up(sites: float) -> int:
+    """The next multiple of ``SITE_MULTIPLE``."""
+    return SITE_MULTIPLE * math.ceil(sites / SITE_MULTIPLE)
+
+
+def exact_times(scene: Scene) -> tuple[float, ...]:
+    """The times that the scene's observables want exactly."""
+    entries = map(observable_named, scene.observables)
+    times = {t for entry in entries for t in moments_of(scene, entry.seen).times}
+    return tuple(sorted(times.union(scene.snapshots)))
+
+
+def judged_times(scene: Scene, exact: Sequence[float], domain: str) -> tuple[float, ...]:
+    """The exact times and, in a window, some of the stops that its moves make anyway."""
+    if domain == "ring":
+        return tuple(exact)
+    moves = [t for t in window_moves(scene) if t < scene.end]
+    return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
+
+
+def mean_step(stops: Array, step: float, order: int) -> float:
+    """The step that would make the same error if the stops did not shorten it.
+
+    Between two stops the steps are equal and at most ``step``.
+
+    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
+    0.5
+    """
+    gaps = np.diff(stops)
+    gaps = gaps[gaps > 0]
+    if gaps.size == 0:
+        return step
+    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
+    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
+
+
+def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
+    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    wanted = ratio * mean_step(stops, step, order)
+    found = ratio * step
+    while mean_step(stops, found, order) > wanted:
+        found *= 0.97
+    return found
+
 
 STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
@@ -82,11 +148,10 @@ def run_stencil(
     ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves,
     UnfinishedRun on Ctrl-C.
     """
-    assert scene.tolerance is not None
     begun = time.perf_counter()
-    engine = StencilEngine(scene, wave, extent_of(scene, wave))
+    engine = StencilEngine(scene, wave, scene_bounds(scene, wave))
     try:
-        found = refine(engine, scene.tolerance, progress, announce)
+        found = refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, stop.error, stop.before) from None
@@ -110,24 +175,19 @@ class StencilEngine:
     unstable = 1
     most_work = math.inf
 
-    def __init__(self, scene: Scene, wave: Wave, extent: Extent, compared: int = 0) -> None:
-        scheme = scheme_named(scene.scheme or PREFERRED)
+    def __init__(self, scene: Scene, wave: Wave, bounds: WaveBounds, compared: int = 0) -> None:
+        scheme = scheme_named(scene.target.scheme or PREFERRED)
         self.order: int = scheme.order
-        self._scene, self._wave, self._extent = scene, wave, extent
+        self._scene, self._wave, self._bounds = scene, wave, bounds
         self.fragile = wave.wavelength is not None
         self._domain = domain_kind(scene, wave)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
-        self._least = _checked(least_sites(scene, wave, self._domain, extent))
-        self._longest = longest_step(scene, scheme, extent)
+        self._least = _checked(least_sites(scene, wave, self._domain, bounds))
+        self._longest = longest_step(scene, scheme, bounds)
         self._base = replace(
             scene,
-            tolerance=None,
-            engine="stencil",
-            scheme=scheme.name,
-            step=self._longest,
-            domain=self._domain,
-            sites=self._least,
+            numerics=Discretisation(self._longest, self._domain, self._least, scheme.name),
             compared=compared or scene.compared,
         )
         exact = exact_times(self._base)
@@ -142,12 +202,12 @@ class StencilEngine:
     def scout(self) -> Engine:
         """The same about the wave alone, if that saves sites."""
         scene = replace(self._scene, compared=1, observables=())
-        extent = extent_of(scene, self._wave)
-        compared = min(self._scene.compared, extent.reach + CLEARANCE)
+        bounds = scene_bounds(scene, self._wave)
+        compared = min(self._scene.compared, bounds.reach + CLEARANCE)
         if self._domain == "ring" or compared == self._scene.compared:
             return self
         scene = replace(scene, compared=compared)
-        return StencilEngine(scene, self._wave, extent_of(scene, self._wave))
+        return StencilEngine(scene, self._wave, scene_bounds(scene, self._wave))
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         """A run; on a ring that proves not to be causal, another one on a wider ring."""
@@ -156,13 +216,13 @@ class StencilEngine:
             strain = np.array([trial.payload.attrs[key] for key in ("least_strain", "most_strain")])
             if trial.values is None or not choices.causal:
                 return trial
-            extent = replace(self._extent, strain=strain)
-            least = least_sites(self._base, self._wave, "ring", extent)
+            bounds = replace(self._bounds, strain=strain)
+            least = least_sites(self._base, self._wave, "ring", bounds)
             if choices.size >= least:
                 return trial
             if least > RUNAWAY * choices.size:
                 return replace(trial, values=None)
-            choices, self._extent = replace(choices, size=_checked(least)), extent
+            choices, self._bounds = replace(choices, size=_checked(least)), bounds
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
@@ -188,11 +248,11 @@ class StencilEngine:
     def work(self, choices: Choices) -> float:
         """Site updates."""
         steps = (self._scene.end - self._scene.t0) / choices.step
-        return steps * self._base.scheme_table.stages * choices.size
+        return steps * self._base.discretisation.table.stages * choices.size
 
     def _sized(self, choices: Choices, sites: float) -> Choices:
         """With that many sites, or a causal ring if that takes fewer."""
-        causal = least_sites(self._base, self._wave, "ring", self._extent)
+        causal = least_sites(self._base, self._wave, "ring", self._bounds)
         if not choices.causal and sites >= causal:
             return replace(choices, size=_checked(causal), causal=True)
         return replace(choices, size=_checked(round_up(sites)))
@@ -203,9 +263,12 @@ class StencilEngine:
         stated = replace(
             self._base,
             eps=self._scene.eps * (1.0 + NUDGE * choices.nudged),
-            step=choices.step,
-            sites=int(choices.size),
-            domain="closed_ring" if choices.causal else "window",
+            numerics=Discretisation(
+                choices.step,
+                "closed_ring" if choices.causal else "window",
+                int(choices.size),
+                self._base.discretisation.scheme,
+            ),
             observables=self._base.observables if looked else (),
         )
         stopped = False
@@ -237,3 +300,11 @@ def _checked(sites: int) -> int:
         f"snapshots, compared and tolerance must ask for at most {MOST_SITES} sites with engine "
         f"'stencil', got {sites} (end earlier, compare fewer or take engine 'spectral')"
     )
+
+
+def stencil_seconds(scene: Scene, wave: Wave) -> float:
+    """What a window would take, or on a periodic background a ring."""
+    scheme, bounds = scheme_named(PREFERRED), scene_bounds(scene, wave)
+    steps = (scene.end - scene.t0) / longest_step(scene, scheme, bounds)
+    sites = least_sites(scene, wave, domain_kind(scene, wave), bounds)
+    return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites

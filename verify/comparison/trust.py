@@ -6,15 +6,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from solutions import Wave, WaveValues, closed_form
+from solutions import Wave, WaveValues
 from verify.comparison.hill import MOST_MODES, fastest_rate
-from verify.comparison.initial_data import build_wave
+from verify.comparison.initial_data import build_wave, scene_form
 from verify.comparison.scene import Scene
 
-ROUNDING = 2.0**-53
+UNIT_ROUNDOFF = 2.0**-53
 """Relative size of the perturbation that rounding seeds."""
 
-TOLERANCE = 1e-4
+USUAL_TOLERANCE = 1e-4
 """What rounding may reach, of y/eps, in a scene that states no tolerance."""
 
 FLOOR = 1e-6
@@ -45,12 +45,12 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     wave = build_wave(scene)
     per_tau = _fastest_rate(wave)
     rate = 0.0 if per_tau <= FLOOR else per_tau * float(wave.normal_form.b) * scene.eps**3
-    return Trust(rate, horizon(rate, tolerance, ROUNDING))
+    return Trust(rate, horizon(rate, tolerance, UNIT_ROUNDOFF))
 
 
 def has_periodic_background(scene: Scene) -> bool:
     """Whether there is anything that could grow about the scene's far field."""
-    return closed_form(scene.wave, dict(scene.parameters)).period is not None
+    return scene_form(scene).period is not None
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
@@ -60,7 +60,7 @@ def trust_attributes(scene: Scene) -> dict[str, float]:
     """
     if not has_periodic_background(scene):
         return {}
-    trust = trust_in(scene, scene.tolerance or TOLERANCE)
+    trust = trust_in(scene, scene.tolerance or USUAL_TOLERANCE)
     return {"trust_rate": trust.rate, "trust_horizon": trust.horizon}
 
 
@@ -71,7 +71,7 @@ def check_trust(scene: Scene) -> None:
     """
     if scene.tolerance is None or not has_periodic_background(scene):
         return
-    if scene.t0 + horizon(_most_rate(scene), scene.tolerance, ROUNDING) >= scene.end:
+    if scene.t0 + horizon(_most_rate(scene), scene.tolerance, UNIT_ROUNDOFF) >= scene.end:
         return
     trust = trust_in(scene, scene.tolerance)
     if scene.t0 + trust.horizon < scene.end:

@@ -1,8 +1,10 @@
 """Where a scene's wave is and how large it becomes: what a plan must know before any step.
 
 The wave is looked for on the whole line, not on the compared sites alone: outwards from where its
-phases vanish, on a grid whose spacing grows with the distance. A domain that holds the extent holds
+phases vanish, on a grid whose spacing grows with the distance. A domain that holds the bounds holds
 the wave at all times, so nothing of it can come back round a ring or be cut off by a window.
+
+How far ahead of sound a signal's front runs, and how much room a seam takes, is told here, too.
 """
 
 from collections.abc import Sequence
@@ -12,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
+from lattice.model import Model
 from solutions import Wave
 
 Array = NDArray[np.float64]
@@ -37,7 +39,7 @@ DRIFT_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class Extent:
+class WaveBounds:
     """Sites relative to c t that hold wave and compared sites, from ``low`` to ``high``.
 
     ``strain`` holds the smallest and the largest strain of the wave at any time.
@@ -63,15 +65,15 @@ class Extent:
         return int(np.ceil(max(-self.low, self.high)))
 
 
-def find_extent(
-    constants: Constants,
+def find_bounds(
+    constants: Model,
     wave: Wave,
     eps: float,
     times: Sequence[float],
     compared: int,
     tolerance: float,
-) -> Extent:
-    """The extent of ``compared`` sites about c t and of the wave from the first of ``times`` on.
+) -> WaveBounds:
+    """The bounds of ``compared`` sites about c t and of the wave from the first of ``times`` on.
 
     The wave is where y/eps deviates from its far fields by more than a share of ``tolerance``, or,
     if it decays like a power, by more than a share of its largest deviation: the rest is a matter
@@ -79,12 +81,12 @@ def find_extent(
     """
     ends, strain = _wave_at_all_times(constants, wave, eps, tuple(times), tolerance)
     edge = float(compared)
-    return Extent(min(-edge, ends[0]), max(edge, ends[1]), strain)
+    return WaveBounds(min(-edge, ends[0]), max(edge, ends[1]), strain)
 
 
 @lru_cache(maxsize=4)
 def _wave_at_all_times(
-    constants: Constants, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
+    constants: Model, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
 ) -> tuple[tuple[float, float], Array]:
     """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
 
@@ -113,7 +115,7 @@ def _watched(times: Sequence[float]) -> list[float]:
     return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
 
 
-def _places(constants: Constants, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
+def _places(constants: Model, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
     """Positions relative to c t in order, the deviation from the far fields there, and Y."""
     origin = constants.sound_speed() * t
     unit = 1.0 / (float(wave.normal_form.a) * eps)
@@ -148,3 +150,28 @@ def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
     beyond = crest + 2.0 * (x[index] - crest)
     rest = x >= beyond if x[index] > crest else x <= beyond
     return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])
+
+
+MARGIN = 64
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+
+KINK = 80.0
+"""Room for a kink at the seam, in units of its width."""
+
+
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def seam_room(wave: Wave, eps: float) -> float:
+    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    if wave.constant_background is not None:
+        return 0.0
+    if wave.wavelength is not None:
+        return 2.0 * wave.wavelength / eps
+    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
+    return KINK / (float(wave.normal_form.a) * eps * height)

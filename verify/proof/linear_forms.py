@@ -17,7 +17,7 @@ from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Arguments, Dependence
 from .balls import ball_value
-from .checker.check import FORMS
+from .checker.limits import FORMS
 from .domains import Point
 
 Form = dict[sp.Expr, sp.Expr]

@@ -20,12 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.schemes.catalogue import scheme_named
-from lattice.schemes.scheme import Scheme
-from lattice.schemes.stability import stability_limit
+from lattice.schemes.scheme import Scheme, stability_limit
 from solutions import Wave
-from verify.comparison.domain import compared_sites
 from verify.comparison.initial_data import initial_data
 from verify.comparison.scene import Scene
+from verify.comparison.view import compared_sites
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 

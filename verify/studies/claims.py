@@ -17,7 +17,7 @@ import sympy as sp
 
 from derive import mkdv_normal_form
 from solutions import Wave, closed_form, rational
-from verify.comparison.trust import TOLERANCE, trust_in
+from verify.comparison.trust import USUAL_TOLERANCE, trust_in
 from verify.proof.rational_proofs import RationalFacts, rational_facts
 from verify.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
 
@@ -354,7 +354,7 @@ def modulational_instability(evidence: MeasuredRuns) -> Claim:
     found = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]
-        growth = math.exp(trust_in(scene, TOLERANCE).rate * (scene.end - scene.t0))
+        growth = math.exp(trust_in(scene, USUAL_TOLERANCE).rate * (scene.end - scene.t0))
         found.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
     return Claim(
         "modulational_instability",

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.scheme import Composition
 from solutions.run.doubledouble import add, multiply, scale, split, subtract
 from solutions.run.jit import njit
@@ -62,7 +62,7 @@ def doubled(values: Array) -> Array:
 
 
 def advance_doubled(
-    scheme: Composition, y: Array, s: Array, h: float, steps: int, constants: Constants
+    scheme: Composition, y: Array, s: Array, h: float, steps: int, constants: Model
 ) -> None:
     """Advance the ring of pairs (y, s) in place, with the coefficients' 26 digits."""
     kicks = [Fraction(gamma) * Fraction(h) for gamma in scheme.gammas]

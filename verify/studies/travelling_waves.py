@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive import mkdv_normal_form
-from lattice.model import Constants
+from lattice.model import Model
 from solutions import Wave, closed_form
 from verify.comparison.hill import multiplication
 
@@ -43,7 +43,7 @@ OVERSAMPLING = 8
 class TravellingWave:
     """An even profile with cosine modes ``modes`` (0 .. MODES), speed and period in sites."""
 
-    constants: Constants
+    constants: Model
     modes: Array
     speed: float
     period: int
@@ -78,7 +78,7 @@ def travelling_wave(form: str, k: float, period: int, K2: float, K4: float) -> T
     >>> round(wave.eps, 6), round(wave.speed, 8)
     (0.050978, 1.00112504)
     """
-    constants = Constants(K2, 0.0, K4)
+    constants = Model(K2, 0.0, K4)
     wave = Wave(closed_form(form), mkdv_normal_form(K2, K4), k=k)
     eps = float(wave.wavelength or math.nan) / period
     guess = _cosine_modes(wave, eps, period)
@@ -114,7 +114,7 @@ def profile(modes: Array) -> Array:
 
 
 def _linearised(
-    modes: Array, squared_speed: float, constants: Constants, period: int
+    modes: Array, squared_speed: float, constants: Model, period: int
 ) -> tuple[Array, Array]:
     """v^2 f_q - (sin(q/2)/(q/2))^2 V'(f)_q for the modes 1 .. MODES, and its slopes.
 

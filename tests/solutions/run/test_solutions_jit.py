@@ -186,10 +186,10 @@ def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
         shutil.copy(HOUSE / name, tmp_path / name)
     code = """
 import numpy as np
-from lattice.kernels.blocked import advance_tiled
+from lattice.kernels.blocked import advance_blocked
 y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
-advance_tiled(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
-print(y[30], sum(advance_tiled.stats.cache_hits.values()))
+advance_blocked(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
+print(y[30], sum(advance_blocked.stats.cache_hits.values()))
 """
     before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
     vector = tmp_path / "lattice" / "kernels" / "vector.py"

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice.sites.seam import Fading
-from lattice.sites.state import State
+from lattice.seam import Fading
+from lattice.state import State
 from verify.comparison import Scene, run
-from verify.comparison.domain import Ring
+from verify.comparison.domain import SiteRing
 
-SOUND = Scene(
+SOUND = Scene.of(
     name="sn",
     wave="wave_sn",
     eps=0.06386,
@@ -39,9 +39,9 @@ def test_a_lattice_that_softens_within_reach_is_told() -> None:
 
 def test_fading_cannot_be_felt(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = replace(SOUND, K4=-1.0, t0=-300.0, snapshots=(-100.0, 100.0), compared=60)
-    scene = replace(scene, tolerance=1e-8)
+    scene = scene.changed(tolerance=1e-8)
     faded = run(scene).strain.values
-    monkeypatch.setattr(Ring, "fade", lambda *_: None)
+    monkeypatch.setattr(SiteRing, "fade", lambda *_: None)
     assert np.abs(faded - run(scene).strain.values).max() < 1e-12 * scene.eps
 
 

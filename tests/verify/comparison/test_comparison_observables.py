@@ -10,17 +10,22 @@ import pytest
 
 from lattice.schemes.catalogue import SCHEMES
 from lattice.schemes.scheme import Composition
-from lattice.sites.state import State, empty_state
+from lattice.state import State, empty_state
 from solutions import Wave
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import build_domain, compared_sites
-from verify.comparison.error import Comparison
+from verify.comparison import measures as conserved
+from verify.comparison import measures as split
+from verify.comparison.domain import build_domain
 from verify.comparison.initial_data import build_wave
-from verify.comparison.observables import ENTRIES, NAMES, axis_values, entry_named
-from verify.comparison.observables import measures as conserved
-from verify.comparison.observables import measures as split
-from verify.comparison.observables.entry import Entry
+from verify.comparison.observables import (
+    NAMES,
+    OBSERVABLES,
+    Observable,
+    axis_values,
+    observable_named,
+)
 from verify.comparison.recording import LOOK_EVALUATIONS
+from verify.comparison.view import View, compared_sites
 
 FLOPS = 9
 """Operations a site and force evaluation in the kernels with K2, K4: drift 2, force 3, kick 4."""
@@ -65,12 +70,12 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     return counted
 
 
-def stored_bytes(entry: Entry, scene: Scene, moments: int) -> Iterator[int]:
+def stored_bytes(entry: Observable, scene: Scene, moments: int) -> Iterator[int]:
     for variable in entry.variables:
         size = moments
         for dimension in variable.dimensions:
             axis = axis_values(dimension, scene.compared)
-            size *= scene.sites if axis is None else axis[0].size
+            size *= scene.discretisation.sites if axis is None else axis[0].size
         yield 8 * size
 
 
@@ -79,7 +84,7 @@ def test_nothing_else_is_computed_or_stored(
     ring_scene: Callable[..., Scene], calls: Counter[str], name: str
 ) -> None:
     scene = ring_scene(observables=(name,), look_points=5)
-    entry = entry_named(name)
+    entry = observable_named(name)
     run(replace(scene, observables=()))
     bare = calls.copy()
     calls.clear()
@@ -118,18 +123,18 @@ class CountedArray(np.ndarray[Any, np.dtype[np.float64]]):
         return result.view(CountedArray) if isinstance(result, np.ndarray) else result
 
 
-def operations(scene: Scene, entry: Entry) -> float:
+def operations(scene: Scene, entry: Observable) -> float:
     """Elementary array operations of one look, 5 N log2 N for a Fourier transform."""
     wave = build_wave(scene)
     state = build_domain(scene, wave).start()
     counted = State(state.t, state.left, state.y.view(CountedArray), state.s.view(CountedArray))
     CountedArray.operations = 0
-    entry.measure(Comparison(scene, wave, counted))
+    entry.measure(View(scene, wave, counted))
     size = 2 * scene.compared + 1
     return CountedArray.operations + (5 * size * np.log2(size) if entry.name == "spectrum" else 0)
 
 
-DIAGNOSTICS = tuple(entry.name for entry in ENTRIES if not entry.uses_wave)[:-2]
+DIAGNOSTICS = tuple(entry.name for entry in OBSERVABLES if not entry.uses_wave)[:-2]
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
@@ -141,15 +146,16 @@ def test_diagnostics_cost_less_than_a_twentieth_at_their_default_cadence(
     assert set(DIAGNOSTICS) == {
         "energy", "momentum", "spectrum", "crest_track", "space_time", "state"
     }  # fmt: skip
-    scene = replace(load_scene(name), scheme=scheme.name, observables=DIAGNOSTICS)
-    per_look = {n: operations(scene, entry_named(n)) for n in DIAGNOSTICS}
+    scene = load_scene(name).changed(scheme=scheme.name, observables=DIAGNOSTICS)
+    per_look = {n: operations(scene, observable_named(n)) for n in DIAGNOSTICS}
     assert all(per_look[n] > 0 for n in DIAGNOSTICS if n != "state")
     measured = run(replace(scene, observables=(*DIAGNOSTICS,)))
     looks, snapshots = measured.sizes["look_time"], measured.sizes["time"]
     total = sum(
-        per_look[n] * (looks if entry_named(n).seen == "looks" else snapshots) for n in DIAGNOSTICS
+        per_look[n] * (looks if observable_named(n).seen == "looks" else snapshots)
+        for n in DIAGNOSTICS
     )
-    kernels = FLOPS * measured.attrs["force_evaluations"] * scene.sites
+    kernels = FLOPS * measured.attrs["force_evaluations"] * scene.discretisation.sites
     assert total < 0.05 * kernels
 
 
@@ -161,7 +167,7 @@ def test_a_dense_error_curve_does_not_make_diagnostics_dense(
     measured = run(scene)
     assert measured.sizes["curve_time"] == 81
     gap = np.diff(measured.look_time.values).min()
-    assert gap >= LOOK_EVALUATIONS / 17 * scene.step * (1.0 - 1e-9)
+    assert gap >= LOOK_EVALUATIONS / 17 * scene.discretisation.step * (1.0 - 1e-9)
 
 
 def test_diagnostics_do_not_disturb_the_run(window_scene: Callable[..., Scene]) -> None:
@@ -186,8 +192,8 @@ def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Sc
     scene = replace(load_scene("rational_2_eps_0.05"), snapshots=(0.0,), t0=0.0, observables=())
     wave, sites = build_wave(scene), compared_sites(scene, 0.0)
     y = scene.eps * wave.at(sites - 0.25, 0.0, scene.eps).Y
-    view = Comparison(scene, wave, state_of(0.0, sites, y))
-    found = entry_named("crest_track").measure(view)
+    view = View(scene, wave, state_of(0.0, sites, y))
+    found = observable_named("crest_track").measure(view)
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
     assert abs(found["crest_strain"] - 5.0 * scene.eps) < 0.03 * missed
@@ -198,11 +204,11 @@ def test_the_error_is_split_into_shift_amplitude_and_shape(name: str) -> None:
     """A wave displaced by 0.3 sites and raised by 2 % over its background, and nothing else."""
     scene = replace(load_scene(name), observables=())
     wave, sites = build_wave(scene), compared_sites(scene, scene.t0)
-    shown = Comparison(scene, wave, state_of(scene.t0, sites, np.zeros(sites.size)))
+    shown = View(scene, wave, state_of(scene.t0, sites, np.zeros(sites.size)))
     w, b, _, _ = shown.displaced(0.3)
     y = b + 1.02 * (w - b)
-    view = Comparison(scene, wave, state_of(scene.t0, sites, y))
-    found = entry_named("error_split").measure(view)
+    view = View(scene, wave, state_of(scene.t0, sites, y))
+    found = observable_named("error_split").measure(view)
     assert found["shift"] == pytest.approx(0.3, abs=1e-7)
     assert found["scale"] == pytest.approx(1.02, abs=1e-8)
     assert found["error_shape"] < 1e-8
@@ -234,13 +240,13 @@ def test_momentum_is_conserved_and_the_mean_moves_with_it(
 
 
 def test_the_spectrum_finds_the_carrier_and_noise_at_the_zone_boundary() -> None:
-    amplitudes = entry_named("spectrum").measure
+    amplitudes = observable_named("spectrum").measure
     scene = load_scene("soliton_dn_k_0.7")
     sites = compared_sites(scene, scene.t0)
     n = np.arange(sites.size)
     k = 2.0 * np.pi * 40.0 / sites.size
     y = 0.05 * np.cos(k * n) + 1e-9 * (-1.0) ** n
-    view = Comparison(scene, build_wave(scene), state_of(scene.t0, sites, y))
+    view = View(scene, build_wave(scene), state_of(scene.t0, sites, y))
     found = amplitudes(view)["spectrum"]
     assert found[40] == pytest.approx(0.05, rel=1e-6)
     assert 1e-10 < found[-1] < 1e-8

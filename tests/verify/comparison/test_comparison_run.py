@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from lattice.sites.blow_up import BlowUp
+from lattice.state import BlowUp
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import Ring, build_domain
-from verify.comparison.error import Comparison
+from verify.comparison.domain import SiteRing, build_domain
 from verify.comparison.initial_data import build_wave, initial_data
-from verify.comparison.stencil import refined
+from verify.comparison.stated_run import refined
+from verify.comparison.view import View
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 
@@ -30,7 +30,7 @@ def test_Y2_error_at_its_crest() -> None:
 
 
 def test_rk4_step_pollutes_the_figure() -> None:
-    measured = run(replace(Y2, scheme="rk4", step=0.25))
+    measured = run(Y2.changed(scheme="rk4", step=0.25))
     assert float(measured.error[0]) == pytest.approx(0.119, abs=0.0005)
 
 
@@ -65,7 +65,7 @@ def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
     wave = build_wave(scene)
-    comparison = Comparison(scene, wave, Ring(scene, wave).start())
+    comparison = View(scene, wave, SiteRing(scene, wave).start())
     ends = np.abs(comparison.sites - comparison.sites.mean()) > 300
     deviation = np.abs(comparison.analytic - comparison.far_field)
     assert np.max(deviation[ends]) < 1e-6 * scene.eps
@@ -78,7 +78,7 @@ def test_each_side_has_its_own_far_field() -> None:
 )
 def test_refinements_are_finer(measure: str, changed: dict[str, float]) -> None:
     scene = load_scene("breather_sn_k_0.7")
-    assert refined(scene, measure) == replace(scene, observables=(), **changed)  # type: ignore[arg-type]
+    assert refined(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
 
 
 def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
@@ -181,7 +181,7 @@ def test_a_blow_up_at_the_start_keeps_nothing(ring_scene: Callable[..., Scene]) 
 @pytest.mark.parametrize(("sites", "closes"), [(400, False), (407, True)])
 def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: bool) -> None:
     """A dark breather's ring that does not close breaks at once; one that does runs on."""
-    scene = Scene(
+    scene = Scene.of(
         name="seam",
         wave="breather_sn",
         eps=0.7,

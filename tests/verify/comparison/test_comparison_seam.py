@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 import derive
-from lattice.model import Constants
-from lattice.sites.seam import blend_seam, close_circumference, fade_at_seam
+from lattice.model import Model
+from lattice.seam import blend_seam, close_circumference, fade_at_seam
 from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
 from verify.comparison.initial_data import lattice_data
-from verify.comparison.spectral_data import Ring, RingData, ring_data
+from verify.comparison.spectral_data import RingData, RingPlace, ring_data
 
 
 def _data(name: str, t0: float, **parameters: object) -> RingData:
     K4 = closed_form(name).equation.s
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, K4), **parameters)
-    return ring_data(Constants(1.0, 0.0, float(K4)), wave, 0.05, (t0, -t0), 100, 1e-4)
+    return ring_data(Model(1.0, 0.0, float(K4)), wave, 0.05, (t0, -t0), 100, 1e-4)
 
 
 def test_closing_finds_the_phase_jump() -> None:
@@ -31,7 +31,7 @@ def test_a_background_that_hardly_varies_is_closed_near_the_length_asked_for() -
     """Without a bound the best length was -8e-6, where both ends are one place."""
     wave = Wave(closed_form("soliton_dn"), derive.mkdv_normal_form(1, 0.7619), k=0.001429)
     times = (-263566.18773534265, -261313.0594428259)
-    data = ring_data(Constants(1.0, 0.0, 0.7619), wave, 0.03595, times, 115, 6e-6)
+    data = ring_data(Model(1.0, 0.0, 0.7619), wave, 0.03595, times, 115, 6e-6)
     assert data.causal is not None
     ahead, length = data.causal.ahead, 120.0 * data.unit
     assert abs(data._closed(length, ahead) - length) <= 0.52 * data.unit
@@ -43,7 +43,9 @@ def test_dark_breather_closes_by_its_phase_jump(alpha: float) -> None:
     """The sn waves on the two sides are 4 alpha apart in xi, exactly."""
     data = _data("breather_sn", -1000.0, k=0.5, alpha=alpha, X_0=0)
     a = float(data.wave.normal_form.a)
-    jump = (Ring(data._closed(40 * data.unit, 0.0)).circumference - 40 * data.unit) * a * data.eps
+    jump = (
+        (RingPlace(data._closed(40 * data.unit, 0.0)).circumference - 40 * data.unit) * a * data.eps
+    )
     period = data.unit * a * data.eps
     apart = min(
         abs((jump - sign * 4 * alpha + period / 2) % period - period / 2) for sign in (1, -1)
@@ -67,7 +69,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
     data = _rational(-1000.0)
     sites = np.arange(-100, 101) - round(data.constants.sound_speed() * data.t0)
 
-    def strain(ring: Ring, left: bool = False, short: bool = False) -> np.ndarray:
+    def strain(ring: RingPlace, left: bool = False, short: bool = False) -> np.ndarray:
         state = data.state(ring, 2 * round(2.0 * ring.circumference))
         cutoff = data.absorbed if left else 0.0
         turning = data.short(ring.circumference) if short else 0.0
@@ -79,7 +81,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
 
     def errors(left: bool, short: bool) -> list[float]:
         """Sup error of y/eps near the crest at t = -t0, against the causal ring."""
-        found = (strain(Ring(length), left, short) for length in (1000.0, 2000.0))
+        found = (strain(RingPlace(length), left, short) for length in (1000.0, 2000.0))
         return [float(np.abs(ring - exact).max()) / data.eps for ring in found]
 
     nothing, left, both = errors(False, False), errors(True, False), errors(True, True)
@@ -92,7 +94,7 @@ def test_what_absorbing_is_worth_on_a_constant_background() -> None:
 
 def _rational(t0: float) -> RingData:
     wave = Wave(closed_form("rational_2"), derive.mkdv_normal_form(4, 1))
-    return ring_data(Constants(4.0, 0.0, 1.0), wave, 0.1, (t0, -t0), 100, 1e-4)
+    return ring_data(Model(4.0, 0.0, 1.0), wave, 0.1, (t0, -t0), 100, 1e-4)
 
 
 @pytest.mark.parametrize("data", [_rational(-100.0), _data("rogue_cn", -100.0, k=0.5)])
@@ -122,7 +124,7 @@ def test_the_causal_ring_does_not_feel_its_seam(data: RingData) -> None:
     assert abs(changes[1] - changes[0]).max() > 1e-3
 
 
-def _seen(data: RingData, ring: Ring, disturbance: float) -> np.ndarray:
+def _seen(data: RingData, ring: RingPlace, disturbance: float) -> np.ndarray:
     """y/eps on the compared sites at the end, with a hump at the seam."""
     state = data.state(ring, 2 * round(ring.circumference))
     distance = np.minimum(state.points - state.left, state.left + ring.circumference - state.points)

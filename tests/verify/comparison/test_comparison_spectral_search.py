@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import derive
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
 from verify.comparison.initial_data import lattice_data
 from verify.comparison.spectral_data import ring_data
-from verify.comparison.spectral_search import SpectralTask, spectral_run
+from verify.comparison.spectral_search import spectral_run
+from verify.comparison.spectral_task import SpectralTask
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),
@@ -30,7 +31,7 @@ def _task(name: str, tolerance: float, end: float = 80.0) -> SpectralTask:
     form = closed_form(name)
     K4 = float(form.equation.s)
     wave = Wave(form, derive.mkdv_normal_form(K2, K4), **parameters)
-    constants = Constants(K2, 0.0, K4)
+    constants = Model(K2, 0.0, K4)
     return SpectralTask(constants, wave, eps, -60.0, (-10.0, end), 120, tolerance)
 
 
@@ -104,9 +105,7 @@ def test_cost_does_not_depend_on_eps() -> None:
     work = []
     for eps in (0.08, 0.02):
         times = (-0.3 / eps**3, 0.0)
-        task = SpectralTask(
-            Constants(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-3
-        )
+        task = SpectralTask(Model(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-3)
         work.append(spectral_run(task).cost.work)
     assert work[1] < 2.5 * work[0]
 
@@ -116,7 +115,7 @@ def test_cost_does_not_depend_on_eps() -> None:
 def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, 1), k=k)
     times = tuple(np.linspace(-1e4, 1e4, 11))
-    task = SpectralTask(Constants(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
+    task = SpectralTask(Model(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
     run = spectral_run(task)
     assert run.estimate.total <= 1e-4
     data = ring_data(task.constants, wave, 0.05, times, 400, 1e-4)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from verify.cli.run import summary_lines
 from verify.comparison import load_scene, run, trust
 from verify.comparison.scene import with_tolerance
-from verify.comparison.summary import summary_lines
-from verify.comparison.trust import TOLERANCE, horizon, trust_attributes, trust_in
+from verify.comparison.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 
 
 def test_a_scenes_horizon() -> None:
@@ -32,7 +32,7 @@ def test_a_constant_background_has_nothing_to_report() -> None:
 def test_a_tolerance_of_the_scene_sets_the_horizon() -> None:
     scene = load_scene("rogue_cn_k_0.5")
     found = trust_attributes(scene)
-    assert found["trust_horizon"] == trust_in(scene, TOLERANCE).horizon
+    assert found["trust_horizon"] == trust_in(scene, USUAL_TOLERANCE).horizon
     closer = trust_attributes(with_tolerance(scene, 1e-8))
     ratio = found["trust_horizon"] - closer["trust_horizon"]
     assert ratio * found["trust_rate"] == pytest.approx(math.log(1e4))
@@ -43,7 +43,7 @@ def test_a_tolerance_below_rounding_is_lost_at_once() -> None:
 
 
 def _line(background: dict[str, float], **changes: float) -> str:
-    scene = replace(load_scene("rogue_cn_k_0.5"), **changes)
+    scene = load_scene("rogue_cn_k_0.5").changed(**changes)
     attributes = {"engine": "e", "scheme": "s", "steps": 1, "sites": 2, "force_evaluations": 3}
     attributes |= {"seconds": 0.1, "blow_up": ""} | background
     return list(summary_lines(xr.Dataset(attrs=attributes), scene))[-1]
@@ -81,8 +81,8 @@ def test_a_scene_within_the_bound_of_the_rate_is_not_kept_waiting(
 def test_a_bare_wave_is_its_own_background() -> None:
     """Its record's background is zero, which has no wavelength."""
     scene = load_scene("rogue_cn_k_0.5")
-    bare = trust_in(replace(scene, wave="wave_cn"), TOLERANCE)
-    assert bare.rate == pytest.approx(trust_in(scene, TOLERANCE).rate, rel=1e-5)
+    bare = trust_in(replace(scene, wave="wave_cn"), USUAL_TOLERANCE)
+    assert bare.rate == pytest.approx(trust_in(scene, USUAL_TOLERANCE).rate, rel=1e-5)
 
 
 def test_a_background_too_sharp_is_said_to_be() -> None:

@@ -7,14 +7,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from lattice.model import Constants
+from lattice.model import Model
 from lattice.schemes.catalogue import KAHAN_LI_8, STOERMER_VERLET
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 
 
 def test_it_agrees_with_mpmath_to_28_digits(rng: np.random.Generator) -> None:
     """The same composition written out in 40 digits, all three constants present."""
-    constants, h, steps = Constants(1.3, 0.2, -0.7), 0.25, 3
+    constants, h, steps = Model(1.3, 0.2, -0.7), 0.25, 3
     y, s = 0.3 * rng.standard_normal((2, 7))
     pairs_y, pairs_s = doubled(y), doubled(s)
     advance_doubled(KAHAN_LI_8, pairs_y, pairs_s, h, steps, constants)
@@ -42,7 +42,7 @@ def test_it_agrees_with_mpmath_to_28_digits(rng: np.random.Generator) -> None:
 
 
 def test_the_double_kernel_is_the_same_scheme(rng: np.random.Generator) -> None:
-    constants = Constants(1.0, 0.1, 1.0)
+    constants = Model(1.0, 0.1, 1.0)
     y, s = 0.2 * rng.standard_normal((2, 50))
     pairs_y, pairs_s = doubled(y), doubled(s)
     advance_doubled(STOERMER_VERLET, pairs_y, pairs_s, 0.1, 200, constants)

@@ -8,8 +8,6 @@ branches is analytic, and every branch must differ from 0 at the point.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from itertools import product
 from math import prod
@@ -17,13 +15,22 @@ from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
-from .derivations import Generator
-from .field import Field, Form
+from .field import Field
 from .identity import Residual
-from .images import Hints, Sum
-from .limits import BRANCHES, GENERATORS, NAME, NODES, CertificateError, within
+from .images import Generator, Hints, Sum
+from .limits import (
+    BRANCHES,
+    FORMAT,
+    FORMS,
+    GENERATORS,
+    NAME,
+    NODES,
+    PARTS,
+    CertificateError,
+    digest,
+    within,
+)
 from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
-from .premises import is_clean
 from .statement import Statement, read_statement, statement_text
 
 Point = Mapping[int, fmpq]
@@ -58,7 +65,7 @@ class Branches(Balls):
         return super()._ball(node)
 
     def _conjugate(self, inner: int) -> acb:
-        return self.ball(self._field.conjugate(inner))
+        return self.ball(self._field.signs.conjugate(inner))
 
     def _unit(self, node: int) -> acb:
         return (acb(0, 2) * acb.pi() * acb(arb(self._turns[node]))).exp()
@@ -116,7 +123,7 @@ class Denominators:
         """Whether a function may have another branch in another part of the domain."""
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
-                return not (self._connected and is_clean(self._field, node))
+                return not (self._connected and self._field.signs.is_clean(node))
             case ("Abs" | "sign", _):
                 return True
         return False
@@ -125,7 +132,7 @@ class Denominators:
         match self._field.nodes.all[node]:
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
-                return not is_clean(self._field, root)
+                return not self._field.signs.is_clean(root)
             case ("atan", inner):
                 return not self._field.signs.is_real(inner)
         return False
@@ -170,17 +177,6 @@ def is_linear(field: Field, node: int) -> bool:
             moving = [f for f in factors if field.nodes.all[f][0] not in ("number", "pi")]
             return len(moving) <= 1 and all(is_linear(field, f) for f in moving)
     return False
-
-
-FORMAT = "longwave proof 2"
-FORMS, PARTS = 4, 8
-"""Most linear forms that belong together, and most equal parts that a proof may rest on."""
-
-
-def digest(body: Mapping[str, Any]) -> str:
-    """A checksum of everything but itself, against slips of the pen."""
-    plain = {key: value for key, value in body.items() if key != "digest"}
-    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 
 def check_certificate(data: object) -> str:
@@ -294,7 +290,7 @@ def _register(
         case ["quotient", node, below]:
             field.register_quotient(nodes.place(node), nodes.place(below))
         case ["forms", list(primitives), list(rows)] if 0 < len(rows) == len(primitives) <= FORMS:
-            forms = [Form(tuple(map(nodes.place, f)), nodes.place(s)) for f, s in _pairs(rows)]
+            forms = [(tuple(map(nodes.place, f)), nodes.place(s)) for f, s in _pairs(rows)]
             field.register_forms([nodes.place(p) for p in primitives], forms)
         case ["part", int(place), _] if 0 <= place < len(parts):
             left, right, proof = listed(parts[place], 3, "a part", 3)

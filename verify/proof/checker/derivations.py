@@ -2,34 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 from flint import fmpq_mpoly
 
-from .functions import Jacobi
-from .images import Images
+from . import axioms
+from .images import Generator, Images
 from .limits import CertificateError
 from .nodes import ELLIPTIC
 from .ring import Element, Ring, common
-
-
-@dataclass(frozen=True)
-class Generator:
-    """What a generator stands for: ``scale * node / below``, or a sum of products and a shift."""
-
-    node: int
-    scale: fmpq_mpoly | None = None
-    below: int | None = None
-    form: tuple[tuple[int, int], ...] = ()
-    shift: int = 0
-
-    @property
-    def nodes(self) -> list[int]:
-        """The nodes whose values make the generator's."""
-        if self.form:
-            return [self.shift, *(node for pair in self.form for node in pair)]
-        return [self.node] if self.below is None else [self.node, self.below]
 
 
 class Derivation:
@@ -91,27 +72,20 @@ AXIOMS = ("symbol", "exp", "log", "atan", *(f"jacobi_{name}" for name in ELLIPTI
 
 
 class Slopes:
-    """The derivatives of ``generators``.
+    """The derivatives of the generators of ``images``.
 
     ``circles`` maps each symbol s to the node of sqrt(1 - s**2) that is a generator in its place.
     """
 
-    def __init__(
-        self,
-        images: Images,
-        jacobi: Jacobi,
-        generators: Sequence[Generator],
-        circles: Mapping[int, int],
-    ) -> None:
-        self._images, self._jacobi = images, jacobi
-        self._generators, self._circles = generators, circles
+    def __init__(self, images: Images, circles: Mapping[int, int]) -> None:
+        self._images, self._circles = images, circles
         self._slopes: dict[tuple[int, int], Element] = {}
         self._rates: dict[tuple[int, int], Element] = {}
 
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator."""
         if (place, variable) not in self._slopes:
-            self._slopes[place, variable] = self._slope(self._generators[place], variable)
+            self._slopes[place, variable] = self._slope(self._images.generators[place], variable)
         return self._slopes[place, variable]
 
     def derivative(self, element: Element, variable: int) -> Element:
@@ -177,8 +151,23 @@ class Slopes:
                 rate = self._rate(z, variable)
                 if rate.is_zero:
                     return images.zero
-                return rate * self._jacobi.slope(name.removeprefix("jacobi_"), image, z, m)
+                return rate * self._jacobi_slope(name.removeprefix("jacobi_"), image, z, m)
         raise CertificateError("the derivative of a generator does not follow from the axioms")
+
+    def _jacobi_slope(self, name: str, image: Element, z: int, m: int) -> Element:
+        """The derivative in z of a Jacobi function with this image."""
+        images = self._images
+        if name == "theta":
+            return image * images.made("jacobi_zeta", z, m)
+        if name in ("epsilon", "zeta"):
+            square = images.made("jacobi_dn", z, m) ** 2
+            if name == "epsilon":
+                return square
+            return square - images.made("elliptic_e", m) / images.made("elliptic_k", m)
+        sign, with_m, functions = axioms.PRODUCTS[name]
+        parts = [images.made(f"jacobi_{function}", z, m) for function in functions]
+        result = images.ring.number(sign) * parts[0] * parts[1]
+        return result * images.image(m) if with_m else result
 
     def _rate(self, node: int, variable: int) -> Element:
         """The derivative of a formula, by its structure."""

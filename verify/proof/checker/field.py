@@ -8,26 +8,17 @@ by an axiom whose premises are checked here, by exact arithmetic on images.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
-from .derivations import Generator, Slopes
-from .functions import Exponentials, Jacobi, absolute_value, root
-from .images import BELOW_ONE, Hints, Images, Signs
+from .derivations import Slopes
+from .functions import Jacobi, absolute_value, arctangent, exponential, logarithm, root
+from .images import Form, Generator, Hints, Images
 from .limits import CertificateError
 from .nodes import Balls, Nodes, children, value_at
-from .premises import StatedSigns, is_clean
 from .ring import Element
-
-
-@dataclass(frozen=True)
-class Form:
-    """``factors`` of primitives, and what is added."""
-
-    factors: tuple[int, ...]
-    shift: int
+from .signs import BELOW_ONE
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
@@ -67,13 +58,9 @@ class Field(Images):
         positive: Mapping[int, bool],
         hints: Hints,
     ) -> None:
-        super().__init__(nodes, count, variables, hints)
-        stated = StatedSigns(self, positive)
-        self.signs = Signs(nodes, stated.sign, stated.witness)
-        self.generators: list[Generator] = []
+        super().__init__(nodes, count, variables, positive, hints)
         self._circles: dict[int, int] = {}
-        self._exponentials, self._jacobi = Exponentials(self, stated), Jacobi(self)
-        self._slopes = Slopes(self, self._jacobi, self.generators, self._circles)
+        self._jacobi, self._slopes = Jacobi(self), Slopes(self, self._circles)
 
     def register(self, node: int) -> None:
         """The next generator stands for ``node``, a function or a symbol.
@@ -110,7 +97,7 @@ class Field(Images):
     def register_scaled(self, node: int, scale: int) -> None:
         """The next generator stands for ``scale`` times a Jacobi function."""
         match self.nodes.all[node]:
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if is_clean(self, scale):
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self.signs.is_clean(scale):
                 self._register_jacobi(node, z, m, self.image(scale))
             case _:
                 raise CertificateError("what is scaled must be a Jacobi function")
@@ -148,15 +135,15 @@ class Field(Images):
                 self._jacobi.need_parameter(name, self.nodes.all[node][-1])
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
-        for place, form in zip(places, rows, strict=True):
-            if not all(is_clean(self, node) for node in (*form.factors, form.shift)):
+        for place, (factors, shift) in zip(places, rows, strict=True):
+            if not all(self.signs.is_clean(node) for node in (*factors, shift)):
                 raise CertificateError("a linear form must be analytic on the domain")
-            if any(map(self.moves, form.factors)):
+            if any(map(self.moves, factors)):
                 raise CertificateError("the factors of a linear form must be constant")
-            rest = self.ring.generator(place) - self.image(form.shift)
-            table.append([*map(self.image, form.factors), rest])
-            pairs = tuple(zip(form.factors, primitives, strict=True))
-            self.generators.append(Generator(0, form=pairs, shift=form.shift))
+            rest = self.ring.generator(place) - self.image(shift)
+            table.append([*map(self.image, factors), rest])
+            pairs = tuple(zip(factors, primitives, strict=True))
+            self.generators.append(Generator(0, form=pairs, shift=shift))
         for node, value in zip(primitives, solved(table), strict=True):
             self._images[node] = value
             self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
@@ -247,12 +234,12 @@ class Field(Images):
             e = self.made("exp", self.nodes.made("Mul", i, first))
             return axioms.TRIGONOMETRIC[name](e, self.one, self.image(i))
         rules: dict[str, Callable[[], Element]] = {
-            "exp": lambda: self._exponentials.exponential(first),
-            "log": lambda: self._exponentials.logarithm(node, first),
-            "atan": lambda: self._exponentials.arctangent(node, first),
+            "exp": lambda: exponential(self, first),
+            "log": lambda: logarithm(self, node, first),
+            "atan": lambda: arctangent(self, node, first),
             "Abs": lambda: absolute_value(self, node, first),
             "sign": lambda: self.image(first) / self.made("Abs", first),
-            "conjugate": lambda: self.image(self.conjugate(first)),
+            "conjugate": lambda: self.image(self.signs.conjugate(first)),
             "re": lambda: self._half(first, +1) * self.ring.number(fmpq(1, 2)),
             "im": lambda: (
                 self._half(first, -1)
@@ -267,7 +254,7 @@ class Field(Images):
         raise CertificateError(f"there is no generator for a {name}")
 
     def _half(self, inner: int, sign: int) -> Element:
-        other = self.image(self.conjugate(inner))
+        other = self.image(self.signs.conjugate(inner))
         return self.image(inner) + other if sign > 0 else self.image(inner) - other
 
 

@@ -18,7 +18,7 @@ from math import comb, lcm
 from flint import fmpq, fmpq_mpoly, fmpz, fmpz_poly
 
 from .derivations import Derivation
-from .field import Field
+from .images import Images
 from .limits import CertificateError
 from .ring import Element, total
 from .statement import Jet, Statement, Term
@@ -151,7 +151,7 @@ LONG = 20
 class Residual:
     """The left-hand sides of a statement's equations in a field."""
 
-    def __init__(self, field: Field, statement: Statement) -> None:
+    def __init__(self, field: Images, statement: Statement) -> None:
         self._field, self._statement = field, statement
         self._derivations: dict[int, Derivation] = {}
         self._jets: dict[Jet, Element] = {}

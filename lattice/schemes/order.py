@@ -1,0 +1,145 @@
+"""Whether a scheme has the order that it claims: the conditions of Nystroem methods, exactly.
+
+A method with nodes c_i, inner weights a_ij, velocity weights b_i and position weights d_i has order
+p when, for every tree t of special Nystroem type,
+
+    sum_i b_i Phi_i(t) = int_0^1 phi_t,                  size(t) <= p
+    sum_i d_i Phi_i(t) = int_0^1 (1 - u) phi_t(u) du,    size(t) <= p - 1
+
+(Hairer, Norsett, Wanner, Solving ODEs I, section II.14). A tree is a number of velocity leaves and
+a multiset of branches: Phi_i = c_i^leaves prod sum_j a_ij Phi_j(branch), and phi_t is the same with
+the exact double integral instead of a, a monomial in u.
+
+A symmetric splitting turns y'' = -y in a step z by the angle arccos p(z), where p is half the trace
+of its step. It has phase-lag order q when p(z) = cos z + O(z^(q + 2)) (van der Houwen, Sommeijer,
+SIAM J. Numer. Anal. 24 (1987) 595); waves of small amplitude then run at the right speed to that
+order, whatever the order of the method.
+"""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from math import factorial, prod
+from operator import mul
+
+from lattice.schemes.scheme import NystroemTable, Scheme, Splitting
+
+NystroemTree = tuple[int, tuple["NystroemTree", ...]]
+
+
+def check_order(scheme: Scheme) -> None:
+    """Raise ValueError unless the scheme has its order, and its phase-lag order if it claims one.
+
+    The conditions are those of what is run: y'' = f(y) and no other equation. They are evaluated
+    exactly; the defect allowed is what the digits of the table leave.
+
+    >>> from lattice.schemes.scheme import Composition
+    >>> check_order(Composition("verlet", 2, ("1",), ""))
+    >>> check_order(Composition("verlet", 4, ("1",), ""))
+    Traceback (most recent call last):
+    ValueError: verlet must satisfy the conditions of order 4 to 1e-24, got a defect of 1.7e-01 ...
+    """
+    checks = [("order", scheme.order, nystroem_defect(scheme.table(), scheme.order))]
+    if isinstance(scheme, Splitting) and scheme.phase_order:
+        defect = phase_lag_defect(*scheme.exact, scheme.phase_order)
+        checks.append(("phase-lag order", scheme.phase_order, defect))
+    for kind, order, defect in checks:
+        if defect > scheme.rounding:
+            raise ValueError(
+                f"{scheme.name} must satisfy the conditions of {kind} {order} to "
+                f"{scheme.rounding:g}, got a defect of {defect:.1e} (check the digits)"
+            )
+
+
+def _size(tree: NystroemTree) -> int:
+    """The power of h that the tree stands for in the velocity."""
+    leaves, branches = tree
+    return 1 + leaves + sum(1 + _size(branch) for branch in branches)
+
+
+@cache
+def nystroem_trees(order: int) -> tuple[NystroemTree, ...]:
+    """All trees of that size.
+
+    >>> [len(nystroem_trees(order)) for order in (1, 2, 3, 4, 5, 6)]
+    [1, 1, 2, 3, 6, 10]
+    """
+    return tuple(
+        (leaves, branches)
+        for leaves in range(order)
+        for branches in _forests(order - 1 - leaves, order)
+    )
+
+
+@cache
+def _forests(weight: int, largest: int) -> tuple[tuple[NystroemTree, ...], ...]:
+    """Multisets of branches; a branch weighs its size and one, at most ``largest``."""
+    if weight == 0:
+        return ((),)
+    found: set[tuple[NystroemTree, ...]] = set()
+    for first in range(2, min(weight, largest) + 1):
+        for tree in nystroem_trees(first - 1):
+            for rest in _forests(weight - first, first):
+                found.add(tuple(sorted((tree, *rest))))
+    return tuple(sorted(found))
+
+
+def nystroem_defect(table: NystroemTable, order: int) -> float:
+    """Largest deviation from the order conditions, in exact arithmetic.
+
+    >>> half = Fraction(1, 2)
+    >>> verlet = NystroemTable([half], [[]], [half], [Fraction(1)])
+    >>> nystroem_defect(verlet, 2), nystroem_defect(verlet, 3)
+    (0.0, 0.16666666666666666)
+    """
+    worst = Fraction(0)
+    for size in range(1, order + 1):
+        for tree in nystroem_trees(size):
+            values, factor = _stages(tree, table)
+            exact = factor / size
+            worst = max(worst, abs(_dot(table.weights, values) - exact))
+            if size < order:
+                worst = max(worst, abs(_dot(table.outer, values) - exact / (size + 1)))
+    return float(worst)
+
+
+def _stages(tree: NystroemTree, table: NystroemTable) -> tuple[list[Fraction], Fraction]:
+    """Phi_i at all stages, and the factor of the monomial phi_t = factor u^(size - 1)."""
+    leaves, branches = tree
+    factor, below = Fraction(1), []
+    for branch in branches:
+        values, part = _stages(branch, table)
+        factor *= part / (_size(branch) * (_size(branch) + 1))
+        below.append([_dot(row, values) for row in table.inner])
+    return [
+        prod((values[i] for values in below), start=node**leaves)
+        for i, node in enumerate(table.nodes)
+    ], factor
+
+
+def _dot(weights: Sequence[Fraction], values: Sequence[Fraction]) -> Fraction:
+    """Explicit tables may leave out the zeros at the end of a row."""
+    return sum(map(mul, weights, values), Fraction(0))
+
+
+def phase_lag_defect(
+    drifts: Sequence[Fraction], kicks: Sequence[Fraction], phase_order: int
+) -> float:
+    """Largest coefficient of p(z) - cos z up to z^phase_order, in exact arithmetic.
+
+    >>> half = Fraction(1, 2)
+    >>> phase_lag_defect([half, half], [2 * half], 2), phase_lag_defect([half, half], [2 * half], 4)
+    (0.0, 0.041666666666666664)
+    """
+    degree = phase_order // 2
+    yy, ys, sy, ss = ([Fraction(0)] * (degree + 1) for _ in range(4))
+    yy[0] = ss[0] = Fraction(1)
+    for drift, kick in zip(drifts, [*kicks, Fraction(0)], strict=True):
+        for k in range(degree + 1):
+            yy[k] += drift * sy[k]
+            ys[k] += drift * ss[k]
+        for k in range(degree, 0, -1):
+            sy[k] -= kick * yy[k - 1]
+            ss[k] -= kick * ys[k - 1]
+    exact = [Fraction((-1) ** k, factorial(2 * k)) for k in range(degree + 1)]
+    return float(max(abs((a + d) / 2 - c) for a, d, c in zip(yy, ss, exact, strict=True)))

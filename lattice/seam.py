@@ -1,0 +1,180 @@
+"""Closing a ring by its circumference.
+
+A localised wave on a periodic background approaches its far field through a phase that decays like
+1/x, so the data at the two ends of m wavelengths miss each other by O(1/m). The circumference of a
+spectral ring is any real number: the one for which Y(x + L) = Y(x) across the seam in the sense of
+least squares leaves a miss of a higher order. Where the phase jumps by a constant, as across the
+dark breather, it closes exactly.
+
+A kink between -A and A closes with its own negative, which is a wave of the lattice, too, where the
+force is odd: it stands at the seam.
+
+A ring that is so wide that its seam is not felt need not close: a periodic wave fades there.
+
+What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
+off at the seam, not everywhere: the data elsewhere are the wave's own.
+
+Letting fade, on a ring, what can no longer reach a compared site.
+
+What the seam of a closed ring sends out may grow until waves cease to exist there, although the
+lattice itself is sound. The sites beyond the cone of the compared ones, which grows narrower all
+the time, are therefore drawn to a constant strain at rest, gently: a sudden end would send a wave
+back, whose strains add to those that arrive.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.special import erfc
+
+from lattice.state import State
+
+Array = NDArray[np.float64]
+Profile = Callable[[Array], Array]
+
+SAMPLES = 64
+"""Points on the wavelength about the seam, and circumferences tried within one wavelength."""
+
+BLEND_REACH = 6.0
+"""The blend runs from 0 to 1, to double precision, within so many of its widths on either side."""
+
+
+def close_circumference(profile: Profile, wavelength: float, count: int) -> float:
+    """The circumference within half a wavelength of ``count`` of them that closes the profile best.
+
+    ``profile`` is Y against x, the seam lies at x = -L/2 and x = L/2.
+
+    >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
+    51.7975
+    """
+    offsets = wavelength * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
+
+    def misses(shifts: Array) -> Array:
+        half = 0.5 * wavelength * (count + shifts[:, None])
+        ends = np.concatenate([half + offsets, -half + offsets])
+        values = np.asarray(profile(ends.ravel())).reshape(2, -1)
+        return values[0] - values[1]
+
+    shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
+    squares = np.sum(misses(shifts).reshape(SAMPLES, SAMPLES) ** 2, axis=1)
+    first = shifts[int(np.argmin(squares))]
+    near = (first - 1.0 / SAMPLES, first + 1.0 / SAMPLES)
+    best = least_squares(misses, [first], bounds=near, xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return wavelength * (count + float(best.x[0]))
+
+
+def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -> Array:
+    """The profile made smoothly periodic, at points -L/2 <= x <= L/2 (its last axis).
+
+    Within BLEND_REACH ``width`` of the seam it passes over into its own copy a circumference away,
+    so that what is left of the miss puts no kink, and no short waves, there.
+
+    >>> x = np.array([-5.0, 0.0, 5.0])
+    >>> blend_seam(lambda x: x, 10.0, 0.5, x)
+    array([0., 0., 0.])
+    """
+    values = np.array(profile(x), dtype=np.float64)
+    for sign in (-1.0, 1.0):
+        inside = sign * x - 0.5 * circumference
+        near = inside > -BLEND_REACH * width
+        share = 0.5 * erfc(-inside[near] / width)
+        copy = profile(x[near] - sign * circumference)
+        values[..., near] += share * (np.asarray(copy) - values[..., near])
+    return values
+
+
+def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Array) -> Array:
+    """A kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
+
+    ``crest`` is the kink's place. Half-way between it and the seam the two pass into each other.
+
+    >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
+    >>> values.round(3) + 0.0
+    array([ 0.   , -1.   ,  0.   ,  1.   ,  0.762])
+    """
+    values = np.array(profile(x), dtype=np.float64)
+    past = x - np.where(x > 0.0, 0.5, -0.5) * circumference
+    near = np.abs(past) < 0.5 * (0.5 * circumference - abs(crest))
+    values[..., near] = -np.asarray(profile(past[near] + crest))
+    return values
+
+
+def rest_at_seam(s: Array, circumference: float, width: float, x: Array) -> Array:
+    """The velocity ``s`` without its mean, taken off where it is blended (-L/2 <= x <= L/2).
+
+    >>> x = np.linspace(-5.0, 5.0, 100, endpoint=False)
+    >>> rest = rest_at_seam(np.ones(100), 10.0, 0.5, x)
+    >>> abs(round(float(np.mean(rest)), 12)), float(rest[50])
+    (0.0, 1.0)
+    """
+    distance = 0.5 * circumference - np.abs(x)
+    bump = np.exp(-((distance / width) ** 2)) * (distance < BLEND_REACH * width)
+    rest: Array = s - float(np.mean(s)) / float(np.mean(bump)) * bump
+    return rest
+
+
+def fade_at_seam(
+    y: Array, s: Array, speed: float, circumference: float, room: float, x: Array
+) -> tuple[Array, Array]:
+    """Strain and velocity that pass into a constant at the seam, at points -L/2 <= x <= L/2 a site.
+
+    They do so within ``room`` of the seam. What runs to the right at ``speed`` goes on to do so: at
+    rest it would run both ways, and where it meets itself there is more strain than in the wave.
+
+    >>> x = np.array([-10.0, 0.0, 9.0])
+    >>> fade_at_seam(np.array([3.0, 1.0, -3.0]), np.zeros(3), 1.0, 20.0, 4.0, x)[0].round(3)
+    array([ 0.   ,  1.   , -0.439])
+    """
+    y, s = y.copy(), s.copy()
+    distance = 0.5 * circumference - np.abs(x)
+    near = distance < room
+    angle = np.pi * np.maximum(distance[near], 0.0) / room
+    level = float(np.mean(y[near]))
+    above = y[near] - level
+    y[near] = level + (0.5 - 0.5 * np.cos(angle)) * above
+    slope = -np.sign(x[near]) * 0.5 * np.pi / room * np.sin(angle)
+    s[near] = (0.5 - 0.5 * np.cos(angle)) * s[near] - speed * slope * above
+    return y, s
+
+
+FADING_DEPTH = 128
+"""Least sites over which the fading sets in."""
+
+FADING_STRENGTH = 12.0
+"""Rate of the fading at that depth and beyond, in units of the time in which the cone's end goes
+it: a wave that runs into it at twice that speed has lost 86 % there."""
+
+
+@dataclass
+class Fading:
+    """Fades the sites of a ring from which ``speed`` no longer leads to a compared site.
+
+    At ``t0`` all sites lead there; at t those do that are further than ``speed`` (t - t0) from the
+    seam. ``level`` is the strain in which the others end, ``depth`` the sites over which the
+    fading sets in, a wavelength if there is one.
+    """
+
+    t0: float
+    speed: float
+    level: float
+    depth: float
+
+    def __post_init__(self) -> None:
+        self._t = self.t0
+
+    def at(self, state: State) -> None:
+        """Fade what no longer matters at ``state.t``, for the time since the last call."""
+        passed, self._t = state.t - self._t, state.t
+        gone = min(math.floor(self.speed * (state.t - self.t0)), (state.size + 1) // 2)
+        if gone <= 0 or passed <= 0.0:
+            return
+        inside = np.arange(gone, 0, -1.0) / self.depth
+        rate = FADING_STRENGTH * self.speed / self.depth * np.minimum(inside, 1.0) ** 2
+        kept = np.exp(-rate * passed)
+        for sites, left in ((state.sites[:gone], kept), (state.sites[-gone:], kept[::-1])):
+            y, s = state.strain(sites), state.velocity(sites)
+            state.store(sites, self.level + left * (y - self.level), left * s)

@@ -1,0 +1,149 @@
+"""Stepping a state through the times at which it is wanted."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from lattice.model import Model
+from lattice.schemes.scheme import Scheme
+from lattice.state import BlowUp, State, find_blow_up
+
+CHUNK = 64
+"""Most steps between two stops; a chunk that blew up is repeated step by step."""
+
+UPDATES = 3e8
+"""Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
+
+
+class Domain(Protocol):
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
+
+    What is written here is a ring of sites that stays where it is.
+    """
+
+    moves: frozenset[float] = frozenset()
+
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+        return 0.0
+
+    def start(self) -> State:
+        """The initial state."""
+
+    def follow(self, state: State) -> BlowUp | None:
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+
+        To be called at each of the ``moves``.
+        """
+        return None
+
+    def fade(self, state: State) -> None:
+        """Change what can no longer reach a compared site, if that is of use.
+
+        To be called wherever the march stops.
+        """
+        return
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with what the domain may have to do with it."""
+        return found
+
+
+@dataclass
+class StillRing(Domain):
+    """The ring of all sites of a state."""
+
+    state: State
+
+    def start(self) -> State:
+        """The state itself, which is advanced in place."""
+        return self.state
+
+
+class Stepper:
+    """Advances ``state`` in place, following the domain and watching for a blow-up.
+
+    Between two times that are wanted, or at which the domain moves, the steps are equal and not
+    longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
+    of the wave at the run's beginning, None if there is no wave and strains may be what they will.
+    ``strain`` holds the smallest and the largest that was met at a stop, on
+    any site. ``blow_up`` is set when the march had to stop; ``steps`` counts.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        scheme: Scheme,
+        model: Model,
+        domain: Domain,
+        step: float,
+        amplitude: float | None,
+    ) -> None:
+        self.state = state
+        self.scheme = scheme
+        self.model = model
+        self.domain = domain
+        self.step = step
+        self.steps = 0
+        self._amplitude = amplitude
+        self._chunk = max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
+        self.strain = (math.inf, -math.inf)
+        self.blow_up: BlowUp | None = self._find_blow_up()
+
+    def through(self, times: Sequence[float]) -> Iterator[State]:
+        """Yield the state at every stop on the way through the increasing ``times``.
+
+        Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
+        the march stops every few steps, whoever looks. It ends early at a blow-up.
+        """
+        moves = {t for t in self.domain.moves if self.state.t < t < times[-1]}
+        for t in sorted(moves.union(times)):
+            yield from self._stops_until(t)
+            if self.blow_up is not None:
+                return
+
+    def _stops_until(self, t: float) -> Iterator[State]:
+        begin, done = self.state.t, 0
+        steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
+        if steps == 0 and self.blow_up is None:
+            yield self.state
+        while done < steps and self.blow_up is None:
+            h = (t - begin) / steps
+            chunk = min(steps - done, self._chunk)
+            self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
+            done += chunk
+            if self.blow_up is None:
+                yield self.state
+
+    def _advance(self, h: float, steps: int, t: float) -> None:
+        """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
+        state, begin = self.state, self.state.t
+        before = state.y.copy(), state.s.copy()
+        self.scheme.advance(state.y, state.s, h, steps, self.model)
+        state.t = t
+        found = self._find_blow_up()
+        if found is None:
+            self.steps += steps
+            if t in self.domain.moves:
+                self.blow_up = self.domain.follow(state)
+            self.domain.fade(state)
+            return
+        self.blow_up = found if steps == 1 else None
+        if steps > 1:
+            state.y[:], state.s[:] = before
+            state.t = begin
+            for step in range(1, steps + 1):
+                if self.blow_up is None:
+                    self._advance(h, 1, t if step == steps else begin + step * h)
+
+    def _find_blow_up(self) -> BlowUp | None:
+        """What is wrong anywhere, far from the compared sites, too.
+
+        Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
+        """
+        y, (least, most) = self.state.y, self.strain
+        self.strain = min(least, float(y.min())), max(most, float(y.max()))
+        found = find_blow_up(self.model, self.state, self._amplitude)
+        return None if found is None else self.domain.locate(found, self.state)

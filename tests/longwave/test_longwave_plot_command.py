@@ -1,0 +1,77 @@
+"""`longwave plot`: where the picture goes, wrong input, and what Ctrl-C leaves."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+
+from longwave import plotting as drawing
+from longwave.__main__ import main
+from longwave.command_tree import PICTURES
+from longwave.plotting import ALL
+from longwave.plotting import PICTURES as KINDS
+from verify.comparison.recording import UnfinishedRun
+
+Output = pytest.CaptureFixture[str]
+
+
+def test_the_kinds_are_those_that_are_drawn() -> None:
+    assert (ALL, *KINDS) == PICTURES
+
+
+def test_a_shipped_scene_is_drawn_into_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", "rogue_cn_k_0.5", "--kind", "snapshots"]) == 0
+    assert capsys.readouterr().out == "rogue_cn_k_0.5.png\n"
+    assert Path("rogue_cn_k_0.5.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["nowhere"], "scene must be a TOML file or a shipped scene, got 'nowhere'"),
+        (["nowhere.nc"], "got nowhere.nc"),
+        (["rogue_cn_k_0.5", "--output", "x.gif"], ".svg"),
+        (["rogue_cn_k_0.5", "--output", "/nowhere/x.png"], "must lie in an existing folder"),
+        (["rogue_cn_k_0.5", "--output", "/tmp/"], "must name a file, got the folder /tmp/"),
+        (["rogue_cn_k_0.5", "--kind", "movie"], "'movie' is not one of 'all', 'snapshots'"),
+    ],
+)
+def test_wrong_input_is_one_line_and_status_2(
+    argv: list[str], message: str, capsys: Output
+) -> None:
+    assert main(["plot", *argv]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("error: ")
+    assert output.err.count("\n") == 1
+    assert message in output.err
+
+
+@pytest.mark.parametrize(
+    ("stop", "drawable", "said"),
+    [
+        (UnfinishedRun(xr.Dataset()), True, "what was run until then is in x.png"),
+        (UnfinishedRun(xr.Dataset()), False, "too little was run to be drawn"),
+        (KeyboardInterrupt(), True, "nothing was drawn yet"),
+    ],
+)
+def test_ctrl_c_draws_what_was_run(
+    stop: BaseException,
+    drawable: bool,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Output,
+) -> None:
+    def plot(source: Any, *_: object) -> None:
+        if isinstance(source, str):
+            raise stop
+        if not drawable:
+            raise ValueError("source must hold what is drawn")
+
+    monkeypatch.setattr(drawing, "plot", plot)
+    assert main(["plot", "rogue_cn_k_0.5", "--output", "x.png"]) == 130
+    assert capsys.readouterr().err == f"longwave plot: interrupted ({said})\n"

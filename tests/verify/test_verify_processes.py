@@ -1,0 +1,42 @@
+"""Jobs in processes: results under their keys, progress rises to 1, failures reach the caller."""
+
+from dataclasses import replace
+from math import sqrt
+
+import pytest
+
+from verify.comparison import Scene, load_scene, run
+from verify.processes import Job, run_jobs
+from verify.studies.measured_runs import scene_job
+
+SHORT = replace(
+    load_scene("rational_2_eps_0.05"),
+    snapshots=(-10000.0, -9999.0),
+    observables=("strain",),
+)
+
+
+def test_results_come_back_under_their_keys_with_rising_progress() -> None:
+    """Catches results mixed up by the order of the work, which is the longest first."""
+    longer = replace(SHORT, snapshots=(-10000.0, -9995.0))
+    jobs = {"short": scene_job(SHORT), "root": Job(sqrt, (2.25,), 0.1), "long": scene_job(longer)}
+    assert jobs["long"].weight > jobs["short"].weight
+    shares: list[float] = []
+    found = run_jobs(jobs, 2, shares.append)
+    assert list(found) == ["short", "root", "long"]
+    assert found["root"] == 1.5
+    assert [float(found[name].time[-1]) for name in ("short", "long")] == [-9999.0, -9995.0]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert (found["short"]["strain"].values == run(SHORT)["strain"].values).all()
+
+
+def test_a_failing_job_raises_here() -> None:
+    wrong: Scene = replace(SHORT, wave="no_such_wave")
+    with pytest.raises(ValueError, match="no_such_wave"):
+        run_jobs({"wrong": scene_job(wrong)}, 1, lambda share: None)
+
+
+def test_at_least_one_worker() -> None:
+    with pytest.raises(ValueError, match="workers must be at least 1, got 0"):
+        run_jobs({"short": scene_job(SHORT)}, 0, lambda share: None)

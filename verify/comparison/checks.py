@@ -1,0 +1,170 @@
+"""Checks of a scene's fields; each raises ValueError in one line.
+
+The line has the argument, the condition, the value and the remedy.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Integral, Real
+
+from verify.comparison.observables import NAMES
+
+MOST_STEPS = 1e10
+
+USUAL: Mapping[str, str] = {
+    "eps": "0.05",
+    "t0": "-1000",
+    "K2": "1",
+    "K3": "0",
+    "K4": "1",
+    "step": "0.5",
+    "sites": "4096",
+    "compared": "200",
+    "curve_points": "201",
+    "look_points": "201",
+    "tolerance": "1e-4",
+    "snapshots": "[-100, 0, 100]",
+}
+"""What may be written instead of a wrong value."""
+
+LEAST_TOLERANCE = 1e-11
+"""Sup error of y/eps that double precision still tells from rounding (Y2 over t = 15000)."""
+
+SMALLEST = 1e-50
+"""Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
+
+LARGEST = 1e9
+"""Whole numbers above it would be more than any memory holds."""
+
+
+def finite(name: str, value: object) -> float:
+    """The value as a float, if it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"{name} must be a number, got {shown(value)}{_remedy(name)}")
+    number = value if isinstance(value, int) else float(value)
+    if not isinstance(number, int) and not math.isfinite(number):
+        raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
+    if number != 0 and not SMALLEST <= abs(number) <= 1 / SMALLEST:
+        raise ValueError(
+            f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
+            f"got {shown(value)}{_remedy(name)}"
+        )
+    return float(number)
+
+
+def positive(name: str, value: float) -> None:
+    """Refuse what is not positive."""
+    if value <= 0:
+        raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
+
+
+def tolerance(given: object) -> float:
+    """The tolerance as a float, if it is positive and not below rounding."""
+    value = finite("tolerance", given)
+    positive("tolerance", value)
+    if value < LEAST_TOLERANCE:
+        raise ValueError(
+            f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
+            "(rounding alone makes as much in a long run)"
+        )
+    return value
+
+
+def whole(name: str, value: object) -> int:
+    """The value as an int, if it is a whole number >= 1 that some memory holds."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= LARGEST:
+        raise ValueError(
+            f"{name} must be a whole number, 1 <= {name} <= {LARGEST:g}, got {shown(value)}"
+            f"{_remedy(name)}"
+        )
+    return int(value)
+
+
+def enough_steps(step: float, duration: float) -> None:
+    """Refuse a step with which nobody will see the run's end."""
+    if duration > MOST_STEPS * step:
+        raise ValueError(
+            f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
+            f"got {step:g} (that would be more than {MOST_STEPS:g} steps)"
+        )
+
+
+def text(name: str, value: object) -> None:
+    """Refuse what is no text."""
+    if not isinstance(value, str):
+        raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+
+
+def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keywords that a scene does not have."""
+    for key in given:
+        if key not in known:
+            raise ValueError(f"keywords must be known ones, got {key} (one of {', '.join(known)})")
+
+
+def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
+    """Refuse a word that is not known."""
+    if value not in known:
+        raise ValueError(
+            f"{name} must be a known one, got {shown(value)} (one of {', '.join(known)})"
+        )
+
+
+def times(values: object, t0: float) -> tuple[float, ...]:
+    """Increasing times from t0 on."""
+    if not isinstance(values, list | tuple) or not values:
+        raise ValueError(
+            f"snapshots must be a list of at least one time, got {shown(values)}"
+            f"{_remedy('snapshots')}"
+        )
+    checked = tuple(finite("snapshots", value) for value in values)
+    if min(checked) < t0:
+        raise ValueError(
+            f"snapshots must satisfy t >= t0 = {t0:g}, got {min(checked):g} (start earlier)"
+        )
+    if list(checked) != sorted(set(checked)):
+        raise ValueError(f"snapshots must increase, got {list(checked)} (sort them)")
+    return checked
+
+
+def observables(values: object) -> tuple[str, ...]:
+    """Known observables."""
+    if not isinstance(values, list | tuple):
+        raise ValueError(
+            f'observables must be a list of names, got {shown(values)} (such as ["strain"])'
+        )
+    for value in values:
+        one_of("observables", value, NAMES)
+    return tuple(values)
+
+
+def parameters(values: object) -> tuple[tuple[str, float | str], ...]:
+    """The wave's parameters as pairs: finite numbers, or multiples of K (`initial_data.py`)."""
+    pairs = list(values.items()) if isinstance(values, Mapping) else values
+    if not isinstance(pairs, list | tuple) or not all(
+        isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs
+    ):
+        raise ValueError(
+            f"parameters must be pairs of names and values, got {shown(values)} (such as "
+            '{"k": 0.5})'
+        )
+    return tuple(
+        (str(name), value if isinstance(value, str) else finite(str(name), value))
+        for name, value in pairs
+    )
+
+
+def shown(value: object) -> str:
+    """The value as it is put into a message: short, whatever a file holds.
+
+    >>> shown(10**5000)
+    'an integer of 16610 bits'
+    """
+    if isinstance(value, int) and value.bit_length() > 100:
+        return f"an integer of {value.bit_length()} bits"
+    found = repr(value)
+    return found if len(found) <= 60 else f"{found[:57]}..."
+
+
+def _remedy(name: str) -> str:
+    return f" (such as {USUAL.get(name, '0.5')})"
