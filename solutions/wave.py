@@ -9,7 +9,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from derive.normal_form import NormalForm
-from solutions.compile.program import kept_program
+from solutions.compile.compiler import kept_program
 from solutions.exact import exact_number
 from solutions.points import check_points, evaluate_points
 from solutions.record import ClosedForm

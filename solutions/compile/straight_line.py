@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 
 
 class UnknownDerivativeError(ValueError):
@@ -91,9 +91,9 @@ class StraightLine:
                 products.append(_partial_derivative(node, inner) * slope)
         return sp.Add(*products)
 
-    def formula(self, arguments: Sequence[sp.Symbol], entries: Sequence[sp.Expr]) -> Formula:
+    def formula(self, arguments: Sequence[sp.Symbol], entries: Sequence[sp.Expr]) -> MpmathFormula:
         """The values of ``entries`` as a formula in ``arguments``, for any mpmath context."""
-        return Formula.of(arguments, entries, self.lines)
+        return MpmathFormula.of(arguments, entries, self.lines)
 
 
 def _partial_derivative(node: sp.Expr, symbol: sp.Symbol) -> sp.Expr:

@@ -163,7 +163,7 @@ def _functions(ctx: Any) -> dict[str, Callable[..., Number]]:
 
 
 @dataclass(frozen=True)
-class Formula:
+class MpmathFormula:
     """Expressions as straight-line code in any mpmath context: the house's way from SymPy to it.
 
     An instruction is an operation and its operands: numbers of earlier values (the arguments are
@@ -175,7 +175,7 @@ class Formula:
     >>> z = symbols("z")
     >>> ctx = MPContext()
     >>> ctx.dps = 40
-    >>> print(Formula.of([z], [sqrt(z) * jacobi_sn(z, Rational(1, 3))])(ctx, ctx.mpf(2))[0])
+    >>> print(MpmathFormula.of([z], [sqrt(z) * jacobi_sn(z, Rational(1, 3))])(ctx, ctx.mpf(2))[0])
     1.380710253...
     """
 
@@ -189,7 +189,7 @@ class Formula:
         arguments: Sequence[Expr],
         expressions: Sequence[Expr],
         statements: Iterable[tuple[Expr, Expr]] = (),
-    ) -> Formula:
+    ) -> MpmathFormula:
         """The formula of ``expressions``, in which symbols stand for the earlier ``statements``."""
         places: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
         code: list[Sequence[Any]] = []

@@ -9,7 +9,7 @@ import numpy as np
 
 from solutions.run.bounded import PARTS
 from solutions.run.doubledouble import Array, check_range, split
-from solutions.run.jacobi import jacobi_program
+from solutions.run.jacobi_program import jacobi_program
 from solutions.run.linear_phase import LinearPhase, as_pairs
 from solutions.run.machine import run_pairs
 from solutions.run.program import Program, Variables

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.run.linear_phase import LinearPhase
 from solutions.run.machine import Bytecode
 
@@ -69,7 +69,7 @@ class Program:
     calls: Sequence[int]
     wanted: Sequence[Sequence[bool]]
     bytecode: Bytecode
-    fixed: Formula
+    fixed: MpmathFormula
 
     def numbers(self, parameters: Sequence[Expr]) -> Numbers:
         """The numbers at these exact parameters, with so many digits that more change nothing."""
@@ -112,7 +112,7 @@ class Program:
         array = np.array(code, dtype=np.int64).reshape(-1, 5)
         pool = tuple(range(held["constants"]))
         bytecode = Bytecode(array, registers, inputs, tuple(outputs), pool)
-        return cls(held["calls"], held["wanted"], bytecode, Formula(*held["fixed"]))
+        return cls(held["calls"], held["wanted"], bytecode, MpmathFormula(*held["fixed"]))
 
 
 def _agree(old: Any, new: Any) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from solutions.exact import exact_number, shown
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.run.program import Variables
 from solutions.symbols import tau, xi
 
@@ -22,9 +22,9 @@ LARGEST = sp.Integer(10) ** 1000
 
 
 @lru_cache(maxsize=64)
-def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, Formula]:
+def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, MpmathFormula]:
     """A private context, and ``expression`` as a formula in (xi, tau, *parameters)."""
-    return mpmath.MPContext(), Formula.of([xi, tau, *parameters], [expression])
+    return mpmath.MPContext(), MpmathFormula.of([xi, tau, *parameters], [expression])
 
 
 def evaluate_mp(
@@ -58,7 +58,7 @@ def evaluate_mp(
 
 
 def _with_differences(
-    context: Any, formula: Formula, x: Any, t: Any, point: list[Any]
+    context: Any, formula: MpmathFormula, x: Any, t: Any, point: list[Any]
 ) -> tuple[Any, Any, Any]:
     """Value and slopes from three values at more than twice the precision of the slopes."""
     step = context.ldexp(1, -context.prec)

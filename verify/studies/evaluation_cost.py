@@ -20,7 +20,7 @@ from flint import acb, ctx
 
 from solutions import CATALOGUE
 from solutions.compile.straight_line import StraightLine
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import tau, xi
 from verify.processes import Job, Key
 from verify.proof.balls import BallEvaluator, Shape
@@ -160,7 +160,7 @@ def exact_values(case: WaveCase) -> list[Row]:
 
 
 @lru_cache(maxsize=1)
-def _mp_program(case: WaveCase) -> tuple[Any, Formula]:
+def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
     """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
     context, tape = mpmath.MPContext(), StraightLine()
     value = tape.record(case.form.expression)

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from solutions.forms import rogue_cn, soliton_dn
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import k
 
 u = sp.Symbol("u", real=True)
@@ -14,7 +14,7 @@ UPPER_LIMITS = ["7.3", "-2.6"]
 
 
 def quadrature(ctx: Any, integrand: sp.Expr, modulus: Any, upper: Any) -> Any:
-    formula = Formula.of([u, k], [integrand])
+    formula = MpmathFormula.of([u, k], [integrand])
     pieces = [upper * j / 6 for j in range(7)]
     return ctx.quad(lambda y: formula(ctx, y, modulus)[0], pieces)
 
@@ -24,7 +24,7 @@ def quadrature(ctx: Any, integrand: sp.Expr, modulus: Any, upper: Any) -> Any:
 def test_dn_integral(upper: str, modulus: str, ctx: Any) -> None:
     ctx.dps = 25
     value, K = ctx.mpf(upper), ctx.mpf(modulus)
-    (closed,) = Formula.of([u, k], [soliton_dn.integral(u)])(ctx, value, K)
+    (closed,) = MpmathFormula.of([u, k], [soliton_dn.integral(u)])(ctx, value, K)
     assert abs(quadrature(ctx, soliton_dn.integrand(u), K, value) - closed) < 1e-20
 
 
@@ -33,7 +33,7 @@ def test_dn_integral(upper: str, modulus: str, ctx: Any) -> None:
 def test_cn_integral(upper: str, modulus: str, ctx: Any) -> None:
     ctx.dps = 25
     value, K = ctx.mpf(upper), ctx.mpf(modulus)
-    real, imaginary = Formula.of([u, k], rogue_cn.integral(u))(ctx, value, K)
+    real, imaginary = MpmathFormula.of([u, k], rogue_cn.integral(u))(ctx, value, K)
     printed = quadrature(ctx, rogue_cn.integrand(u), K, value)
     assert abs(printed.real - real) < 1e-20
     assert abs(printed.imag - imaginary) < 1e-20

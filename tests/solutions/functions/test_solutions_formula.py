@@ -7,7 +7,7 @@ import mpmath
 import pytest
 import sympy as sp
 
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 
 x, y = sp.symbols("x y", positive=True)
 
@@ -32,27 +32,27 @@ def test_values_are_sympys_own(expression: sp.Expr, digits: int, ctx: Any) -> No
     point = {x: sp.Rational(7, 10), y: sp.Rational(3, 10)}
     ctx.dps = digits
     values = [ctx.mpf(value.p) / value.q for value in point.values()]
-    (found,) = Formula.of([x, y], [expression])(ctx, *values)
+    (found,) = MpmathFormula.of([x, y], [expression])(ctx, *values)
     wanted = ctx.convert(sp.N(expression.subs(point), digits + 10)._to_mpmath(4 * digits))
     assert abs(found - wanted) < 100 * abs(wanted) * ctx.eps
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
 def test_it_survives_being_written_down(expression: sp.Expr, ctx: Any) -> None:
-    formula = Formula.of([x, y], [expression, x])
+    formula = MpmathFormula.of([x, y], [expression, x])
     written = json.dumps([formula.arguments, formula.code, formula.results])
-    again = Formula(*json.loads(written))
+    again = MpmathFormula(*json.loads(written))
     assert again(ctx, ctx.mpf(2), ctx.mpf(3)) == formula(ctx, ctx.mpf(2), ctx.mpf(3))
 
 
 def test_equal_parts_are_computed_once_and_statements_are_shared() -> None:
     z = sp.Symbol("z")
-    formula = Formula.of([x], [z**2 + sp.sin(x), z], [(z, sp.sin(x) + 1)])
+    formula = MpmathFormula.of([x], [z**2 + sp.sin(x), z], [(z, sp.sin(x) + 1)])
     assert [code[0] for code in formula.code].count("sin") == 1
 
 
 def test_what_has_no_value_is_named() -> None:
     with pytest.raises(NameError, match="must have values in mpmath, got unheard_of"):
-        Formula.of([x], [sp.Function("unheard_of")(x)])(mpmath.mp, 1)
+        MpmathFormula.of([x], [sp.Function("unheard_of")(x)])(mpmath.mp, 1)
     with pytest.raises(NameError, match="symbols must have values, got y"):
-        Formula.of([x], [x + y])(mpmath.mp, 1)
+        MpmathFormula.of([x], [x + y])(mpmath.mp, 1)

@@ -33,7 +33,7 @@ from solutions.functions import (
     jacobi_zeta,
 )
 from solutions.functions.jacobi import ParameterDerivativeError
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 
 FUNCTIONS = (
     jacobi_sn,
@@ -137,7 +137,7 @@ def test_a_formula_keeps_the_digits_of_its_context() -> None:
     ctx = MPContext()
     ctx.dps = 60
     expression = Rational(1, 3) * sqrt(z) * jacobi_zeta(z, k**2) * elliptic_k(k**2) * tanh(z)
-    (value,) = Formula.of([z, k], [expression])(ctx, ctx.mpf(2), ctx.mpf(3) / 5)
+    (value,) = MpmathFormula.of([z, k], [expression])(ctx, ctx.mpf(2), ctx.mpf(3) / 5)
     exact = expression.subs({z: 2, k: Rational(3, 5)}).n(60)
     assert abs(value - ctx.convert(exact._to_mpmath(220))) < ctx.mpf(10) ** -57
 

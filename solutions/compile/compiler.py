@@ -19,7 +19,7 @@ import sympy as sp
 from solutions.compile.assembler import Assembler
 from solutions.compile.lowering import Lowering
 from solutions.compile.tape import tape_of
-from solutions.functions.multiprecision import Formula
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.record import ClosedForm
 from solutions.run.jit import cache_folder
 from solutions.run.program import Program
@@ -86,5 +86,5 @@ def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:
         calls=[places.index(call.phase) for call in calls],
         wanted=[[s in used for s in call.symbols] for call in calls],
         bytecode=bytecode,
-        fixed=Formula.of(parameters, fixed),
+        fixed=MpmathFormula.of(parameters, fixed),
     )

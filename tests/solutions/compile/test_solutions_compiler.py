@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from solutions import Wave, closed_form
-from solutions.compile import program as programs
-from solutions.compile.program import compile_program, kept_program
+from solutions.compile import compiler
+from solutions.compile.compiler import compile_program, kept_program
 from solutions.run.program import Program
 from solutions.symbols import tau, xi
 
@@ -18,7 +18,7 @@ NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(programs, "cache_folder", lambda _: tmp_path)
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: tmp_path)
     return tmp_path
 
 
@@ -76,7 +76,7 @@ def test_a_damaged_program_is_written_anew(folder: Path, normal_forms: Any) -> N
 
 def test_without_a_folder_it_runs(monkeypatch: pytest.MonkeyPatch, normal_forms: Any) -> None:
     first = values("kink", normal_forms)
-    monkeypatch.setattr(programs, "cache_folder", lambda _: None)
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: None)
     assert values("kink", normal_forms) == first
-    monkeypatch.setattr(programs, "cache_folder", lambda _: Path("/dev/null/nowhere"))
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: Path("/dev/null/nowhere"))
     assert values("kink", normal_forms) == first
