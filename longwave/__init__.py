@@ -25,7 +25,8 @@ _NOUNS = {
     "verify.proof": "check_certificate prove prove_equal",
     "verify.verdict": "Verdict",
     "longwave.plotting": "plot",
-    "verify.comparison": "Scene load_scene relative_sup_error run shipped_scenes",
+    "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "
+    "shipped_scenes",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

@@ -101,14 +101,14 @@ def scenes() -> list[Record]:
             "name": scene.name,
             "title": scene.title,
             "origin": origin,
-            "wave": scene.wave,
+            "wave": scene.wave_name,
             "parameters": dict(scene.parameters),
             "eps": scene.eps,
             "start": scene.t0,
             "end": scene.end,
             "tolerance": scene.tolerance,
-            "scheme": scene.scheme or None,
-            "step": scene.step or None,
+            "scheme": scene.numerics.scheme or None,
+            "step": None if scene.tolerance else scene.discretisation.step,
             "observables": list(scene.observables),
         }
         for origin, scene in found
