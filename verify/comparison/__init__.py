@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
     from lattice.state import BlowUp
     from verify.comparison.observables import OBSERVABLES
-    from verify.comparison.run import run
     from verify.comparison.saved_run import load_run, resume, save_run
     from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
     from verify.comparison.scene_catalogue import (
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
         rational_family_scenes,
         shipped_scenes,
     )
+    from verify.comparison.scene_run import run
     from verify.comparison.view import relative_sup_error
 
 __all__ = [
@@ -61,7 +61,7 @@ __getattr__, __dir__ = lazy_face(
         "lattice.schemes.scheme": "Composition RungeKutta Scheme stability_limit",
         "lattice.state": "BlowUp",
         "verify.comparison.observables": "OBSERVABLES",
-        "verify.comparison.run": "run",
+        "verify.comparison.scene_run": "run",
         "verify.comparison.saved_run": "load_run resume save_run",
         "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance with_tolerance",
         "verify.comparison.scene_catalogue": "further_scenes load_scene rational_family_scenes "
