@@ -10,7 +10,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from derive.command_line import announce, called_by, fail, interrupted, run_words
 from reports.assemble import write_study_figures, write_study_tables
-from reports.work import Job, Key, Studies, run_jobs, studies, study_jobs
+from reports.work import Studies, studies, study_jobs
+from verify.processes import Job, Key, run_jobs
 
 FOLDER = "longwave-bench"
 
