@@ -12,11 +12,11 @@ multiply-add, one product and two subtractions. `plain_stage` says all of that i
 
 Two stages go together, the second one row behind the first: a row then costs two loads and two
 stores for both, and what is carried stays in registers. LLVM's own vectoriser does not find this
-form; it takes three passes over memory. So it is written in LLVM's language here (measured on a
-ring of 4096 sites: the plain loops take several times as long; `benchmarks/same_lattice.py` has the
-share of the processor's multiply-adds). It says vectors of eight doubles and multiply-adds that may
-be contracted; LLVM lowers both to what the processor has: one without AVX-512 runs the same code in
-halves, without AVX2 in quarters.
+form; it takes three passes over memory. So it is written in LLVM's language here; the plain loops
+take three times as long (`benchmarks/same_lattice.py`, with and without ``LONGWAVE_PLAIN_KERNELS``;
+it also tells the share of the processor's multiply-adds). The code says vectors of eight doubles
+and multiply-adds that may be contracted; LLVM lowers both to what the processor has: one without
+AVX-512 runs the same code in halves, without AVX2 in quarters.
 
 The plain loops are taken, and give the same numbers to the bit, where ``LONGWAVE_PLAIN_KERNELS`` is
 set to anything but 0, where numba's compiler is switched off, and where this numba or llvmlite
