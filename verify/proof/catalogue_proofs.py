@@ -192,7 +192,7 @@ HIGHER_ORDERS = range(4, 10)
 """The orders of the rational family that are proved along with the catalogue."""
 
 NAMES = (
-    *(form.name for form in CATALOGUE),
+    *CATALOGUE.names,
     *(f"rational_{order}" for order in HIGHER_ORDERS),
 )
 """Every form that is checked where none is named."""
