@@ -46,11 +46,14 @@ class EllipticSearch:
 
     def below_one(self, m: sp.Expr) -> None:
         """Offer the factors of 1 - m as witness of its sign."""
-        one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
-        rest = self._table.made("Add", one, self._table.made("Mul", minus, self._table.place(m)))
-        other = self._table.place(sp.factor(1 - m))
+        rest, other = self._complement(m), self._table.place(sp.factor(1 - m))
         if other != rest:
             self._writer.signs[rest] = other
+
+    def _complement(self, m: sp.Expr) -> int:
+        """1 - m as the checker writes it."""
+        one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
+        return self._table.made("Add", one, self._table.made("Mul", minus, self._table.place(m)))
 
     def provide(self, node: sp.Expr) -> None:
         """Provide for the image of a Jacobi function."""
@@ -61,7 +64,7 @@ class EllipticSearch:
         if isinstance(node, jacobi_theta):
             self._theta(z, m)
         elif isinstance(node, jacobi_eta):
-            self._root_of_parameter(m, sp.sqrt(sp.sqrt(m)), "1/4")
+            self._root(self._table.place(m), "1/4", sp.sqrt(sp.sqrt(m)))
             self._need(jacobi_sn(z, m))
             self._need(jacobi_theta(z, m))
         elif isinstance(node, jacobi_zeta) and self._epsilon:
@@ -70,11 +73,10 @@ class EllipticSearch:
         else:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
 
-    def _root_of_parameter(self, base: sp.Expr, root: sp.Expr, exponent: str) -> None:
+    def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
         """The root as SymPy writes it, of a node as the checker writes it."""
-        self._need(base)
         self._need(root)
-        place = self._table.made("Pow", self._table.place(base), exponent)
+        place = self._table.made("Pow", base, exponent)
         if place != self._table.place(root):
             self._writer.hints["values"][place] = self._table.place(root)
 
@@ -102,12 +104,7 @@ class EllipticSearch:
         self._need(u)
         place, parameter = self._table.place(u), self._table.place(m)
         if u == sp.elliptic_k(m):
-            one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
-            rest = self._table.made("Add", one, self._table.made("Mul", minus, parameter))
-            self._need(sp.sqrt(1 - m))
-            node = self._table.made("Pow", rest, "1/2")
-            if node != self._table.place(sp.sqrt(1 - m)):
-                self._writer.hints["values"][node] = self._table.place(sp.sqrt(1 - m))
+            self._root(self._complement(m), "1/2", sp.sqrt(1 - m))
             if second is jacobi_epsilon:
                 self._need(sp.elliptic_e(m))
             return
@@ -145,7 +142,8 @@ class EllipticSearch:
         if variable not in basis:
             raise ValueError(f"theta of a multiple of another argument: theta({z})")
         here = self._table.place(jacobi_theta(variable, m))
-        self._slope_of_theta(variable, m)
+        if self._moves(variable):
+            self._need(jacobi_zeta(variable, m))
         self._writer.atom(here)
         if constant == 0:
             return
@@ -163,10 +161,6 @@ class EllipticSearch:
             pair = [["1", ends[0]], ["-1", ends[1]]]
             node = self._table.made("jacobi_theta", self._table.place(z), self._table.place(m))
             self._writer.hints["sums"][node] = pair
-
-    def _slope_of_theta(self, u: sp.Expr, m: sp.Expr) -> None:
-        if self._moves(u):
-            self._need(jacobi_zeta(u, m))
 
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
         total = self._table.made("Add", self._table.place(u), self._table.place(d))
