@@ -93,11 +93,10 @@ def scenes() -> str:
 def _scene_row(scene: Scene) -> Iterator[str]:
     yield f"`{scene.name}`"
     yield scene.title
-    yield f"`{scene.wave}`"
+    yield f"`{scene.wave_name}`"
     yield f"{scene.eps:g}"
     yield f"{scene.t0:g} to {scene.end:g}"
-    chosen = scene.tolerance is not None
-    yield f"to {scene.tolerance:g}" if chosen else f"{scene.scheme}, step {scene.step:g}"
+    yield str(scene.numerics)
 
 
 def observables() -> str:

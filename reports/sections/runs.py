@@ -15,8 +15,8 @@ from reports.figures.drawing import CostPanel, Snapshot
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
-from solutions import closed_form
 from verify.comparison import Scene, load_scene, relative_sup_error
+from verify.comparison.initial_data import scene_form
 from verify.studies.lattice_cost import PeakError, peak_laws
 
 if TYPE_CHECKING:
@@ -91,8 +91,9 @@ def _run_rows(evidence: MeasuredRuns, name: str) -> list[list[str]]:
 
 def _description(name: str, scene: Scene) -> str:
     """Return name, scheme, step and domain of a scene in words."""
+    stated = scene.discretisation
     words = (
-        f"{scene.scheme}, dt = {scene.step:g}, {scene.domain} of {scene.sites} sites, "
+        f"{stated.scheme}, dt = {stated.step:g}, {stated.domain} of {stated.sites} sites, "
         f"{2 * scene.compared + 1} compared"
     )
     return rf"\rule{{0pt}}{{3ex}}\texttt{{{escape(name)}}}: {escape(words)}"
@@ -124,7 +125,7 @@ def caption_part(scene: Scene) -> str:
         f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    title = closed_form(scene.wave).title
+    title = scene_form(scene).title
     return f"{escape(title[0].upper() + title[1:])} ({values})"
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -94,7 +94,7 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
     """The scene with what the command line says in the place of what the file says."""
     if tolerance is not None:
         scene = with_tolerance(scene, tolerance)
-    return scene if engine is None else replace(scene, engine=engine)
+    return scene if engine is None else scene.changed(engine=engine)
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:

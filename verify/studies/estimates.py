@@ -141,7 +141,7 @@ def warm_up() -> None:
     for wave in ("rational_1", "wave_cn"):
         for engine in ENGINES:
             run(
-                Scene(
+                Scene.of(
                     name="warm-up",
                     wave=wave,
                     eps=0.05,
@@ -172,10 +172,10 @@ def judge_scene(drawn: RandomScene, answer: Callable[[Scene], xr.Dataset] | None
     return Judged(
         drawn.seed,
         drawn.index,
-        scene.wave,
-        scene.engine,
+        scene.wave_name,
+        scene.target.engine,
         given.engine,
-        float(scene.tolerance or math.nan),
+        scene.target.tolerance,
         verdict,
         given.estimate,
         true,

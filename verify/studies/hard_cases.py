@@ -130,7 +130,7 @@ def _noise_grows(scheme: Scheme, step: float) -> bool:
 
 def soft_scene() -> Scene:
     """A steep sn wave, 7 sites long, whose strains come near 1/sqrt(3), where V'' = 0."""
-    scene = Scene(
+    scene = Scene.of(
         name="soft",
         wave="wave_sn",
         parameters=(("k", 0.9),),
@@ -162,20 +162,22 @@ def _soft_lattice() -> Reading:
     expected = f"blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = {t:g}, site {site}"
     reported = float(text.split("t = ")[1].split(",")[0]) if "t = " in text else math.nan
     sound = kept and f"site {site}," in f"{text}," and text[:30] == expected[:30]
-    return Reading(abs(reported - t) / scene.step if sound else math.inf, expected, text)
+    steps = abs(reported - t) / scene.discretisation.step
+    return Reading(steps if sound else math.inf, expected, text)
 
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
     state = SiteRing(scene, build_wave(scene)).start()
     y, s = doubled(state.y), doubled(state.s)
-    for step in range(1, round((scene.end - scene.t0) / scene.step) + 1):
-        advance_doubled(KAHAN_LI_8, y, s, scene.step, 1, scene.constants)
+    h = scene.discretisation.step
+    for step in range(1, round((scene.end - scene.t0) / h) + 1):
+        advance_doubled(KAHAN_LI_8, y, s, h, 1, scene.constants)
         state.y[:] = y[:, 0]
         soft = scene.constants.stiffness(state.y) <= 0.0
         if soft.any():
             sites = state.sites
-            return scene.t0 + step * scene.step, int(sites[soft[sites % state.size]][0])
+            return scene.t0 + step * h, int(sites[soft[sites % state.size]][0])
     return math.nan, 0
 
 
@@ -207,14 +209,14 @@ def _zone_boundary_noise() -> Reading:
 )
 def _wrong_feed() -> Reading:
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
-    scene = replace(scene, sites=2048, compared=500)
-    found = []
+    scene = scene.changed(sites=2048, compared=500)
+    found, stated = [], scene.discretisation
     for factor in (1.0, 1.001):
         window = Window(scene, build_wave(scene))
         state = window.start()
         amplitude = float(np.max(np.abs(state.y)))
         window.scene = replace(scene, eps=factor * scene.eps)
-        run = Stepper(state, scene.scheme_table, scene.constants, window, scene.step, amplitude)
+        run = Stepper(state, stated.table, scene.constants, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.through([0.0])), run.blow_up, window.mismatch))
     (sound_moves, sound_end, mismatch), (moves, end, _) = found
     stopped = end is not None and sound_end is None and sound_moves > 1

@@ -83,8 +83,7 @@ PROBLEMS: Mapping[str, Callable[[], Scene]] = {
 
 def _ring(name: str, t0: float, end: float) -> Scene:
     """The shipped scene between two times, on a ring whose seam no compared site hears of."""
-    return replace(
-        load_scene(name),
+    return load_scene(name).changed(
         t0=t0,
         snapshots=(end,),
         domain="ring",
@@ -124,12 +123,12 @@ def by_scheme(scene: Scene, name: str, share: float) -> Scene:
     """The scene with a scheme at a share of its largest stable step."""
     limit = stability_limit(next(scheme for scheme in SCHEMES if scheme.name == name))
     fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
-    return replace(scene, scheme=name, step=share * limit / fastest)
+    return scene.changed(scheme=name, step=share * limit / fastest)
 
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
     """The scene by the spectral engine, which finds its own step, sampling and circumference."""
-    return Scene(
+    return Scene.of(
         name=scene.name,
         wave=scene.wave,
         eps=scene.eps,
@@ -167,7 +166,7 @@ def march_seconds(scene: Scene, found: xr.Dataset) -> float:
 
 def _timed(scene: Scene) -> xr.Dataset:
     """The run, compiled beforehand."""
-    warmed(scene.scheme)
+    warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
 
@@ -285,8 +284,7 @@ def _scene(eps: float) -> Scene:
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
     """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
-    part = replace(
-        base,
+    part = base.changed(
         scheme=scheme,
         step=step,
         sites=sites,
@@ -306,7 +304,7 @@ def _figure(t0: float) -> Scene:
 def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
     """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
     scene = replace(_figure(t0), compared=WINDOW_COMPARED)
-    strains = [run(replace(scene, sites=count))["strain"].values[-1] for count in sites]
+    strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
     return [
         ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
         for count, strain in zip(sites[:-1], strains[:-1], strict=True)
@@ -316,7 +314,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
     """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
     scene = _figure(t0)
-    variants = {step: replace(scene, scheme="rk4", step=step) for step in steps}
+    variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     points = []
     for step, variant in {**variants, 0.0: scene}.items():
         found = run(variant)

@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from verify.comparison import Scene, load_scene, run, scheme_named
+from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
 from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Progress
 from verify.comparison.saved_run import scene_of
@@ -61,7 +61,7 @@ class LongRun:
 
 def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:
     """The scene to its own tolerance on the spectral ring."""
-    return run(replace(load_scene(name), engine="spectral"), progress)
+    return run(load_scene(name).changed(engine="spectral"), progress)
 
 
 def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Dataset:
@@ -73,15 +73,9 @@ def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
     wave = build_wave(scene)
     bounds = scene_bounds(scene, wave)
-    return replace(
-        scene,
-        tolerance=None,
-        engine="stencil",
-        scheme=PREFERRED,
-        step=share * longest_step(scene, scheme_named(PREFERRED), bounds),
-        domain="ring",
-        sites=least_sites(scene, wave, "ring", bounds),
-    )
+    step = share * longest_step(scene, scheme_named(PREFERRED), bounds)
+    sites = least_sites(scene, wave, "ring", bounds)
+    return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
 
 
 def long_run_jobs() -> dict[Key, Job]:

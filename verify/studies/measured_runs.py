@@ -106,8 +106,7 @@ def report_scenes() -> dict[str, Scene]:
     scenes = {name: load_scene(name) for name in shipped_scenes()}
     for order in (2, 3):
         base = scenes[f"rational_{order}_eps_0.05"]
-        scenes[rk4_name(order)] = replace(
-            base,
+        scenes[rk4_name(order)] = base.changed(
             scheme="rk4",
             step=RK4_STEP,
             observables=("strain", "error_curve", "time_step_error"),
@@ -124,8 +123,8 @@ def rk4_name(order: int) -> str:
 
 def scene_job(scene: Scene) -> Job:
     """The run of a scene; its weight counts force evaluations."""
-    steps = (scene.end - scene.t0) / scene.step
-    evaluations = steps * scene.scheme_table.stages * scene.sites
+    stated = scene.discretisation
+    evaluations = (scene.end - scene.t0) / stated.step * stated.table.stages * stated.sites
     refined = 1 + 2 * sum(name.endswith("_error") for name in scene.observables)
     weight = START_SECONDS + evaluations * refined * SITE_SECONDS
     return Job(run, (scene,), weight, tells=True)
