@@ -70,7 +70,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Statement:
+class RandomStatement:
     """``left = right`` as functions of ``variables``; or, with ``unknown``, ``left = 0`` solved.
 
     In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
@@ -98,10 +98,6 @@ class Statement:
     def point(self, draw: random.Random) -> Point:
         """A random admissible point."""
         return {r.symbol: r.number(draw) for r in self.ranges}
-
-    def numbered(self, seed: int, index: int) -> Statement:
-        """The same statement with its number in the search."""
-        return replace(self, seed=seed, index=index)
 
     def script(self) -> str:
         """Python source that asks the prover about the statement."""
@@ -143,6 +139,24 @@ class Setting:
     def unknown(self) -> sp.Expr:
         """The function to be solved for."""
         return sp.Function("u")(*self.variables)
+
+    def equation(self, kind: str, left: sp.Expr, solution: sp.Expr) -> RandomStatement:
+        """The true statement that ``solution`` makes ``left`` vanish."""
+        return replace(self.equality(kind, left, solution), unknown=self.unknown)
+
+    def equality(self, kind: str, left: sp.Expr, right: sp.Expr) -> RandomStatement:
+        """The true statement that two formulas are one function."""
+        ranges = tuple(self.ranges.values())
+        return RandomStatement(kind, Truth.TRUE, left, right, self.variables, ranges)
+
+    def narrow(self, low: sp.Rational, high: sp.Rational) -> sp.Symbol:
+        """The first variable, from now on with this range."""
+        place, *rest = self.variables
+        made = ranged(place.name, low, high)
+        del self.ranges[place]
+        self.ranges[made.symbol] = made
+        self.variables = (made.symbol, *rest)
+        return made.symbol
 
     def point(self) -> Point:
         """A random admissible point."""
