@@ -19,8 +19,8 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from verify.studies.statements import statement
-from verify.studies.verdicts import HEADINGS, Judgement, Mark, judgements, tallies
+from verify.studies.statements.library import statement
+from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judgements, tallies
 
 COUNT = 100_000
 PATIENCE = 60.0

@@ -42,7 +42,7 @@ def asked() -> tuple[float, xr.Dataset]:
 
 def strain(**changes: object) -> Array:
     """y/eps of the compared sites, with scheme, step and window stated."""
-    return np.asarray(run(replace(SCENE, **changes)).strain) / EPS  # type: ignore[arg-type]
+    return np.asarray(run(SCENE.changed(**changes)).strain) / EPS  # type: ignore[arg-type]
 
 
 def rk4_step() -> float:

@@ -31,7 +31,15 @@ _ROOMS: dict[str, tuple[str, ...]] = {
     "verify.proof": ("check_certificate", "prove", "prove_equal"),
     "verify.verdict": ("Verdict",),
     "longwave.plotting": ("plot",),
-    "verify.comparison": ("Scene", "load_scene", "relative_sup_error", "run", "shipped_scenes"),
+    "verify.comparison": (
+        "Discretisation",
+        "Scene",
+        "Tolerance",
+        "load_scene",
+        "relative_sup_error",
+        "run",
+        "shipped_scenes",
+    ),
 }
 _ROOM_OF = {noun: room for room, nouns in _ROOMS.items() for noun in nouns}
 

@@ -74,7 +74,8 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 def schemes() -> list[Record]:
     """The schemes: name, order, forces a step, largest stable step times frequency, source."""
-    from verify.comparison import SCHEMES, stability_limit
+    from lattice.schemes.catalogue import SCHEMES
+    from lattice.schemes.scheme import stability_limit
 
     return [
         {
@@ -100,14 +101,14 @@ def scenes() -> list[Record]:
             "name": scene.name,
             "title": scene.title,
             "origin": origin,
-            "wave": scene.wave,
+            "wave": scene.wave_name,
             "parameters": dict(scene.parameters),
             "eps": scene.eps,
             "start": scene.t0,
             "end": scene.end,
             "tolerance": scene.tolerance,
-            "scheme": scene.scheme or None,
-            "step": scene.step or None,
+            "scheme": scene.numerics.scheme or None,
+            "step": None if scene.tolerance else scene.discretisation.step,
             "observables": list(scene.observables),
         }
         for origin, scene in found

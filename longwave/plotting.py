@@ -32,7 +32,7 @@ from reports.figures.drawing import (
     snapshot_height,
     styled,
 )
-from reports.figures.paper import snapshots
+from reports.figures.paper_figures import snapshots
 from verify.cli.run import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
 from verify.comparison.recording import Progress, UnfinishedRun

@@ -4,37 +4,40 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import click
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from derive.command_line import OneLineParser, announce, fail, interrupted
+from derive.command_line import announce, called_by, fail, interrupted, run_words
 from reports.assemble import write_study_figures, write_study_tables
-from reports.work import Job, Key, Studies, run_jobs, studies, study_jobs
+from reports.work import Studies, studies, study_jobs
+from verify.processes import Job, Key, run_jobs
 
-FOLDER = Path("longwave-bench")
+FOLDER = "longwave-bench"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run every study in a process of its own, nothing beside it; return the exit status."""
-    parser = OneLineParser(prog="python -m reports.bench", description=__doc__)
-    parser.add_argument(
-        "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"default: {FOLDER}"
-    )
-    parser.add_argument(
-        "--short", action="store_true", help="what `make report` shows, and no more"
-    )
-    options = parser.parse_args(argv)
+@click.command()
+@click.option(
+    "--output",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path),
+    default=FOLDER,
+    help=f"Where it is written (default {FOLDER}).",
+)
+@click.option("--short", is_flag=True, help="What `make report` shows, and no more.")
+def bench(output: Path, short: bool) -> int:
+    """Run every study of cost in a process of its own, nothing beside it."""
     console = Console(highlight=False, markup=False, emoji=False)
     try:
-        options.output.mkdir(parents=True, exist_ok=True)
+        output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        return fail(f"--output must be a folder that can be written, got {options.output}: {error}")
-    jobs = study_jobs(full=not options.short)
+        return fail(f"--output must be a folder that can be written, got {output}: {error}")
+    jobs = study_jobs(full=not short)
     announce("the studies", sum(job.weight for job in jobs.values()))
     try:
-        return 0 if _measure(jobs, options.output, console).sound else 1
+        return 0 if _measure(jobs, output, console).sound else 1
     except KeyboardInterrupt:
-        return interrupted("python -m reports.bench", "nothing was written of unfinished studies")
+        return interrupted(called_by(), "nothing was written of unfinished studies")
 
 
 def _measure(jobs: Mapping[Key, Job], output: Path, console: Console) -> Studies:
@@ -49,6 +52,11 @@ def _measure(jobs: Mapping[Key, Job], output: Path, console: Console) -> Studies
         for path in write_study_figures(found, output):
             console.print(path, soft_wrap=True)
     return found
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    return run_words(bench, "python -m reports.bench", argv)
 
 
 if __name__ == "__main__":

@@ -1,43 +1,35 @@
 """The catalogue of closed forms. Adding one is one file in ``forms`` and one line here."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, overload
 
-from solutions.forms.bare_waves import WAVE_CN, WAVE_DN, WAVE_SN
-from solutions.forms.breather import BREATHER
-from solutions.forms.breather_sn import BREATHER_SN
-from solutions.forms.double_pole import DOUBLE_POLE
-from solutions.forms.kink import KINK
-from solutions.forms.kink_antikink import KINK_ANTIKINK
-from solutions.forms.rational import RATIONAL_1, RATIONAL_2, RATIONAL_3, rational
-from solutions.forms.rogue_cn import ROGUE_CN
-from solutions.forms.soliton_background import SOLITON_BACKGROUND
-from solutions.forms.soliton_dn import SOLITON_DN
-from solutions.forms.soliton_sech import SOLITON_SECH
-from solutions.forms.two_soliton import TWO_SOLITON
-from solutions.record import ClosedForm
+if TYPE_CHECKING:
+    from solutions.record import ClosedForm
 
-__all__ = ["CATALOGUE", "closed_form"]
+__all__ = ["CATALOGUE", "Catalogue", "closed_form"]
 
-CATALOGUE: tuple[ClosedForm, ...] = (
-    RATIONAL_1,
-    RATIONAL_2,
-    RATIONAL_3,
-    BREATHER_SN,
-    SOLITON_DN,
-    ROGUE_CN,
-    WAVE_SN,
-    WAVE_CN,
-    WAVE_DN,
-    SOLITON_SECH,
-    KINK,
-    BREATHER,
-    DOUBLE_POLE,
-    TWO_SOLITON,
-    SOLITON_BACKGROUND,
-    KINK_ANTIKINK,
-)
-
+_MODULES = {
+    "rational_1": "rational",
+    "rational_2": "rational",
+    "rational_3": "rational",
+    "breather_sn": "breather_sn",
+    "soliton_dn": "soliton_dn",
+    "rogue_cn": "rogue_cn",
+    "wave_sn": "bare_waves",
+    "wave_cn": "bare_waves",
+    "wave_dn": "bare_waves",
+    "soliton_sech": "solitons",
+    "kink": "solitons",
+    "breather": "arctangents",
+    "double_pole": "arctangents",
+    "two_soliton": "arctangents",
+    "soliton_background": "solitons",
+    "kink_antikink": "solitons",
+}
+"""Name of a form, which is that of the function that makes it -> its module in ``forms``."""
 
 LARGEST_ORDER = 12
 """Highest order of a rational solution that is made from its name."""
@@ -46,7 +38,43 @@ _RATIONAL = re.compile(r"rational_([1-9]\d?)")
 _SHIFT = re.compile(r"tau_([1-9]\d?)")
 
 
-def closed_form(name: str, parameters: Iterable[str] = ()) -> ClosedForm:
+class Catalogue(Sequence["ClosedForm"]):
+    """The closed forms in order; each is made when it is first asked for.
+
+    >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[-1].title
+    (16, 'rational_1', 'kink and antikink')
+    """
+
+    names = tuple(_MODULES)
+
+    @overload
+    def __getitem__(self, place: int) -> "ClosedForm": ...
+    @overload
+    def __getitem__(self, place: slice) -> "Sequence[ClosedForm]": ...
+    def __getitem__(self, place: int | slice) -> "ClosedForm | Sequence[ClosedForm]":
+        if isinstance(place, slice):
+            return tuple(_made(name) for name in self.names[place])
+        return _made(self.names[place])
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @staticmethod
+    def module(name: str) -> str:
+        """The module with the function ``name``, which makes that form."""
+        return f"solutions.forms.{_MODULES[name]}"
+
+
+CATALOGUE = Catalogue()
+
+
+@cache
+def _made(name: str) -> "ClosedForm":
+    form: ClosedForm = getattr(import_module(Catalogue.module(name)), name)()
+    return form
+
+
+def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
     """The closed form called ``name``; a ValueError lists the names if there is none.
 
     ``rational_<j>`` is there for every order j up to ``LARGEST_ORDER``. Its free shifts are those
@@ -59,13 +87,14 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> ClosedForm:
     """
     match = _RATIONAL.fullmatch(name)
     shifts = [int(found[1]) for text in parameters if (found := _SHIFT.fullmatch(text))]
-    printed = next((form for form in CATALOGUE if form.name == name), None)
-    if match and int(match[1]) <= LARGEST_ORDER and (shifts or printed is None):
+    is_printed = name in _MODULES
+    if match and int(match[1]) <= LARGEST_ORDER and (shifts or not is_printed):
+        from solutions.forms.rational import rational
+
         return rational(int(match[1]), shifts)
-    if printed is not None:
-        return printed
-    names = ", ".join(form.name for form in CATALOGUE)
+    if is_printed:
+        return _made(name)
     raise ValueError(
         f"name must be a closed form of the catalogue, got {name!r} "
-        f"(one of {names}; rational_<j> for j up to {LARGEST_ORDER})"
+        f"(one of {', '.join(CATALOGUE.names)}; rational_<j> for j up to {LARGEST_ORDER})"
     )

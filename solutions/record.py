@@ -65,21 +65,38 @@ class FarFields:
     right: sp.Expr
 
 
-@dataclass(frozen=True)
+class _Deferred:
+    """A field that takes an expression, or a function that makes it when it is first asked for."""
+
+    def __get__(self, form: object, _: type | None = None) -> sp.Expr:
+        if form is None:
+            raise AttributeError("expression")  # the field has no default
+        held = vars(form)["expression"]
+        if not isinstance(held, sp.Basic) and callable(held):
+            held = vars(form)["expression"] = held()
+        found: sp.Expr = held
+        return found
+
+    def __set__(self, form: object, value: sp.Expr | Callable[[], sp.Expr]) -> None:
+        vars(form)["expression"] = value
+
+
+@dataclass(frozen=True, kw_only=True)
 class ClosedForm:
     """A solution ``U(xi, tau)`` of ``equation``, written once.
 
-    ``expression`` is the canonical form, as printed. ``background`` is the bare wave of the same
-    phase that the figures subtract (zero for a bare wave itself); ``period`` is the background's
-    period in ``xi``, None if it is constant. ``stabilise`` makes the form that is evaluated in
-    floating point from the canonical one. ``evaluator`` makes, from exact parameters, what
-    evaluates the form where that is not the stable expression
+    ``expression`` is the canonical form, as printed, or a function that makes it at first use.
+    ``background`` is the bare wave of the same phase that the figures subtract (zero for a bare
+    wave itself); ``period`` is the background's period in ``xi``, None if it is constant.
+    ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
+    ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
+    stable expression
     (``solutions.run.evaluator.PointEvaluator``).
     """
 
     name: str
     title: str
-    expression: sp.Expr
+    expression: _Deferred = _Deferred()
     equation: Equation
     parameters: tuple[Parameter, ...]
     background: sp.Expr
@@ -94,6 +111,10 @@ class ClosedForm:
     def __repr__(self) -> str:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)
         return f"<ClosedForm {self.name}: {self.title}{domains}>"
+
+    def _repr_latex_(self) -> str:
+        """The formula, as notebooks show it."""
+        return rf"$\displaystyle U = {sp.latex(self.expression)}$"
 
     @cached_property
     def stable(self) -> sp.Expr:

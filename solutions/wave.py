@@ -80,6 +80,15 @@ class Wave:
         self._slow = Variables(a, b)
         self._scales = tuple(split(long_number(rate)) for rate in (sp.S.One, a, b))
 
+    def __repr__(self) -> str:
+        given = "".join(f", {name} = {value}" for name, value in self.parameters.items())
+        rates = ", ".join(f"{n} = {getattr(self.normal_form, n)}" for n in "ab")
+        return f"<Wave {self.form.name}{given}: Y = U(a X, b T) with {rates}>"
+
+    def _repr_latex_(self) -> str:
+        """The formula, as notebooks show it."""
+        return self.form._repr_latex_()
+
     def __call__(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
         """Y, Y_X, Y_T at the broadcast points (X, T)."""
         return self._evaluate("wave", self._slow, X, T)

@@ -1,13 +1,12 @@
 """Markdown tables made from the objects: the paper's map, waves, scenes, observables, schemes."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
 
 from house import HOUSE, ROOMS
 from lattice.schemes.scheme import stability_limit
 from paper_map import Holder, Row, paper_map
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.formulas import latex
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.formulas.printing import latex
 from reports.sections.theory import domain_latex
 from solutions import CATALOGUE, ClosedForm
 from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
@@ -79,16 +78,8 @@ def waves() -> str:
 
 def _formula(form: ClosedForm) -> str:
     if form.expression.count_ops() > MOST_OPERATIONS:
-        return f"in {{py:mod}}`{_module(form)}`"
+        return f"in {{py:mod}}`{CATALOGUE.module(form.name)}`"
     return f"$\\displaystyle {latex(form.expression)}$"
-
-
-def _module(form: ClosedForm) -> str:
-    """The module that the record is written in."""
-    for path in sorted(Path(HOUSE, "solutions", "forms").glob("*.py")):
-        if f'name="{form.name}"' in path.read_text(encoding="utf-8"):
-            return f"solutions.forms.{path.stem}"
-    raise ValueError(f"form must be written in solutions/forms, got {form.name} (add its file)")
 
 
 def scenes() -> str:
@@ -102,11 +93,10 @@ def scenes() -> str:
 def _scene_row(scene: Scene) -> Iterator[str]:
     yield f"`{scene.name}`"
     yield scene.title
-    yield f"`{scene.wave}`"
+    yield f"`{scene.wave_name}`"
     yield f"{scene.eps:g}"
     yield f"{scene.t0:g} to {scene.end:g}"
-    chosen = scene.tolerance is not None
-    yield f"to {scene.tolerance:g}" if chosen else f"{scene.scheme}, step {scene.step:g}"
+    yield str(scene.numerics)
 
 
 def observables() -> str:

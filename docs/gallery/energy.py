@@ -13,7 +13,7 @@ from reports.figures.drawing import CURVES
 
 def scene(scheme: str) -> Scene:
     """The soliton with that scheme."""
-    return Scene(
+    return Scene.of(
         name=scheme,
         wave="soliton_sech",
         parameters=(("A", 1),),

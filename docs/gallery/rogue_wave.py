@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from longwave import load_scene, run
 from reports.figures.drawing import snapshot_figure
-from reports.figures.paper import snapshots
+from reports.figures.paper_figures import snapshots
 
 
 def picture() -> Figure:

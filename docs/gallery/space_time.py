@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from longwave import Scene, run
 from reports.figures.drawing import space_time_figure
 
-SCENE = Scene(
+SCENE = Scene.of(
     name="two_solitons",
     wave="two_soliton",
     eps=0.2,

@@ -3,22 +3,26 @@
 The full report has all eps, the split wave and long times.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from reports.figures.drawing import CostPanel, Snapshot
-from reports.figures.paper import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
-from solutions import closed_form
 from verify.comparison import Scene, load_scene, relative_sup_error
-from verify.studies.claims import Claim, Measurement
+from verify.comparison.initial_data import scene_form
 from verify.studies.lattice_cost import PeakError, peak_laws
-from verify.studies.long_runs import LongRun
-from verify.studies.measured_runs import MeasuredRuns
+
+if TYPE_CHECKING:
+    from verify.studies.claims import Claim, Measurement
+    from verify.studies.long_runs import LongRun
+    from verify.studies.measured_runs import MeasuredRuns
 
 SHORT = 16
 """Measurements whose texts are shorter than this stand in one line."""
@@ -87,8 +91,9 @@ def _run_rows(evidence: MeasuredRuns, name: str) -> list[list[str]]:
 
 def _description(name: str, scene: Scene) -> str:
     """Return name, scheme, step and domain of a scene in words."""
+    stated = scene.discretisation
     words = (
-        f"{scene.scheme}, dt = {scene.step:g}, {scene.domain} of {scene.sites} sites, "
+        f"{stated.scheme}, dt = {stated.step:g}, {stated.domain} of {stated.sites} sites, "
         f"{2 * scene.compared + 1} compared"
     )
     return rf"\rule{{0pt}}{{3ex}}\texttt{{{escape(name)}}}: {escape(words)}"
@@ -120,7 +125,7 @@ def caption_part(scene: Scene) -> str:
         f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    title = closed_form(scene.wave).title
+    title = scene_form(scene).title
     return f"{escape(title[0].upper() + title[1:])} ({values})"
 
 

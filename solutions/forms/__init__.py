@@ -1,1 +1,1 @@
-"""The closed forms, one file each."""
+"""The closed forms: each is made by the function of its name (``solutions.catalogue``)."""

@@ -7,8 +7,8 @@ which take phase and wave from here.
 
 import sympy as sp
 
-from solutions.forms.modulus import modulus
 from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
+from solutions.parameter import Bound, Parameter
 from solutions.record import DEFOCUSING_MKDV, FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import k, tau, xi
 
@@ -20,10 +20,11 @@ __all__ = [
     "QUARTER_PERIOD",
     "SN_PHASE",
     "SN_WAVE",
-    "WAVE_CN",
-    "WAVE_DN",
-    "WAVE_SN",
+    "modulus",
     "shifted_area",
+    "wave_cn",
+    "wave_dn",
+    "wave_sn",
 ]
 
 QUARTER_PERIOD: sp.Expr = sp.elliptic_k(k**2)
@@ -46,38 +47,51 @@ def shifted_area(u: sp.Expr) -> sp.Expr:
     return jacobi_zeta(u + QUARTER_PERIOD, k**2) + mean * u
 
 
-WAVE_SN = ClosedForm(
-    name="wave_sn",
-    title="snoidal wave",
-    expression=SN_WAVE,
-    equation=DEFOCUSING_MKDV,
-    parameters=(modulus("the zero solution", "the kink"),),
-    background=sp.S.Zero,
-    far_fields=FarFields(SN_WAVE, SN_WAVE),
-    reference=Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves"),
-    period=4 * QUARTER_PERIOD,
-)
+def modulus(at_zero: str, at_one: str) -> Parameter:
+    """``0 < k < 1`` with the limits at both ends in words."""
+    return Parameter(k, lower=Bound(sp.S.Zero, at_zero), upper=Bound(sp.S.One, at_one))
 
-WAVE_CN = ClosedForm(
-    name="wave_cn",
-    title="cnoidal wave",
-    expression=CN_WAVE,
-    equation=FOCUSING_MKDV,
-    parameters=(modulus("the zero solution", "the sech soliton"),),
-    background=sp.S.Zero,
-    far_fields=FarFields(CN_WAVE, CN_WAVE),
-    reference=Reference("chen2018rogue", "(27)"),
-    period=4 * QUARTER_PERIOD,
-)
 
-WAVE_DN = ClosedForm(
-    name="wave_dn",
-    title="dnoidal wave",
-    expression=DN_WAVE,
-    equation=FOCUSING_MKDV,
-    parameters=(modulus("the constant 1", "the sech soliton"),),
-    background=sp.S.Zero,
-    far_fields=FarFields(DN_WAVE, DN_WAVE),
-    reference=Reference("chen2018rogue", "(24)"),
-    period=2 * QUARTER_PERIOD,
-)
+def wave_sn() -> ClosedForm:
+    """The snoidal wave (K4 < 0)."""
+    return ClosedForm(
+        name="wave_sn",
+        title="snoidal wave",
+        expression=SN_WAVE,
+        equation=DEFOCUSING_MKDV,
+        parameters=(modulus("the zero solution", "the kink"),),
+        background=sp.S.Zero,
+        far_fields=FarFields(SN_WAVE, SN_WAVE),
+        reference=Reference("mucalica2024dark", "subsec: Dark breathers on snoidal waves"),
+        period=4 * QUARTER_PERIOD,
+    )
+
+
+def wave_cn() -> ClosedForm:
+    """The cnoidal wave (K4 > 0)."""
+    return ClosedForm(
+        name="wave_cn",
+        title="cnoidal wave",
+        expression=CN_WAVE,
+        equation=FOCUSING_MKDV,
+        parameters=(modulus("the zero solution", "the sech soliton"),),
+        background=sp.S.Zero,
+        far_fields=FarFields(CN_WAVE, CN_WAVE),
+        reference=Reference("chen2018rogue", "(27)"),
+        period=4 * QUARTER_PERIOD,
+    )
+
+
+def wave_dn() -> ClosedForm:
+    """The dnoidal wave (K4 > 0)."""
+    return ClosedForm(
+        name="wave_dn",
+        title="dnoidal wave",
+        expression=DN_WAVE,
+        equation=FOCUSING_MKDV,
+        parameters=(modulus("the constant 1", "the sech soliton"),),
+        background=sp.S.Zero,
+        far_fields=FarFields(DN_WAVE, DN_WAVE),
+        reference=Reference("chen2018rogue", "(24)"),
+        period=2 * QUARTER_PERIOD,
+    )

@@ -8,8 +8,7 @@ the logarithm of one theta quotient, which shifts the phase eta.
 
 import sympy as sp
 
-from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE
-from solutions.forms.modulus import modulus
+from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE, modulus
 from solutions.functions import (
     jacobi_cn,
     jacobi_dn,
@@ -22,7 +21,7 @@ from solutions.parameter import Bound, Parameter
 from solutions.record import DEFOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import X_0, alpha, k, tau, xi
 
-__all__ = ["BREATHER_SN", "inverse_width", "speed"]
+__all__ = ["breather_sn", "inverse_width", "speed"]
 
 _m = k**2
 _sn, _cn, _dn = (f(alpha, _m) for f in (jacobi_sn, jacobi_cn, jacobi_dn))
@@ -106,23 +105,25 @@ def _stable() -> sp.Expr:
         return (parts[0] / parts[1]).xreplace(values)
 
 
-BREATHER_SN = ClosedForm(
-    name="breather_sn",
-    title="dark breather on the snoidal wave",
-    expression=_printed(),
-    equation=DEFOCUSING_MKDV,
-    parameters=(
-        modulus("the zero solution", "the kink"),
-        Parameter(
-            alpha,
-            lower=Bound(sp.S.Zero, "the bare snoidal wave"),
-            upper=Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
+def breather_sn() -> ClosedForm:
+    """The dark breather on the snoidal wave (K4 < 0)."""
+    return ClosedForm(
+        name="breather_sn",
+        title="dark breather on the snoidal wave",
+        expression=_printed,
+        equation=DEFOCUSING_MKDV,
+        parameters=(
+            modulus("the zero solution", "the kink"),
+            Parameter(
+                alpha,
+                lower=Bound(sp.S.Zero, "the bare snoidal wave"),
+                upper=Bound(QUARTER_PERIOD, "the bare snoidal wave reversed"),
+            ),
+            Parameter(X_0, default=sp.S.Zero),
         ),
-        Parameter(X_0, default=sp.S.Zero),
-    ),
-    background=SN_WAVE,
-    far_fields=FarFields(SN_WAVE.subs(xi, xi + 2 * alpha), SN_WAVE.subs(xi, xi - 2 * alpha)),
-    reference=Reference("mucalica2024dark", "dark breather on snoidal-wave"),
-    period=4 * QUARTER_PERIOD,
-    stabilise=_stable,
-)
+        background=SN_WAVE,
+        far_fields=FarFields(SN_WAVE.subs(xi, xi + 2 * alpha), SN_WAVE.subs(xi, xi - 2 * alpha)),
+        reference=Reference("mucalica2024dark", "dark breather on snoidal-wave"),
+        period=4 * QUARTER_PERIOD,
+        stabilise=_stable,
+    )

@@ -1,23 +1,11 @@
-"""The rational solutions of every order.
+"""The rational solutions of every order; the first three as the literature prints them.
 
 ``U_j = (-1)**j [1 - 2 (arg f_j)_x]`` with ``f_j = A + i B`` from
 ``solutions.forms.tau_polynomials`` and ``x = xi - 6 tau``.
-
-The first-order rational solution: a Lorentzian travelling wave on -1 (K4 > 0).
-
-The second-order rational solution Y2, as printed in the paper's eqs. (12) and (13) (K4 > 0).
-
-The paper's letters, of the paper's eq. (14): ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``, because
-``b = sqrt(24 K4/K2) = 2 sqrt(6 K4/K2)`` and ``a = b**3 gamma_3/4`` with ``gamma_3`` minus the
-dispersive coefficient.
-
-The third-order rational solution Y3, as printed in the paper's eqs. (17) and (18) (K4 > 0).
-
-The paper's letters: ``b X`` is ``2 xi`` and ``c T`` is ``24 tau``, because ``c = -3 b**3 gamma_3``
-is 24 times the rate of tau; hence ``z = (2 b X - c T)/4 = xi - 6 tau``.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -29,7 +17,15 @@ from solutions.parameter import Parameter
 from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import shift_symbol, tau, xi
 
-__all__ = ["CO_MOVING", "horner_form", "rational", "rational_evaluator", "rational_tau"]
+__all__ = [
+    "CO_MOVING",
+    "horner_form",
+    "rational",
+    "rational_1",
+    "rational_2",
+    "rational_3",
+    "rational_tau",
+]
 
 CO_MOVING: sp.Expr = xi - 6 * tau
 
@@ -110,21 +106,7 @@ def _to_sympy(polynomial: fmpq_mpoly, *generators: sp.Expr) -> sp.Expr:
     return sp.Add(*terms)
 
 
-RATIONAL_1 = ClosedForm(
-    name="rational_1",
-    title="first-order rational solution (Lorentzian)",
-    expression=4 / (1 + 4 * CO_MOVING**2) - 1,
-    equation=FOCUSING_MKDV,
-    parameters=(),
-    background=sp.S.NegativeOne,
-    far_fields=FarFields(sp.S.NegativeOne, sp.S.NegativeOne),
-    reference=Reference("ankiewicz2018rogue", "Sec: Local waves on constant back"),
-    stabilise=lambda: horner_form(1),
-    evaluator=rational_evaluator(1),
-)
-
-
-def _printed_2(aT: sp.Expr, bX: sp.Expr) -> sp.Expr:
+def _second(aT: sp.Expr, bX: sp.Expr) -> sp.Expr:
     G_2 = 3 - (6 * aT + bX) * ((6 * aT + bX) ** 3 + 6 * (22 * aT + bX))
     D_2 = (
         12
@@ -144,21 +126,7 @@ def _printed_2(aT: sp.Expr, bX: sp.Expr) -> sp.Expr:
     return 12 * G_2 / D_2 + 1
 
 
-RATIONAL_2 = ClosedForm(
-    name="rational_2",
-    title="second-order rational solution",
-    expression=_printed_2(aT=-2 * tau, bX=2 * xi),
-    equation=FOCUSING_MKDV,
-    parameters=(),
-    background=sp.S.One,
-    far_fields=FarFields(sp.S.One, sp.S.One),
-    reference=Reference("ankiewicz2018rogue", "mKdV 2-order soln"),
-    stabilise=lambda: horner_form(2),
-    evaluator=rational_evaluator(2),
-)
-
-
-def _printed_3(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
+def _third(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
     z = (2 * bX - cT) / 4
     G_3 = (
         4
@@ -180,15 +148,38 @@ def _printed_3(bX: sp.Expr, cT: sp.Expr) -> sp.Expr:
     return 24 * G_3 / D_3 - 1
 
 
-RATIONAL_3 = ClosedForm(
-    name="rational_3",
-    title="third-order rational solution",
-    expression=_printed_3(bX=2 * xi, cT=24 * tau),
-    equation=FOCUSING_MKDV,
-    parameters=(),
-    background=sp.S.NegativeOne,
-    far_fields=FarFields(sp.S.NegativeOne, sp.S.NegativeOne),
-    reference=Reference("ankiewicz2018rogue", "third-order soln of mKdV"),
-    stabilise=lambda: horner_form(3),
-    evaluator=rational_evaluator(3),
-)
+def _printed(order: int, title: str, expression: sp.Expr, label: str) -> ClosedForm:
+    """A solution of the family without shifts, in the words and the formula of its source."""
+    reference = Reference("ankiewicz2018rogue", label)
+    return replace(rational(order), title=title, expression=expression, reference=reference)
+
+
+def rational_1() -> ClosedForm:
+    """The first-order rational solution: a Lorentzian travelling wave on -1 (K4 > 0)."""
+    return _printed(
+        1,
+        "first-order rational solution (Lorentzian)",
+        4 / (1 + 4 * CO_MOVING**2) - 1,
+        "Sec: Local waves on constant back",
+    )
+
+
+def rational_2() -> ClosedForm:
+    """The second-order rational solution Y2, as in the paper's eqs. (12) and (13) (K4 > 0).
+
+    The paper's letters, of the paper's eq. (14): ``b X`` is ``2 xi`` and ``a T`` is ``-2 tau``,
+    because ``b = sqrt(24 K4/K2) = 2 sqrt(6 K4/K2)`` and ``a = b**3 gamma_3/4`` with ``gamma_3``
+    minus the dispersive coefficient.
+    """
+    expression = _second(aT=-2 * tau, bX=2 * xi)
+    return _printed(2, "second-order rational solution", expression, "mKdV 2-order soln")
+
+
+def rational_3() -> ClosedForm:
+    """The third-order rational solution Y3, as in the paper's eqs. (17) and (18) (K4 > 0).
+
+    The paper's letters: ``b X`` is ``2 xi`` and ``c T`` is ``24 tau``, because
+    ``c = -3 b**3 gamma_3`` is 24 times the rate of tau; hence ``z = (2 b X - c T)/4 = xi - 6 tau``.
+    """
+    expression = _third(bX=2 * xi, cT=24 * tau)
+    return _printed(3, "third-order rational solution", expression, "third-order soln of mKdV")

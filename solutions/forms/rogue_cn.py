@@ -10,13 +10,12 @@ Likewise theta is evaluated without the poles of its integral, which cancel iden
 
 import sympy as sp
 
-from solutions.forms.bare_waves import CN_PHASE, CN_WAVE, QUARTER_PERIOD, shifted_area
-from solutions.forms.modulus import modulus
+from solutions.forms.bare_waves import CN_PHASE, CN_WAVE, QUARTER_PERIOD, modulus, shifted_area
 from solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import complementary_modulus, k, tau, xi
 
-__all__ = ["ROGUE_CN", "integral", "integrand", "theta"]
+__all__ = ["integral", "integrand", "rogue_cn", "theta"]
 
 _y, _slope, _kp = sp.symbols("y slope k_prime", real=True)
 _theta_re, _theta_im = sp.symbols("theta_re theta_im", real=True)
@@ -147,17 +146,18 @@ def _stable() -> sp.Expr:
     return _in_xi_tau(G_1 / G_2, _stable_theta(), weights)
 
 
-_FAR_FIELD = -CN_WAVE
-
-ROGUE_CN = ClosedForm(
-    name="rogue_cn",
-    title="rogue wave on the cnoidal wave",
-    expression=_printed(),
-    equation=FOCUSING_MKDV,
-    parameters=(modulus("the zero solution", "the triple-pole soliton"),),
-    background=CN_WAVE,
-    far_fields=FarFields(_FAR_FIELD, _FAR_FIELD),
-    reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
-    period=4 * QUARTER_PERIOD,
-    stabilise=_stable,
-)
+def rogue_cn() -> ClosedForm:
+    """The rogue wave on the cnoidal wave (K4 > 0)."""
+    far_field = -CN_WAVE
+    return ClosedForm(
+        name="rogue_cn",
+        title="rogue wave on the cnoidal wave",
+        expression=_printed,
+        equation=FOCUSING_MKDV,
+        parameters=(modulus("the zero solution", "the triple-pole soliton"),),
+        background=CN_WAVE,
+        far_fields=FarFields(far_field, far_field),
+        reference=Reference("chen2018rogue", "rogue-wave on cn-wave"),
+        period=4 * QUARTER_PERIOD,
+        stabilise=_stable,
+    )

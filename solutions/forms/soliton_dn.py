@@ -9,13 +9,12 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions.forms.bare_waves import DN_PHASE, DN_WAVE, QUARTER_PERIOD, shifted_area
-from solutions.forms.modulus import modulus
+from solutions.forms.bare_waves import DN_PHASE, DN_WAVE, QUARTER_PERIOD, modulus, shifted_area
 from solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
 from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
 from solutions.symbols import complementary_modulus, k, tau, xi
 
-__all__ = ["SOLITON_DN", "integral", "integrand", "theta"]
+__all__ = ["integral", "integrand", "soliton_dn", "theta"]
 
 _y, _slope, _theta, _cos, _sin = sp.symbols("y slope theta cos_f sin_f", real=True)
 _FUNCTIONS = (jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon)
@@ -84,17 +83,18 @@ def _stable() -> sp.Expr:
     return _assemble(_bounded(numerator), _bounded(denominator), theta(_stable_integral))
 
 
-_FAR_FIELD = -jacobi_dn(DN_PHASE + QUARTER_PERIOD, k**2)
-
-SOLITON_DN = ClosedForm(
-    name="soliton_dn",
-    title="algebraic soliton on the dnoidal wave",
-    expression=_assemble(*_fraction(), theta()),
-    equation=FOCUSING_MKDV,
-    parameters=(modulus("the algebraic soliton rational_1", "the double-pole soliton"),),
-    background=DN_WAVE,
-    far_fields=FarFields(_FAR_FIELD, _FAR_FIELD),
-    reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
-    period=2 * QUARTER_PERIOD,
-    stabilise=_stable,
-)
+def soliton_dn() -> ClosedForm:
+    """The algebraic soliton on the dnoidal wave (K4 > 0)."""
+    far_field = -jacobi_dn(DN_PHASE + QUARTER_PERIOD, k**2)
+    return ClosedForm(
+        name="soliton_dn",
+        title="algebraic soliton on the dnoidal wave",
+        expression=lambda: _assemble(*_fraction(), theta()),
+        equation=FOCUSING_MKDV,
+        parameters=(modulus("the algebraic soliton rational_1", "the double-pole soliton"),),
+        background=DN_WAVE,
+        far_fields=FarFields(far_field, far_field),
+        reference=Reference("chen2018rogue", "alg-decaying solitons on dn-wave background"),
+        period=2 * QUARTER_PERIOD,
+        stabilise=_stable,
+    )

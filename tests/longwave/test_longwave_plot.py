@@ -11,7 +11,7 @@ import longwave
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
 from verify.comparison import Scene, run, save_run
 
-SCENE = Scene(
+SCENE = Scene.of(
     name="soliton",
     title="One soliton",
     wave="soliton_sech",

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from reports import __main__ as command_line
+from reports import build
+from reports.__main__ import main
 from reports.engine import EngineMissingError
 from reports.work import Findings, Studies
 from verify.evidence.mutations import MutationCount, Survivor
@@ -19,9 +20,9 @@ def findings(
     outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0, fails: bool = False
 ) -> Findings:
     """What a report found: one proof, one run, one count of misprints."""
-    proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
+    proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
-    hard = HardCaseResult("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
+    hard = HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})
     evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
     return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)
@@ -30,22 +31,22 @@ def findings(
 @pytest.fixture
 def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is computed or drawn; the source is one line."""
-    monkeypatch.setattr(command_line, "find", lambda *_: findings())
-    monkeypatch.setattr(command_line, "write_figures", lambda *_: [])
+    monkeypatch.setattr(build, "find", lambda *_: findings())
+    monkeypatch.setattr(build, "write_figures", lambda *_: [])
 
     def write_source(_found: object, folder: Path, _full: bool, _wrote: object) -> Path:
         (folder / "longwave.tex").write_text("source")
         return folder / "longwave.tex"
 
-    monkeypatch.setattr(command_line, "write_source", write_source)
-    monkeypatch.setattr(command_line, "ensure_engine", lambda say: None)
-    monkeypatch.setattr(command_line, "compile_pdf", lambda tex: tex.with_suffix(".pdf"))
+    monkeypatch.setattr(build, "write_source", write_source)
+    monkeypatch.setattr(build, "ensure_engine", lambda say: None)
+    monkeypatch.setattr(build, "compile_pdf", lambda tex: tex.with_suffix(".pdf"))
 
 
 def test_it_ends_with_the_path(
     without_work: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert command_line.main(["--output", str(tmp_path)]) == 0
+    assert main(["--output", str(tmp_path)]) == 0
     assert capsys.readouterr().out.rstrip().endswith(f"{tmp_path}/longwave.pdf")
 
 
@@ -58,8 +59,8 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
     def missing(say: object) -> None:
         raise EngineMissingError("no LaTeX engine: install latexmk")
 
-    monkeypatch.setattr(command_line, "ensure_engine", missing)
-    assert command_line.main(["--output", str(tmp_path)]) == 1
+    monkeypatch.setattr(build, "ensure_engine", missing)
+    assert main(["--output", str(tmp_path)]) == 1
     assert capsys.readouterr().err == "error: no LaTeX engine: install latexmk\n"
     assert (tmp_path / "longwave.tex").exists()
 
@@ -77,17 +78,18 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
 def test_what_does_not_stand_fails_the_report(
     without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings
 ) -> None:
-    monkeypatch.setattr(command_line, "find", lambda *_: found)
-    assert command_line.main(["--output", str(tmp_path)]) == 1
+    monkeypatch.setattr(build, "find", lambda *_: found)
+    assert main(["--output", str(tmp_path)]) == 1
 
 
 def test_bad_workers_are_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert command_line.main(["--workers", "0", "--output", str(tmp_path)]) == 2
+    assert main(["--workers", "0", "--output", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error == "error: workers must be at least 1, got 0 (2 is usual)\n"
 
 
-def test_it_is_written_into_the_working_folder() -> None:
-    folder = command_line.parse([]).output
-    assert folder == Path("longwave-report")
-    assert not folder.is_absolute()
+def test_it_is_written_into_the_working_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    folders: list[Path] = []
+    monkeypatch.setattr(build, "write_report", lambda output, *_: folders.append(output))
+    assert main([]) == 0
+    assert folders == [Path("longwave-report")]

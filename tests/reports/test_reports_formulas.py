@@ -10,9 +10,8 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from reports.formulas import Formula, broken, latex
-from reports.formulas.printing import nesting
-from reports.formulas.tidy import LINE, is_wide, tidied, width
+from reports.formulas.formula import Formula, broken
+from reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
 from solutions import CATALOGUE, ClosedForm
 from solutions.functions import jacobi_dn, jacobi_sn
 from solutions.symbols import k, tau, xi

@@ -1,5 +1,8 @@
 """Every closed form solves its equation, equals its stable form and tends to its far fields."""
 
+import subprocess
+import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -103,3 +106,40 @@ def test_catalogue_names_are_unique_and_free_symbols_declared() -> None:
 def test_unknown_name_lists_the_catalogue() -> None:
     with pytest.raises(ValueError, match=r"got 'rogue' \(one of rational_1, .*kink"):
         closed_form("rogue")
+
+
+def test_a_form_is_made_only_when_it_is_asked_for() -> None:
+    code = (
+        "import sys; from solutions import CATALOGUE, closed_form; closed_form('kink');"
+        "print(len(CATALOGUE.names), *(m for m in sys.modules if m.startswith('solutions.forms.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["16", "solutions.forms.solitons"]
+
+
+@pytest.mark.parametrize("name", CATALOGUE.names)
+def test_each_form_has_the_name_it_is_found_under(name: str) -> None:
+    assert closed_form(name).name == name
+    assert closed_form(name) is closed_form(name)
+
+
+def test_a_formula_given_as_a_function_is_made_at_first_use() -> None:
+    calls = []
+
+    def formula() -> sp.Expr:
+        calls.append("made")
+        return sp.tanh(xi + 2 * tau)
+
+    form = replace(closed_form("kink"), expression=formula)
+    assert calls == []
+    assert form.expression == form.stable == sp.tanh(xi + 2 * tau)
+    assert calls == ["made"]
+
+
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.name)
+def test_a_form_shows_itself_in_one_line_and_in_notebooks(form: ClosedForm) -> None:
+    assert form.name in repr(form)
+    assert "\n" not in repr(form)
+    latex = form._repr_latex_()
+    assert latex.startswith("$")
+    assert latex.endswith("$")

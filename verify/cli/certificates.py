@@ -17,8 +17,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from derive.command_line import one_line
-from verify.cli.console import OneLineParser, fail
+from derive.command_line import fail, one_line
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
 
@@ -26,24 +25,11 @@ CERTIFICATES = 100
 """Most certificates in a file."""
 
 
-def certificate_command(argv: list[str]) -> int:
+def print_certificates(path: Path, json_wanted: bool = False) -> int:
     """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
-    2 if the file cannot be read at all.
+    As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
     """
-    parser = OneLineParser(
-        prog="python -m verify check-certificate",
-        description="Repeat the proofs of a file written by --certificate, with other arithmetic, "
-        "and print what they prove.",
-    )
-    parser.add_argument("file", type=Path, metavar="FILE")
-    parser.add_argument("--json", action="store_true", help="print what is proved as JSON")
-    options = parser.parse_args(argv)
-    return print_certificates(options.file, options.json)
-
-
-def print_certificates(path: Path, json_wanted: bool = False) -> int:
-    """As `certificate_command`, for a path; as JSON a list of the accepted, name and statement."""
     accepted: list[dict[str, str]] = []
     status = 0
     try:

@@ -1,9 +1,9 @@
 """``python -m verify run SCENE``: run a scene, print its errors, cost and trust."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +12,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from derive.command_line import OneLineParser, announce, fail, interrupted
+from derive.command_line import announce, fail, interrupted
 from verify.comparison.recording import UnfinishedRun
 from verify.comparison.run import run
 from verify.comparison.saved_run import save_run
-from verify.comparison.scene import ENGINES, Scene, with_tolerance
+from verify.comparison.scene import Scene, with_tolerance
 from verify.comparison.scene_catalogue import (
     find_scene,
-    further_scenes,
-    rational_family_scenes,
-    shipped_scenes,
 )
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
-
-PROGRAM = "python -m verify run"
 
 Tell = Callable[[float], None]
 
@@ -40,18 +35,13 @@ class Options:
     output: str | None = None
 
 
-def run_command(arguments: Sequence[str]) -> int:
+def run_and_print(options: Options, program: str) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
 
-    ``arguments`` are the words after ``run``. Exit status 0, 1 if the run blew up, 2 for bad
-    input, told in one line, and 130 after Ctrl-C: what was recorded until then is printed and
-    written, too. More than 10 s are announced.
+    Exit status 0, 1 if the run blew up, 2 for bad input, told in one line, and 130 after Ctrl-C,
+    which ``program`` tells: what was recorded until then is printed and written, too. More than
+    10 s are announced.
     """
-    return run_and_print(_parser().parse_args(list(arguments), Options()), PROGRAM)
-
-
-def run_and_print(options: Options, program: str) -> int:
-    """As `run_command`, for options that are read; ``program`` is what Ctrl-C is told by."""
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(options.output)
@@ -88,25 +78,6 @@ def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
     return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
-def _parser() -> OneLineParser:
-    parser = OneLineParser(
-        prog="python -m verify run",
-        description="Run the lattice from a closed-form wave and compare the two.",
-        epilog=f"Shipped scenes: {', '.join((*shipped_scenes(), *further_scenes()))}; "
-        f"families: {', '.join(rational_family_scenes())}.",
-    )
-    parser.add_argument("scene", metavar="SCENE", help="a scene file, or a shipped scene's name")
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="X",
-        help="sup error of y/eps to be kept; step and domain are then chosen by the program",
-    )
-    parser.add_argument("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance")
-    parser.add_argument("--output", metavar="FILE.nc", help="write the run as netCDF")
-    return parser
-
-
 def check_output(text: str | None, example: str = "run.nc") -> None:
     """Raise ValueError before anything is computed if ``text`` can be no file's path."""
     if text is None:
@@ -123,7 +94,7 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
     """The scene with what the command line says in the place of what the file says."""
     if tolerance is not None:
         scene = with_tolerance(scene, tolerance)
-    return scene if engine is None else replace(scene, engine=engine)
+    return scene if engine is None else scene.changed(engine=engine)
 
 
 def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:

@@ -13,7 +13,7 @@ from lattice.state import BlowUp
 from verify.comparison.observables import OBSERVABLES
 from verify.comparison.run import run
 from verify.comparison.saved_run import load_run, resume, save_run
-from verify.comparison.scene import ENGINES, Scene, with_tolerance
+from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
 from verify.comparison.scene_catalogue import (
     further_scenes,
     load_scene,
@@ -28,10 +28,12 @@ __all__ = [
     "SCHEMES",
     "BlowUp",
     "Composition",
+    "Discretisation",
     "Model",
     "RungeKutta",
     "Scene",
     "Scheme",
+    "Tolerance",
     "further_scenes",
     "load_run",
     "load_scene",

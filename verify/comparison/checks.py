@@ -4,7 +4,8 @@ The line has the argument, the condition, the value and the remedy.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from numbers import Integral, Real
 
 from verify.comparison.observables import NAMES
 
@@ -38,16 +39,17 @@ LARGEST = 1e9
 
 def finite(name: str, value: object) -> float:
     """The value as a float, if it is a finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if isinstance(value, bool) or not isinstance(value, Real):
         raise ValueError(f"{name} must be a number, got {shown(value)}{_remedy(name)}")
-    if isinstance(value, float) and not math.isfinite(value):
+    number = value if isinstance(value, int) else float(value)
+    if not isinstance(number, int) and not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {value}{_remedy(name)}")
-    if value != 0 and not SMALLEST <= abs(value) <= 1 / SMALLEST:
+    if number != 0 and not SMALLEST <= abs(number) <= 1 / SMALLEST:
         raise ValueError(
             f"{name} must be 0 or satisfy {SMALLEST:g} <= |{name}| <= {1 / SMALLEST:g}, "
             f"got {shown(value)}{_remedy(name)}"
         )
-    return float(value)
+    return float(number)
 
 
 def positive(name: str, value: float) -> None:
@@ -56,23 +58,26 @@ def positive(name: str, value: float) -> None:
         raise ValueError(f"{name} must satisfy {name} > 0, got {value:g}{_remedy(name)}")
 
 
-def tolerance(value: float) -> None:
-    """Refuse a tolerance that is not positive, or below rounding."""
-    positive("tolerance", finite("tolerance", value))
+def tolerance(given: object) -> float:
+    """The tolerance as a float, if it is positive and not below rounding."""
+    value = finite("tolerance", given)
+    positive("tolerance", value)
     if value < LEAST_TOLERANCE:
         raise ValueError(
             f"tolerance must satisfy tolerance >= {LEAST_TOLERANCE:g}, got {value:g} "
             "(rounding alone makes as much in a long run)"
         )
+    return value
 
 
-def whole(name: str, value: object) -> None:
-    """Refuse what is not a whole number >= 1, and what no memory holds."""
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LARGEST:
+def whole(name: str, value: object) -> int:
+    """The value as an int, if it is a whole number >= 1 that some memory holds."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 1 <= int(value) <= LARGEST:
         raise ValueError(
             f"{name} must be a whole number, 1 <= {name} <= {LARGEST:g}, got {shown(value)}"
             f"{_remedy(name)}"
         )
+    return int(value)
 
 
 def enough_steps(step: float, duration: float) -> None:
@@ -88,6 +93,13 @@ def text(name: str, value: object) -> None:
     """Refuse what is no text."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+
+
+def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keywords that a scene does not have."""
+    for key in given:
+        if key not in known:
+            raise ValueError(f"keywords must be known ones, got {key} (one of {', '.join(known)})")
 
 
 def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
@@ -126,11 +138,16 @@ def observables(values: object) -> tuple[str, ...]:
     return tuple(values)
 
 
-def parameters(
-    values: Mapping[str, float | str] | tuple[tuple[str, float | str], ...],
-) -> tuple[tuple[str, float | str], ...]:
+def parameters(values: object) -> tuple[tuple[str, float | str], ...]:
     """The wave's parameters as pairs: finite numbers, or multiples of K (`initial_data.py`)."""
-    pairs = values.items() if isinstance(values, Mapping) else values
+    pairs = list(values.items()) if isinstance(values, Mapping) else values
+    if not isinstance(pairs, list | tuple) or not all(
+        isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs
+    ):
+        raise ValueError(
+            f"parameters must be pairs of names and values, got {shown(values)} (such as "
+            '{"k": 0.5})'
+        )
     return tuple(
         (str(name), value if isinstance(value, str) else finite(str(name), value))
         for name, value in pairs

@@ -94,7 +94,9 @@ class SiteRing:
         """The initial state on all sites of the ring."""
         scene = self.scene
         middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
-        state = empty_state(scene.t0, middle - scene.sites // 2, scene.sites)
+        state = empty_state(
+            scene.t0, middle - scene.discretisation.sites // 2, scene.discretisation.sites
+        )
         state.store(state.sites, *self._data(state))
         self._check(state)
         self._fading = self._build_fading()
@@ -108,9 +110,9 @@ class SiteRing:
     def _build_fading(self) -> Fading | None:
         scene, wave = self.scene, self.wave
         whole = any(observable_named(name).all_sites for name in scene.observables)
-        if scene.domain != "closed_ring" or whole or scene.end == scene.t0:
+        if scene.discretisation.domain != "closed_ring" or whole or scene.end == scene.t0:
             return None
-        speed = speed_held(scene, scene.sites - seam_room(wave, scene.eps))
+        speed = speed_held(scene, scene.discretisation.sites - seam_room(wave, scene.eps))
         level = scene.eps * (wave.constant_background or 0.0)
         depth = max(float(FADING_DEPTH), (wave.wavelength or 0.0) / scene.eps)
         return Fading(scene.t0, speed, level, depth)
@@ -123,7 +125,7 @@ class SiteRing:
         """
         scene, wave = self.scene, self.wave
         room = seam_room(wave, scene.eps)
-        if scene.domain == "ring" or room == 0.0:
+        if scene.discretisation.domain == "ring" or room == 0.0:
             return initial_data(wave, scene, state.sites)
         middle = state.left + 0.5 * state.size
         length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
@@ -143,17 +145,17 @@ class SiteRing:
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
-        if self.scene.domain == "closed_ring":
+        if self.scene.discretisation.domain == "closed_ring":
             return found
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
         reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found
 
     def _check(self, state: State) -> None:
-        least = least_ring(self.scene, state.y)
-        if self.scene.sites < least:
+        least, sites = least_ring(self.scene, state.y), self.scene.discretisation.sites
+        if sites < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} on this ring, got {self.scene.sites} "
+                f"sites must satisfy sites >= {least} on this ring, got {sites} "
                 "(else signals from the seam reach the compared sites; widen it or end earlier)"
             )
 
@@ -179,16 +181,16 @@ class Window:
         background = self.wave.constant_background
         if background is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.scene.wave}, got 'window' "
+                f"domain must be 'ring' for {self.scene.wave_name}, got 'window' "
                 "(its background is not constant)"
             )
         self.monitor = InflowCheck(self.scene.eps)
         self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
         self.moves = frozenset(window_moves(self.scene))
-        least = least_window(self.scene.compared)
-        if self.scene.sites < least:
+        least, sites = least_window(self.scene.compared), self.scene.discretisation.sites
+        if sites < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} in this window, got {self.scene.sites} "
+                f"sites must satisfy sites >= {least} in this window, got {sites} "
                 "(its ends would touch the compared sites; widen it)"
             )
 
@@ -200,7 +202,11 @@ class Window:
     def start(self) -> State:
         """The initial state, centred on c t0."""
         scene = self.scene
-        state = empty_state(scene.t0, frame(scene, scene.t0) - scene.sites // 2, scene.sites)
+        state = empty_state(
+            scene.t0,
+            frame(scene, scene.t0) - scene.discretisation.sites // 2,
+            scene.discretisation.sites,
+        )
         state.store(state.sites, *initial_data(self.wave, scene, state.sites))
         return state
 
@@ -213,7 +219,7 @@ class Window:
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
-        left = frame(self.scene, state.t) - self.scene.sites // 2
+        left = frame(self.scene, state.t) - self.scene.discretisation.sites // 2
         fed = 2 * (left - state.left) + MARGIN
         state.left = left
         end = left + state.size
@@ -229,7 +235,7 @@ class Window:
         scene = self.scene
         gain = self.background_speed - scene.constants.sound_speed()
         drift = gain * (scene.end - scene.t0)
-        end = scene.sites - scene.sites // 2
+        end = (scene.discretisation.sites + 1) // 2
         begin = end - (2 * (STRIDE + 1) + MARGIN + WATCHED)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
         return Tail(self.wave, scene, self.background_speed, low, high)
@@ -237,4 +243,4 @@ class Window:
 
 def build_domain(scene: Scene, wave: Wave) -> Domain:
     """The domain that the scene asks for."""
-    return Window(scene, wave) if scene.domain == "window" else SiteRing(scene, wave)
+    return Window(scene, wave) if scene.discretisation.domain == "window" else SiteRing(scene, wave)

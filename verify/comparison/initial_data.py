@@ -72,11 +72,18 @@ def build_wave(scene: Scene) -> Wave:
     wrong sign for the wave's equation.
     """
     values = dict(scene.parameters)
-    form = closed_form(scene.wave, values)
+    form = scene_form(scene)
     _check_reduction(scene, form)
     modulus = exact_number("k", values["k"]) if "k" in values else None
     exact = {name: exact_quantity(name, value, modulus) for name, value in values.items()}
     return Wave(form, derive.mkdv_normal_form(scene.K2, scene.K4), **exact)
+
+
+def scene_form(scene: Scene) -> ClosedForm:
+    """The closed form that the scene names or holds; a ValueError lists the known names."""
+    if isinstance(scene.wave, ClosedForm):
+        return scene.wave
+    return closed_form(scene.wave, dict(scene.parameters))
 
 
 def _check_reduction(scene: Scene, form: ClosedForm) -> None:

@@ -68,7 +68,7 @@ def moments_of(scene: Scene, kind: Moment) -> Moments:
     if scene.look_points is not None:
         return Moments(_equidistant(scene, scene.look_points))
     share = (scene.end - scene.t0) / scene.curve_points
-    least = LOOK_EVALUATIONS / scene.scheme_table.stages * scene.step
+    least = LOOK_EVALUATIONS / scene.discretisation.table.stages * scene.discretisation.step
     return Moments((), max(least, share) * (1.0 - 1e-12))
 
 
@@ -191,13 +191,14 @@ def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Ste
     same scene. Raises ValueError for a step past the stability limit and for a domain that is too
     small.
     """
-    domain, scheme = build_domain(scene, wave), scene.scheme_table
+    domain, step = build_domain(scene, wave), scene.discretisation.step
+    scheme = scene.discretisation.table
     initial = domain.start()
-    limit = check_step(scene.step, scheme, scene.constants, initial.y)
-    scheme.advance(initial.y, initial.s, scene.step, 0, scene.constants)
+    limit = check_step(step, scheme, scene.constants, initial.y)
+    scheme.advance(initial.y, initial.s, step, 0, scene.constants)
     state = initial if restart is None else restart
     amplitude = float(np.max(np.abs(initial.y)))
-    return Stepper(state, scheme, scene.constants, domain, scene.step, amplitude), limit
+    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
 
 
 def record(

@@ -11,6 +11,7 @@ import xarray as xr
 from lattice.refine import Announce
 from lattice.trial import Estimate
 from solutions import Wave
+from verify.comparison.checks import shown
 from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Announcer, Progress, UnfinishedRun
 from verify.comparison.scene import ENGINES, Scene
@@ -29,13 +30,14 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
     Raises ValueError if the named one cannot compute an observable.
     """
     needing = [name for name in scene.observables if name in SITE_BY_SITE]
-    if scene.engine == "spectral" and needing:
+    named = scene.target
+    if named.engine == "spectral" and needing:
         raise ValueError(
             f"engine must be 'stencil' for {needing[0]}, got 'spectral' (it has no ring of sites)"
         )
-    if scene.engine:
-        return scene.engine
-    if needing or scene.scheme:
+    if named.engine:
+        return named.engine
+    if needing or named.scheme:
         return "stencil"
     return min(ENGINES, key=lambda engine: SECONDS[engine](scene, wave))
 
@@ -69,7 +71,7 @@ def run_to_tolerance(
     try:
         run, estimate, planning_seconds = RUNNERS[name](scene, wave, *callbacks)
     except ValueError:
-        if scene.engine or name == "stencil":
+        if scene.target.engine or name == "stencil":
             raise
         told(SECONDS["stencil"](scene, wave))
         run, estimate, planning_seconds = run_stencil(scene, wave, *callbacks)
@@ -96,13 +98,17 @@ def run(
 
     Attributes: the scene as JSON, versions, cost, and ``blow_up`` (empty if there was none). A run
     that blows up keeps the times before it. With a tolerance also ``error_estimate`` and its parts
-    (`tolerance.py`); the scene is then the one with step and domain filled in, if sites were
+    (`run_to_tolerance`); the scene is then the one with step and domain filled in, if sites were
     computed one by one. ``progress`` is called with the share of the work that is done, 0 .. 1;
     ``announce`` with the seconds that are expected to pass, if they are many.
 
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit, and
     UnfinishedRun on Ctrl-C.
     """
+    if not isinstance(scene, Scene):
+        raise ValueError(
+            f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
+        )
     if scene.tolerance is None:
         Announcer(announce or (lambda _: None))(stated_seconds(scene))
         return run_from(scene, None, progress)

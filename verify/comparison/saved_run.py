@@ -1,6 +1,5 @@
 """Saving a run, and going on from a snapshot of it."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from lattice.state import State
+from solutions import ClosedForm
 from verify.comparison.recording import Progress
 from verify.comparison.scene import Scene
 from verify.comparison.stated_run import run_from
@@ -16,9 +16,7 @@ from verify.comparison.stated_run import run_from
 
 def scene_of(run: xr.Dataset) -> Scene:
     """The scene that a run carries."""
-    fields = json.loads(run.attrs["scene"])
-    fields["parameters"] = tuple((name, value) for name, value in fields["parameters"])
-    return Scene(**fields)
+    return Scene.from_json(run.attrs["scene"])
 
 
 def state_at(run: xr.Dataset, t: float) -> State:
@@ -44,17 +42,19 @@ def resume(
     at: float | None = None,
     snapshots: Sequence[float] | None = None,
     progress: Progress | None = None,
+    wave: ClosedForm | None = None,
 ) -> xr.Dataset:
     """Go on from a snapshot of a run, to the bit as if the run had not been interrupted.
 
     ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
-    default those of the scene. The result holds what the scene asks for after ``at``. Same bits
-    need the same stops: ``curve_points`` and ``look_points`` times move with the end of the run.
+    default those of the scene; a ``wave`` of your own, which no file holds, is to be given again.
+    The result holds what the scene asks for after ``at``. Same bits need the same stops:
+    ``curve_points`` and ``look_points`` times move with the end of the run.
 
     Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
     """
     start = state_at(run, float(run["time"].values[-1]) if at is None else at)
-    scene = scene_of(run)
+    scene = scene_of(run) if wave is None else replace(scene_of(run), wave=wave)
     later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")

@@ -71,7 +71,7 @@ def rational_family_scenes(
 
 
 def _member(order: int, eps: float, tolerance: float) -> Scene:
-    return Scene(
+    return Scene.of(
         name=f"Y{order}_eps_{eps:g}",
         title=f"Rational solution of order {order}, eps = {eps:g}",
         wave=f"rational_{order}",

@@ -69,13 +69,13 @@ SHARE = 0.6
 
 def spectral_seconds(scene: Scene, wave: Wave) -> float:
     """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
-    assert scene.tolerance is not None
+    tolerance = scene.target.tolerance
     peak = float(np.max(np.abs(scene_bounds(scene, wave).strain))) / scene.eps
     turns = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0) * peak**3
-    evaluations = EVALUATIONS * (1.0 + turns) * scene.tolerance ** (-1.0 / ORDER)
+    evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
     steepness = float(wave.normal_form.a) * scene.eps * peak
     apart = APART * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
-    if apart > ALIKE * scene.tolerance:
+    if apart > ALIKE * tolerance:
         step = telling_step(scene.constants.sound_speed())
         evaluations = max(evaluations, (scene.end - scene.t0) / step)
     first, *wider = _circumferences(scene, wave, peak, turns)
@@ -91,14 +91,14 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
     On a constant background a doubling changes by the tails, which are cut off at the seam; on a
     periodic one by what the wave radiates. A kink's ring is causal.
     """
-    assert scene.tolerance is not None
+    tolerance = scene.target.tolerance
     data = ring_data(
         scene.constants,
         wave,
         scene.eps,
         (scene.t0, *scene.snapshots),
         scene.compared,
-        scene.tolerance,
+        tolerance,
     )
     assert data.causal is not None
     if data.kink:
@@ -108,7 +108,7 @@ def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list
     while tried[-1] < data.causal.circumference:
         change = level / (scene.eps * tried[-1]) ** power
         tried.append(2.0 * tried[-1])
-        if change <= SHARE * scene.tolerance:
+        if change <= SHARE * tolerance:
             break
     return [min(length, data.causal.circumference) for length in tried]
 
@@ -136,28 +136,28 @@ def run_spectral(
     strains are no longer sound. Raises ValueError for a tolerance that cannot be met and for a
     lattice that blows up, UnfinishedRun on Ctrl-C.
     """
-    assert scene.tolerance is not None
+    tolerance = scene.target.tolerance
     scene_run = _with_looks(scene)
     recorders = build_recorders(scene_run)
-    task = _task(scene_run, wave, recorders, scene.tolerance)
+    task = _task(scene_run, wave, recorders, tolerance)
     try:
         solved = spectral_run(task, progress, announce)
     except StoppedSearch as stop:
         raise _stopped(scene, wave, task, stop, recorders) from None
     except RingTooLargeError as error:
         raise ValueError(
-            f"tolerance must be larger than {scene.tolerance:g}: it needs {error} "
+            f"tolerance must be larger than {tolerance:g}: it needs {error} "
             "(raise it, end earlier or compare fewer sites)"
         ) from None
     except TooDearError as error:
         raise ValueError(
-            f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': the next "
+            f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': the next "
             f"rings alone would take {SECONDS_PER_WORK * error.work:.2g} s, site by site about "
             f"{stencil_seconds(scene, wave):.2g} s (or raise the tolerance)"
         ) from None
     except StepTooShortError as error:
         raise ValueError(
-            f"engine must be 'stencil' for tolerance {scene.tolerance:g}, got 'spectral': it needs "
+            f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': it needs "
             f"{error} (the wave is hardly longer than the distance of sites)"
         ) from None
     except FloatingPointError as error:

@@ -58,9 +58,12 @@ class StrainSamples:
 
 def refined(scene: Scene, measure: str) -> Scene:
     """The scene with half the step (``time_step_error``) or twice the sites (``domain_error``)."""
+    stated = scene.discretisation
     if measure == "time_step_error":
-        return replace(scene, step=scene.step / 2.0, observables=())
-    return replace(scene, sites=2 * scene.sites, observables=())
+        finer = replace(stated, step=stated.step / 2.0)
+    else:
+        finer = replace(stated, sites=2 * stated.sites)
+    return replace(scene, numerics=finer, observables=())
 
 
 def measured_error(
@@ -151,14 +154,14 @@ class _Meter:
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
-    march, scheme = recording.march, scene.scheme_table
+    march, scheme = recording.march, scene.discretisation.table
     return {
         "engine": "stencil",
         "scheme": scheme.name,
         "order": scheme.order,
         "steps": march.steps,
         "force_evaluations": march.steps * scheme.stages,
-        "sites": scene.sites,
+        "sites": scene.discretisation.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
         "least_strain": march.strain[0],
@@ -170,7 +173,8 @@ def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
 
 def stated_seconds(scene: Scene) -> float:
     """What a scene takes that states its step and its sites, with the runs that measure errors."""
-    steps = (scene.end - scene.t0) / scene.step
+    stated = scene.discretisation
+    steps = (scene.end - scene.t0) / stated.step
     runs = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
-    updates = steps * scene.scheme_table.stages * scene.sites
+    updates = steps * stated.table.stages * stated.sites
     return START_SECONDS + SECONDS_PER_UPDATE * updates * runs

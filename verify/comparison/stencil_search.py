@@ -16,7 +16,7 @@ from solutions import Wave
 from verify.comparison.domain import Array, creeping, least_ring, least_window, window_moves
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import Progress, UnfinishedRun, moments_of, unfinished
-from verify.comparison.scene import Scene
+from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
 from verify.comparison.trust import USUAL_TOLERANCE
 from verify.comparison.wave_bounds import WaveBounds, find_bounds, seam_room
@@ -148,11 +148,10 @@ def run_stencil(
     ValueError for what wave or lattice do not admit and for a tolerance below what rounding leaves,
     UnfinishedRun on Ctrl-C.
     """
-    assert scene.tolerance is not None
     begun = time.perf_counter()
     engine = StencilEngine(scene, wave, scene_bounds(scene, wave))
     try:
-        found = refine(engine, scene.tolerance, progress, announce)
+        found = refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
         run = None if stop.trial is None else stop.trial.payload
         raise unfinished(run, stop.error, stop.before) from None
@@ -177,7 +176,7 @@ class StencilEngine:
     most_work = math.inf
 
     def __init__(self, scene: Scene, wave: Wave, bounds: WaveBounds, compared: int = 0) -> None:
-        scheme = scheme_named(scene.scheme or PREFERRED)
+        scheme = scheme_named(scene.target.scheme or PREFERRED)
         self.order: int = scheme.order
         self._scene, self._wave, self._bounds = scene, wave, bounds
         self.fragile = wave.wavelength is not None
@@ -188,12 +187,7 @@ class StencilEngine:
         self._longest = longest_step(scene, scheme, bounds)
         self._base = replace(
             scene,
-            tolerance=None,
-            engine="stencil",
-            scheme=scheme.name,
-            step=self._longest,
-            domain=self._domain,
-            sites=self._least,
+            numerics=Discretisation(self._longest, self._domain, self._least, scheme.name),
             compared=compared or scene.compared,
         )
         exact = exact_times(self._base)
@@ -254,7 +248,7 @@ class StencilEngine:
     def work(self, choices: Choices) -> float:
         """Site updates."""
         steps = (self._scene.end - self._scene.t0) / choices.step
-        return steps * self._base.scheme_table.stages * choices.size
+        return steps * self._base.discretisation.table.stages * choices.size
 
     def _sized(self, choices: Choices, sites: float) -> Choices:
         """With that many sites, or a causal ring if that takes fewer."""
@@ -269,9 +263,12 @@ class StencilEngine:
         stated = replace(
             self._base,
             eps=self._scene.eps * (1.0 + NUDGE * choices.nudged),
-            step=choices.step,
-            sites=int(choices.size),
-            domain="closed_ring" if choices.causal else "window",
+            numerics=Discretisation(
+                choices.step,
+                "closed_ring" if choices.causal else "window",
+                int(choices.size),
+                self._base.discretisation.scheme,
+            ),
             observables=self._base.observables if looked else (),
         )
         stopped = False

@@ -6,9 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from solutions import Wave, WaveValues, closed_form
+from solutions import Wave, WaveValues
 from verify.comparison.hill import MOST_MODES, fastest_rate
-from verify.comparison.initial_data import build_wave
+from verify.comparison.initial_data import build_wave, scene_form
 from verify.comparison.scene import Scene
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -50,7 +50,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
 
 def has_periodic_background(scene: Scene) -> bool:
     """Whether there is anything that could grow about the scene's far field."""
-    return closed_form(scene.wave, dict(scene.parameters)).period is not None
+    return scene_form(scene).period is not None
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:

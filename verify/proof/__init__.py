@@ -9,9 +9,9 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 
 from verify.verdict import ProofVerdict
 
-from .catalogue_proofs import check_certificate, prove_form, prove_stable
+from .catalogue_proofs import check_certificate, form_domains, prove_form, prove_stable
 from .checker import CertificateError
-from .domains import Domain, form_domains
+from .domains import Domain
 from .prover import prove, prove_equal
 from .rational_proofs import RationalFacts, prove_bilinear, prove_rational, rational_facts
 

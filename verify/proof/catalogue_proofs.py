@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 import re
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,17 +22,18 @@ import sympy as sp
 from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
+from solutions.exact import shown
 from solutions.forms.rational import rational, rational_tau
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
 
-from .certificate import equality_certificate, equation_certificate
-from .certificate_writer import Data
+from .certificate import statement_data
+from .certificate_writer import NodeTable
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
-from .domains import form_domains
-from .problem import Problem, make_equality, make_problem
-from .prover import decide, prove_equal
+from .domains import Domain
+from .problem import Problem, equality_problem, solution_problem
+from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
 
 
@@ -40,22 +41,35 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
-    generators of `lab.lab_frame`, one to one.
+    generators of `lab_frame`, one to one.
 
     >>> from solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    return decide(lab_problem(form)).timed(time.perf_counter() - start)
+    return decide(lab_problem(form), start)
 
 
 def lab_problem(form: ClosedForm) -> Problem:
     """The statement that ``form`` solves the equation in the lab variables."""
+    domains = form_domains(form)
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
+    unknown = sp.Function("U")(X, T)
     expression = form.expression.xreplace(variables)
-    return make_problem(LabEquation(frame), expression, (), form.name, form_domains(form))
+    return solution_problem(
+        frame.residual(unknown),
+        expression,
+        name=form.name,
+        equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
+        stated=domains,
+    )
+
+
+def own_problem(form: ClosedForm) -> Problem:
+    """The statement that ``form`` solves its equation in its own variables."""
+    return solution_problem(form.equation, form.expression, stated=form_domains(form))
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -65,14 +79,46 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
     >>> prove_stable(closed_form("rational_2")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
-    return prove_equal(
+    start = time.perf_counter()
+    return decide(stable_problem(form), start)
+
+
+def stable_problem(form: ClosedForm) -> Problem:
+    """The statement that the evaluation form of ``form`` is its canonical one."""
+    domains = form_domains(form)
+    return equality_problem(
         form.expression,
         form.stable,
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        domains=form_domains(form),
+        stated=domains,
     )
+
+
+def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
+    """The domains of the parameters of a closed form, from its record.
+
+    Raises TypeError for what is no closed form.
+
+    >>> from solutions import closed_form
+    >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
+    {'k': '0 < k < 1'}
+    """
+    if not isinstance(form, ClosedForm):
+        raise TypeError(
+            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
+        )
+    domains = {}
+    for parameter in form.parameters:
+        low, high = parameter.lower, parameter.upper
+        domains[parameter.symbol] = Domain(
+            -sp.oo if low is None else low.value,
+            sp.oo if high is None else high.value,
+            low is None or low.is_open,
+            high is None or high.is_open,
+        )
+    return domains
 
 
 def check_certificate(data: Any) -> str:
@@ -92,19 +138,15 @@ def check_certificate(data: Any) -> str:
     return statement
 
 
-def _named(form: ClosedForm) -> Iterator[Data]:
+def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
     """What a certificate with the name of ``form`` may state."""
     family = form.name.removeprefix("rational_")
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
-    yield equation_certificate(lab_problem(form))
-    domains, variables = form_domains(form), (form.equation.xi, form.equation.tau)
-    own = make_problem(form.equation, form.expression, (), form.name, domains)
-    yield equation_certificate(own)
-    names = (form.name, "stable form = canonical form")
-    equality = make_equality(form.expression, form.stable, (), names, domains)
-    yield equality_certificate(equality, form.expression, form.stable, variables)
+    for made in (lab_problem, own_problem, stable_problem):
+        table = NodeTable()
+        yield {"statement": statement_data(made(form), table), "nodes": table.nodes}
 
 
 a = sp.Symbol("a", positive=True)
@@ -112,7 +154,10 @@ a = sp.Symbol("a", positive=True)
 
 @dataclass(frozen=True)
 class LabFrame:
-    """K2, K4, xi and tau as rational functions of X, T, a and c, for K4 of the sign ``s``."""
+    """The reduced equation in X and T, K2, K4, xi and tau being rational in X, T, a and c.
+
+    ``s`` is the sign of K4.
+    """
 
     s: int
     K2: sp.Expr
@@ -120,14 +165,16 @@ class LabFrame:
     xi: sp.Expr
     tau: sp.Expr
 
-    @property
-    def generators(self) -> tuple[sp.Symbol, sp.Symbol]:
-        """The symbols that stand for K2 and K4."""
-        return (c, a)
-
     def constants(self) -> dict[sp.Symbol, sp.Expr]:
         """The lattice constants in the generators."""
         return {K2: self.K2, K4: self.K4}
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``, as derived."""
+        pde, constants = mkdv_reduction().pde, self.constants()
+        nonlinear = pde.nonlinear_coefficient.subs(constants)
+        dispersive = pde.dispersive_coefficient.subs(constants)
+        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
 
 
 @functools.cache
@@ -141,40 +188,11 @@ def lab_frame(s: int) -> LabFrame:
     return LabFrame(s, stiffness, s * cubic, a * X, rate * T)
 
 
-@dataclass(frozen=True)
-class LabEquation:
-    """The reduced equation in X and T with the derivation's coefficients, in the generators."""
-
-    frame: LabFrame
-
-    @property
-    def name(self) -> str:
-        """The name of the equation."""
-        return f"mKdV in X, T, K4 {'>' if self.frame.s > 0 else '<'} 0"
-
-    @property
-    def xi(self) -> sp.Symbol:
-        """The space variable X."""
-        return X
-
-    @property
-    def tau(self) -> sp.Symbol:
-        """The time variable T."""
-        return T
-
-    def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``."""
-        pde, constants = mkdv_reduction().pde, self.frame.constants()
-        nonlinear = pde.nonlinear_coefficient.subs(constants)
-        dispersive = pde.dispersive_coefficient.subs(constants)
-        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
-
-
 HIGHER_ORDERS = range(4, 10)
 """The orders of the rational family that are proved along with the catalogue."""
 
 NAMES = (
-    *(form.name for form in CATALOGUE),
+    *CATALOGUE.names,
     *(f"rational_{order}" for order in HIGHER_ORDERS),
 )
 """Every form that is checked where none is named."""

@@ -4,96 +4,99 @@ An equality is proved part by part where that can be done.  If a sum in one form
 another sum in the other formula at a point, the two may be the same function.  Where that is
 proved, one generator of which nothing is known takes the place of both; if the formulas are equal
 with it, they are equal.
+
+A square root that depends on others is named, as sqrt(6) = sqrt(2) sqrt(3).  The radicands' images
+are factored; a root whose square, times those of some others, is a square is their product times a
+known element.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
 import sympy as sp
-from flint import acb, ctx
+from flint import acb, ctx, fmpq, fmpq_mpoly
 
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Dependence
 from .balls import BallEvaluator, Shape
-from .certificate_writer import Data, NodeTable, Unsupported
-from .checker.check import FORMAT, digest
-from .checker.limits import JETS
+from .certificate_writer import Certificate, Data, NodeTable
+from .checker.check import registered
+from .checker.field import Field
+from .checker.limits import CertificateError
+from .checker.nodes import Nodes
+from .checker.ring import Element
+from .checker.statement import read_statement
 from .domain_signs import Signs
 from .domains import Domains, Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
-from .problem import Problem, coefficients, terms_in
+from .problem import Problem
 from .simplification import Rewriting
-from .square_roots import with_radicals
+
+LEMMA_BITS = 320
+
+Pair = tuple[sp.Expr, sp.Expr]
+"""A sum of either formula."""
+
+Key = tuple[str, int]
+"""A prime or -1, or the place of a factor in the ring's list."""
 
 
-def equation_certificate(problem: Problem) -> Data:
-    """The certificate that the formula of ``problem`` solves its equation.
+def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificate:
+    """The certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
-    Raises Unsupported for a function without an axiom, ValueError without a regular point.
+    Raises ValueError for a function without an axiom, and without a regular point.
     """
     table = NodeTable()
-    known = coefficients(problem.left, problem.unknown)
-    statement = {
+    statement = statement_data(problem, table)
+    rewriting = Rewriting(Signs(problem.domains))
+    for expression in problem.expressions:
+        rewriting(expression)
+    point = regular_point(problem)
+
+    def search(expressions: Sequence[sp.Expr], *, moving: bool) -> GeneratorSearch:
+        found = rewriting.found
+        return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
+
+    whole = search(problem.expressions, moving=problem.right is None)
+    for pair in parts:
+        proof = search(pair, moving=False).proof(point)
+        whole.equal_part(*pair, with_square_roots(table, statement, proof))
+    proof = with_square_roots(table, statement, whole.proof(point))
+    return Certificate.signed(problem.name, table, statement, proof)
+
+
+def statement_data(problem: Problem, table: NodeTable) -> Data:
+    """What a certificate states, as places in ``table``."""
+    taken = {symbol.name for symbol in problem.domains}
+    name = problem.unknown_name
+    while name in taken:
+        name += "_"
+    return {
         "variables": [table.place(variable) for variable in problem.variables],
-        "unknowns": [
-            [
-                _unknown_name(problem.unknown.func.__name__, problem.domains),
-                table.place(problem.expression),
-            ]
-        ],
-        "equations": [_terms(problem, table)],
-        "domain": domain_data(problem.domains, table),
-    }
-    expressions = [problem.expression, *known]
-    search = GeneratorSearch(table, expressions, problem.variables, _simpler(problem, expressions))
-    point = regular_point(expressions, problem.points)
-    proof = with_radicals(table, statement, search.proof(point))
-    return signed(problem.name, table, statement, proof)
-
-
-def equality_certificate(
-    problem: Problem,
-    left: sp.Expr,
-    right: sp.Expr,
-    variables: Sequence[sp.Symbol],
-    parts: Iterable[tuple[sp.Expr, sp.Expr]] = (),
-) -> Data:
-    """The certificate that two formulas are equal, given ``parts`` of them that are equal."""
-    table = NodeTable()
-    statement = {
-        "variables": [table.place(variable) for variable in variables],
-        "unknowns": [[_unknown_name("u", problem.domains), table.place(left)]],
+        "unknowns": [[name, table.place(problem.formula)]],
         "equations": [
             [
-                ["1", [], [[0, [0] * len(variables)]]],
-                ["-1", [table.place(right)], []],
+                [str(number), [table.place(factor) for factor in known], [[0, jet] for jet in jets]]
+                for number, known, jets in problem.terms()
             ]
         ],
-        "domain": domain_data(problem.domains, table),
+        "domain": _domain_data(problem.domains, table),
     }
-    point, values = regular_point([left, right], problem.points), _simpler(problem, [left, right])
-    search = GeneratorSearch(table, [left, right], variables, values, moving=False)
-    for own, other in parts:
-        proof = GeneratorSearch(table, [own, other], variables, values, moving=False).proof(point)
-        proof = with_radicals(table, statement, proof)
-        search.equal_part(own, other, proof)
-    return signed(
-        problem.name, table, statement, with_radicals(table, statement, search.proof(point))
-    )
 
 
-def regular_point(expressions: Sequence[sp.Expr], points: Sequence[Point]) -> Point:
-    """A point at which all of ``expressions`` are finite; raises ValueError if there is none."""
-    for bits, point in product((BITS, 2 * BITS), points):
+def regular_point(problem: Problem) -> Point:
+    """A point at which all of a problem's formulas are finite; raises ValueError without one."""
+    for bits, point in product((BITS, 2 * BITS), problem.points):
         with ctx.workprec(bits):
             balls = BallEvaluator(Shape([(0,)]), (), point)
             try:
-                values = [balls.jet(expression).value for expression in expressions]
+                values = [balls.jet(expression).value for expression in problem.expressions]
             except ValueError as error:
                 reason = str(error)
                 continue
@@ -103,35 +106,7 @@ def regular_point(expressions: Sequence[sp.Expr], points: Sequence[Point]) -> Po
     raise ValueError(reason)
 
 
-def _simpler(problem: Problem, expressions: Sequence[sp.Expr]) -> dict[sp.Expr, sp.Expr]:
-    """The roots and absolute values in ``expressions`` that the domains simplify."""
-    rewriting = Rewriting(Signs(problem.domains))
-    for expression in expressions:
-        rewriting(expression)
-    return rewriting.found
-
-
-def generator_count(certificate: Data) -> int:
-    """How many generators a proof has."""
-    entries = certificate["proof"]["generators"]
-    return sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in entries)
-
-
-def point_text(certificate: Data) -> str:
-    """The point of a proof in words."""
-    nodes = certificate["nodes"]
-    found = (f"{nodes[place][1]} = {value}" for place, value in certificate["proof"]["point"])
-    return ", ".join(sorted(found))
-
-
-def signed(name: str, table: NodeTable, statement: Data, proof: Data) -> Data:
-    """The certificate with its digest."""
-    body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
-    body |= {"statement": statement, "proof": proof}
-    return body | {"digest": digest(body)}
-
-
-def domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
+def _domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
     """The domains as inequalities between nodes."""
     found: list[list[Any]] = []
     for symbol, domain in domains.items():
@@ -144,50 +119,14 @@ def domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
     return found
 
 
-def _terms(problem: Problem, table: NodeTable) -> list[list[Any]]:
-    """Each term: a rational number, known factors, and derivatives by their orders."""
-    return [_term(term, problem, table) for term in terms_in(problem.left, problem.unknown)]
-
-
-def _term(term: sp.Expr, problem: Problem, table: NodeTable) -> list[Any]:
-    number, known, jets = sp.S.One, [], []
-    for factor in sp.Mul.make_args(term):
-        if factor.is_Rational:
-            number *= factor
-        elif not factor.has(problem.unknown):
-            known.append(table.place(factor))
-        else:
-            jets += _jets(factor, problem)
-    return [str(number), known, jets]
-
-
-def _jets(factor: sp.Expr, problem: Problem) -> list[list[Any]]:
-    """A power of the unknown or of one of its derivatives, as that many orders."""
-    base, power = factor.as_base_exp()
-    inner = base.expr if isinstance(base, sp.Derivative) else base
-    pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
-    counts = {symbol: int(count) for symbol, count in pairs}
-    whole = power.is_Integer and 0 < power <= JETS
-    if inner != problem.unknown or not whole or counts.keys() - set(problem.variables):
-        raise Unsupported(
-            f"equations must be polynomials in {problem.unknown} and its derivatives in its own "
-            f"variables, got {factor} (multiply it out)"
-        )
-    return [[0, [counts.get(variable, 0) for variable in problem.variables]]] * int(power)
-
-
-def _unknown_name(name: str, domains: Domains) -> str:
-    """``name``, longer where a symbol is called so."""
-    taken = {symbol.name for symbol in domains}
-    while name in taken:
-        name += "_"
-    return name
-
-
-LEMMA_BITS = 320
-
-Pair = tuple[sp.Expr, sp.Expr]
-"""A sum of either formula."""
+def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
+    """Equal parts to prove first, if there may be any, and none."""
+    if problem.right is not None:
+        sides = problem.formula, problem.right
+        lemmas = find_lemmas(*sides, problem.variables, regular_point(problem))
+        if lemmas:
+            yield lemmas
+    yield []
 
 
 def find_lemmas(
@@ -232,3 +171,113 @@ def _values(
 
 def _occurs(pairs: Sequence[Pair], left: Sequence[sp.Expr], right: Sequence[sp.Expr]) -> bool:
     return any(own in left or other in right for own, other in pairs)
+
+
+class SquareRoots:
+    """The square roots among the generators of a field, and what the dependent ones are."""
+
+    def __init__(self, field: Field, table: NodeTable, places: dict[int, int]) -> None:
+        self._field, self._table = field, table
+        self._places = places
+        self._rows: list[tuple[frozenset[Key], frozenset[int]]] = []
+        self._images: dict[int, Element] = {}
+
+    def value(self, root: int) -> int | None:
+        """The place of what ``root``, a node of the field, is; None if it is independent."""
+        base = self._field.nodes.all[root][1]
+        image = self._field.image(base)
+        odd = frozenset(key for key, power in self._exponents(image).items() if power % 2)
+        members = frozenset[int]()
+        for row, row_members in self._rows:
+            if max(row) in odd:
+                odd, members = odd ^ row, members ^ row_members
+        if odd:
+            self._rows.append((odd, members | {root}))
+            self._images[root] = image
+            return None
+        quotient = image
+        for member in members:
+            quotient = quotient / self._images[member]
+        parts = [self._places[member] for member in members]
+        for key, power in self._exponents(quotient).items():
+            parts.append(self._made_power(key, power // 2))
+        return self._table.made("Mul", *(parts or [self._table.place(sp.S.One)]))
+
+    def _exponents(self, element: Element) -> Counter[Key]:
+        ring = element.ring
+        unit, powers = ring.split(element.numerator)
+        found: Counter[Key] = Counter({("factor", i): n for i, n in powers.items()})
+        found.subtract({("factor", i): n for i, n in element.powers.items()})
+        for number, sign in ((unit.p, 1), (unit.q, -1)):
+            for prime, power in sp.factorint(int(number)).items():
+                found["number", int(prime)] += sign * power
+        return found
+
+    def _made_power(self, key: Key, power: int) -> int:
+        kind, value = key
+        base = (
+            self._written(self._field.ring.factors[value])
+            if kind == "factor"
+            else self._table.place(sp.Integer(value))
+        )
+        return self._table.made("Pow", base, str(power))
+
+    def _written(self, polynomial: fmpq_mpoly) -> int:
+        """A polynomial in the generators as a node in their meanings."""
+        terms = []
+        for exponents, coefficient in polynomial.terms():
+            powers = [
+                self._table.made("Pow", self._meaning(place), str(int(n)))
+                for place, n in enumerate(reversed(exponents))
+                if n
+            ]
+            terms.append(self._table.made("Mul", self._number(coefficient), *powers))
+        return terms[0] if len(terms) == 1 else self._table.made("Add", *terms)
+
+    def _number(self, value: fmpq) -> int:
+        return self._table.made("number", str(value))
+
+    def _meaning(self, place: int) -> int:
+        generator = self._field.generators[place]
+        if generator.form:
+            raise CertificateError("a linear form under a root is not written out")
+        node = self._places[generator.node]
+        if generator.scale is not None:
+            return self._table.made("Mul", node, self._written(generator.scale))
+        if generator.below is not None:
+            below = self._table.made("Pow", self._places[generator.below], "-1")
+            return self._table.made("Mul", node, below)
+        return node
+
+
+def with_square_roots(table: NodeTable, statement: Data, proof: Data) -> Data:
+    """The proof with each square root that depends on earlier ones named, not a generator."""
+    roots = {
+        entry[1]
+        for entry in proof["generators"]
+        if entry[0] == "atom"
+        and table.nodes[entry[1]][0] == "Pow"
+        and table.nodes[entry[1]][2] == "1/2"
+    }
+    if not roots:
+        return proof
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    roots_known = SquareRoots(
+        field, table, {node: place for place, node in enumerate(nodes.places)}
+    )
+    dependent: dict[int, int] = {}
+    for entry in proof["generators"]:
+        if entry[0] == "atom" and entry[1] in roots:
+            value = roots_known.value(nodes.places[entry[1]])
+            if value is not None and _is_not_negative(table, statement, proof, value):
+                dependent[entry[1]] = value
+    kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
+    values = [*proof["values"], *([root, value] for root, value in dependent.items())]
+    return {**proof, "generators": kept, "values": values}
+
+
+def _is_not_negative(table: NodeTable, statement: Data, proof: Data, value: int) -> bool:
+    nodes = Nodes(table.nodes)
+    field = registered(nodes, read_statement(nodes, statement), proof)
+    return field.signs.not_negative(nodes.places[value])

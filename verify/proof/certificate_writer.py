@@ -7,6 +7,7 @@ hints are places in the table.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from flint import fmpq_mpoly
 from solutions import functions
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .checker.limits import FORMAT, digest
 from .domains import Point
 
 Node = list[Any]
@@ -89,8 +91,36 @@ class NodeTable:
 Data = dict[str, Any]
 
 
-class Unsupported(ValueError):
-    """A formula contains something that no axiom speaks of."""
+class Certificate(Data):
+    """A proof as plain data, with its digest; ``json.dumps`` writes it.
+
+    >>> Certificate.signed("nothing", NodeTable(), {}, {"generators": [], "point": []})
+    <Certificate of nothing: 0 generators, 199 bytes, digest 0d8344b8>
+    """
+
+    @classmethod
+    def signed(cls, name: str, table: NodeTable, statement: Data, proof: Data) -> Certificate:
+        """The certificate of ``statement`` by ``proof``, places in ``table``."""
+        body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
+        body |= {"statement": statement, "proof": proof}
+        return cls(body | {"digest": digest(body)})
+
+    @property
+    def generators(self) -> int:
+        """How many generators the proof has."""
+        entries = self["proof"]["generators"]
+        return sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in entries)
+
+    @property
+    def point(self) -> str:
+        """The point at which no denominator vanishes, in words."""
+        nodes = self["nodes"]
+        found = (f"{nodes[place][1]} = {value}" for place, value in self["proof"]["point"])
+        return ", ".join(sorted(found))
+
+    def __repr__(self) -> str:
+        size = f"{self.generators} generators, {len(json.dumps(self))} bytes"
+        return f"<Certificate of {self['name']}: {size}, digest {self['digest'][:8]}>"
 
 
 class ProofWriter:

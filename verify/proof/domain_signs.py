@@ -20,8 +20,7 @@ from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import abbreviated, distinct_nodes
 
-from .domains import Domain, Domains
-from .ranges import INFINITY, Number, Range
+from .domains import INFINITY, Domain, Domains, Number, Range
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8

@@ -1,21 +1,19 @@
-"""Where a variable or parameter lives: a real interval, from its assumptions and what is stated.
+"""Real intervals: where a variable or parameter lives, and where the values of a formula do.
 
-Sampled points cover the whole of the domains: both signs, every size, near the ends; the same for a
-seed.
+A `Domain` has ends in symbols, from assumptions and from what is stated; a `Range` has numbers, and
+exact arithmetic.
 """
 
 from __future__ import annotations
 
-import random
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import islice
+from fractions import Fraction
 
 import sympy as sp
 
 from solutions.exact import shown
-from solutions.parameter import Bound
-from solutions.record import ClosedForm
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,6 @@ KINDS_OF_INTEGERS = ("even", "odd", "prime", "composite")
 
 Domains = Mapping[sp.Symbol, Domain]
 Point = Mapping[sp.Symbol, sp.Rational]
-End = tuple[sp.Expr, bool]
 
 
 def assumed_domain(symbol: sp.Symbol) -> Domain:
@@ -140,6 +137,11 @@ def settled_domains(
     domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
     without an inner point.
     """
+    if not isinstance(stated, Mapping):
+        raise TypeError(
+            f"domains must map symbols to intervals, got {shown(stated)} "
+            "({x: sympy.Interval.open(0, 1)})"
+        )
     everything = set(symbols)
     for symbol in (*everything, *stated):
         if not isinstance(symbol, sp.Symbol):
@@ -178,19 +180,6 @@ def as_domain(domain: Domain | sp.Interval) -> Domain:
     )
 
 
-def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
-    """The domains of the parameters of a closed form, from its record.
-
-    >>> from solutions import closed_form
-    >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
-    {'k': '0 < k < 1'}
-    """
-    return {
-        parameter.symbol: _between(parameter.lower, parameter.upper)
-        for parameter in form.parameters
-    }
-
-
 def in_order(domains: Domains) -> list[sp.Symbol]:
     """The symbols, each after those that its ends contain; raises ValueError for a cycle."""
     ordered: list[sp.Symbol] = []
@@ -202,15 +191,6 @@ def in_order(domains: Domains) -> list[sp.Symbol]:
         ordered += ready
         waiting = [s for s in waiting if s not in ready]
     return ordered
-
-
-def _between(lower: Bound | None, upper: Bound | None) -> Domain:
-    return Domain(
-        -sp.oo if lower is None else lower.value,
-        sp.oo if upper is None else upper.value,
-        lower is None or lower.is_open,
-        upper is None or upper.is_open,
-    )
 
 
 def _check_assumptions(symbol: sp.Symbol) -> None:
@@ -228,7 +208,9 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
         )
 
 
-def _inner(left: End, right: End, side: int) -> End:
+def _inner(
+    left: tuple[sp.Expr, bool], right: tuple[sp.Expr, bool], side: int
+) -> tuple[sp.Expr, bool]:
     """The end further inside; of equal ones the open one."""
     if left[0] == right[0]:
         return left[0], left[1] or right[1]
@@ -256,111 +238,139 @@ def _check_inner_point(symbol: sp.Symbol, domain: Domain) -> None:
         )
 
 
-DENOMINATORS = (1009, 2147483647, 65537, 1009)
-"""Primes, so that no drawn value is a common fraction, and no one multiple of all is whole."""
+Number = Fraction | float
+"""A rational number, or plus or minus infinity."""
 
-SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
-"""Scales of what is drawn from a domain without end; most are moderate, where balls stay narrow."""
+End = tuple[Number, bool]
+"""A value, and whether it is left out."""
 
-MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
-"""Shares of a bounded domain that are left out at its ends."""
-
-SLIVER, EVERY = sp.Rational(1, 10**31), 4
-"""Every so manieth point lies that near to an end of one symbol's domain."""
-
-REJECTIONS = 1000
-"""Points in a row outside the domains, after which these are taken to be empty."""
-
-SIGN_PATTERNS = 5
-"""Symbols whose signs are combined in all ways before they are drawn."""
+INFINITY = math.inf
+LARGEST_POWER = 64
+"""Of higher powers only the sign is kept."""
 
 
-def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
-    """``count`` points of the domains; the first ones combine the signs that the symbols can have.
+@dataclass(frozen=True)
+class Range:
+    """Values of a formula: all real numbers between two ends; an infinite end is open.
 
-    The first point has moderate values; the signs come before the sizes.
+    >>> Range(Fraction(-2), Fraction(1)) ** 2
+    Range(lower=Fraction(0, 1), upper=Fraction(4, 1), lower_open=False, upper_open=False)
     """
-    return tuple(islice(points(domains, seed), count))
 
+    lower: Number = -INFINITY
+    upper: Number = INFINITY
+    lower_open: bool = False
+    upper_open: bool = False
 
-def points(domains: Domains, seed: int = 0) -> Iterator[Point]:
-    """Points of the domains without end; raises ValueError if none is found in them."""
-    draw = random.Random(seed)
-    ordered = in_order(domains)
-    signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
-    number = rejected = 0
-    while rejected < REJECTIONS:
-        signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
-        early = number < 2 ** len(signed)
-        point: dict[sp.Symbol, sp.Rational] = {}
-        edges = ordered if not early and number % EVERY == 0 else []
-        edge = edges[number // EVERY % len(edges)] if edges else None
-        for symbol in ordered:
-            size = sp.S.One if early else draw.choice(SIZES)
-            margin = MARGINS[0] if early else draw.choice(MARGINS)
-            sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
-            if symbol == edge:
-                size, margin, sign = SLIVER, SLIVER, 1
-            point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
-        number += 1
-        if all(domains[s].contains(value, point) for s, value in point.items()):
-            rejected = 0
-            yield point
-        else:
-            rejected += 1
-    words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
-    raise ValueError(f"domains must hold rational points, got {words} (none was found)")
+    @property
+    def is_positive(self) -> bool:
+        """Whether every number in it is positive."""
+        return self.lower > 0 or (self.lower == 0 and self.lower_open)
 
+    @property
+    def is_nonnegative(self) -> bool:
+        """Whether no number in it is negative."""
+        return self.lower >= 0
 
-def _has_both_signs(domain: Domain) -> bool:
-    return bool(domain.lower == -sp.oo and (domain.upper == sp.oo or domain.upper.is_positive)) or (
-        bool(domain.upper == sp.oo and domain.lower.is_negative)
-    )
+    @property
+    def is_negative(self) -> bool:
+        """Whether every number in it is negative."""
+        return (-self).is_positive
 
+    @property
+    def is_nonpositive(self) -> bool:
+        """Whether no number in it is positive."""
+        return self.upper <= 0
 
-def _value(
-    domain: Domain,
-    known: Mapping[sp.Symbol, sp.Rational],
-    size: sp.Rational,
-    margin: sp.Rational,
-    draw: random.Random,
-) -> sp.Rational:
-    """A value of the domain: a share of a bounded one, a length from the end of another."""
-    lower, upper = (_rational(end) for end in domain.ends(known))
-    prime = draw.choice(DENOMINATORS)
-    share = sp.Rational(draw.randint(1, prime - 1), prime)
-    if lower is None:
-        value = size * share if upper is None else upper - _length(-upper, size) * share
-    elif upper is None:
-        value = lower + _length(lower, size) * share
-    else:
-        edge = margin * (upper - lower)
-        value = lower + edge + (upper - lower - 2 * edge) * share
-        if margin < MARGINS[0]:
-            near = edge * (1 + share)
-            value = draw.choice((value, lower + near, upper - near))
-    if not domain.integer:
-        return sp.Rational(value)
-    return sp.Integer(draw.randint(-9, 9) + int(value) if abs(value) <= 9 else int(value))
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether 0 lies outside."""
+        return self.is_positive or self.is_negative
 
+    def __neg__(self) -> Range:
+        return Range(-self.upper, -self.lower, self.upper_open, self.lower_open)
 
-def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
-    """How far to go from an end; twice as far as 0 where that is inside and for both signs."""
-    return abs(size) if size > 0 or end >= 0 else -2 * end
-
-
-def _rational(end: sp.Expr) -> sp.Rational | None:
-    """A rational number close to a finite end; the margin covers the difference.
-
-    Raises ValueError for an end that is not real.
-    """
-    if end in (sp.oo, -sp.oo):
-        return None
-    if end.is_Rational:
-        return end
-    number = sp.N(end, 20)
-    if not number.is_Float:
-        raise ValueError(
-            f"ends of domains must be real, got {end} (state where what it contains makes it so)"
+    def __add__(self, other: Range) -> Range:
+        return Range(
+            _sum(self.lower, other.lower),
+            _sum(self.upper, other.upper),
+            self.lower_open or other.lower_open,
+            self.upper_open or other.upper_open,
         )
-    return sp.Rational(str(number))
+
+    def __mul__(self, other: Range) -> Range:
+        ends = [
+            _product(left, right)
+            for left in ((self.lower, self.lower_open), (self.upper, self.upper_open))
+            for right in ((other.lower, other.lower_open), (other.upper, other.upper_open))
+        ]
+        lower = min(value for value, _ in ends)
+        upper = max(value for value, _ in ends)
+        return Range(
+            lower,
+            upper,
+            all(is_open for value, is_open in ends if value == lower),
+            all(is_open for value, is_open in ends if value == upper),
+        )
+
+    def __pow__(self, exponent: int) -> Range:
+        """The powers with an integer exponent; of a negative one, those of the reciprocals."""
+        if exponent < 0:
+            return (self**-exponent).reciprocal()
+        if exponent > LARGEST_POWER:
+            return self._sign_of_power(exponent)
+        if exponent % 2:
+            ends = [(value**exponent) for value in (self.lower, self.upper)]
+            return Range(ends[0], ends[1], self.lower_open, self.upper_open)
+        size = self.absolute()
+        return Range(size.lower**exponent, size.upper**exponent, size.lower_open, size.upper_open)
+
+    def _sign_of_power(self, exponent: int) -> Range:
+        if exponent % 2 == 0 or self.is_nonnegative:
+            return Range(Fraction(0), INFINITY, self.excludes_zero)
+        if self.is_nonpositive:
+            return Range(-INFINITY, Fraction(0), False, self.excludes_zero)
+        return Range()
+
+    def absolute(self) -> Range:
+        """The absolute values."""
+        if self.is_nonnegative:
+            return self
+        if self.is_nonpositive:
+            return -self
+        mirrored = -self
+        upper = max(self.upper, mirrored.upper)
+        opens = [side.upper_open for side in (self, mirrored) if side.upper == upper]
+        return Range(Fraction(0), upper, False, all(opens))
+
+    def reciprocal(self) -> Range:
+        """The reciprocals of what is not 0; everything if both signs occur."""
+        if self.is_nonnegative:
+            return Range(
+                _inverse(self.upper), _inverse(self.lower), self.upper_open, self.lower_open
+            )
+        if self.is_nonpositive:
+            return -(-self).reciprocal()
+        return Range()
+
+
+def _product(left: End, right: End) -> End:
+    """The product of two ends; 0 times infinity is 0, being approached only."""
+    (a, a_open), (b, b_open) = left, right
+    if a == 0 or b == 0:
+        closed_zero = (a == 0 and not a_open) or (b == 0 and not b_open)
+        return Fraction(0), not closed_zero
+    if math.isinf(a) or math.isinf(b):
+        return INFINITY if (a > 0) == (b > 0) else -INFINITY, True
+    return a * b, a_open or b_open
+
+
+def _sum(a: Number, b: Number) -> Number:
+    """The sum of two lower or two upper ends, of which only one sign of infinity occurs."""
+    return a if math.isinf(a) else b if math.isinf(b) else a + b
+
+
+def _inverse(end: Number) -> Number:
+    if end == 0:
+        return INFINITY
+    return Fraction(0) if end == INFINITY else 1 / end

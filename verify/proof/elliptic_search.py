@@ -17,7 +17,7 @@ from solutions.functions import (
 )
 
 from .arguments import Arguments
-from .certificate_writer import ProofWriter, Unsupported
+from .certificate_writer import ProofWriter
 
 TRIPLE = (jacobi_sn, jacobi_cn, jacobi_dn)
 
@@ -143,7 +143,7 @@ class EllipticSearch:
         if -variable in basis:
             variable, constant = -variable, -constant
         if variable not in basis:
-            raise Unsupported(f"theta of a multiple of another argument: theta({z})")
+            raise ValueError(f"theta of a multiple of another argument: theta({z})")
         here = self._table.place(jacobi_theta(variable, m))
         self._slope_of_theta(variable, m)
         self._writer.atom(here)

@@ -14,7 +14,7 @@ from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms
-from .certificate_writer import Data, NodeTable, ProofWriter, Unsupported
+from .certificate_writer import Data, NodeTable, ProofWriter
 from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, visible
@@ -145,7 +145,7 @@ class GeneratorSearch:
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp
         if not exponent.is_Rational:
-            raise Unsupported(f"no generator is known for the power {node}")
+            raise ValueError(f"no generator is known for the power {node}")
         if isinstance(base, sp.Abs) and exponent.is_Integer and exponent % 2 == 0:
             self.need(base.args[0])
             return
@@ -204,7 +204,7 @@ class GeneratorSearch:
         elif isinstance(node, sp.sign):
             self.need(sp.Abs(z))
         else:
-            raise Unsupported(f"no generator is known for {node.func.__name__}")
+            raise ValueError(f"no generator is known for {node.func.__name__}")
 
     def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
         """log of a product as a sum of logarithms, and of exponentials' arguments."""

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from itertools import product
 
 import sympy as sp
+from flint import acb
 from sympy.core.function import AppliedUndef
 
 from solutions.exact import shown
-from verify.terms import FieldEquation
+from solutions.record import Equation
+from verify.subexpressions import abbreviated
 
-from .domains import Domain, Domains, Point, sample, settled_domains
+from .balls import ball_value, residual_ball
+from .checker.limits import JETS
+from .domain_signs import Signs
+from .domains import Domain, Domains, Point, settled_domains
+from .samples import sample
 
 POINTS = 8
 """Points at which a formula is looked at before anything is proved."""
@@ -25,50 +31,137 @@ LARGEST_POWER = 13
 
 Stated = Mapping[sp.Symbol, Domain | sp.Interval]
 
+Term = tuple[sp.Rational, list[sp.Expr], list[list[int]]]
+"""A number, known factors, and derivatives of the unknown by their orders in the variables."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Problem:
-    """Does ``expression`` for ``unknown`` make ``left`` vanish on the domains?
+    """Does ``formula`` for ``unknown`` make ``left`` vanish on the domains?
 
-    ``domains`` has every variable and parameter.  ``points`` are rational points of them, for
-    witnesses and for denominators: sampled ones, then those that the caller added.
+    With ``right``, whether it is the same function as that is asked instead: ``left`` is their
+    difference.  ``domains`` has every variable and parameter.  ``points`` are rational points of
+    them, for witnesses and for denominators: sampled ones, then those that the caller added.
     """
 
-    left: sp.Expr
-    unknown: sp.Expr
-    expression: sp.Expr
-    points: tuple[Point, ...]
     name: str
     equation_name: str
+    unknown: sp.Expr
+    formula: sp.Expr
+    left: sp.Expr
     domains: Domains
+    points: tuple[Point, ...]
+    right: sp.Expr | None = None
+
+    @property
+    def unknown_name(self) -> str:
+        """The name of the undefined function."""
+        return str(self.unknown.func.__name__)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
-        """The arguments of the unknown function."""
+        """Its arguments."""
         return tuple(self.unknown.args)
 
+    @property
+    def expressions(self) -> list[sp.Expr]:
+        """The formula, and the known factors in the equation."""
+        return [self.formula, *dict.fromkeys(f for _, known, _ in self.terms() for f in known)]
 
-def make_problem(
-    equation: FieldEquation | sp.Expr,
+    def terms(self) -> list[Term]:
+        """The equation's terms; raises ValueError if it is no polynomial in its jets."""
+        if self.right is not None:
+            return [(sp.S.One, [], [[0] * len(self.variables)]), (-sp.S.One, [self.right], [])]
+        return [self._term(term) for term in terms_in(self.left, self.unknown)]
+
+    def residual(self, point: Point, bits: int, signs: Signs) -> acb:
+        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
+        if self.right is not None:
+            return ball_value(self.left, point, bits, signs)
+        return residual_ball(self.left, self.unknown, self.formula, point, bits, signs)
+
+    def more_points(self) -> tuple[Point, ...]:
+        """Further points of the domains, of all sizes and near the ends."""
+        return sample(self.domains, POINTS + MORE_POINTS)[POINTS:]
+
+    def _term(self, term: sp.Expr) -> Term:
+        number, known, jets = sp.S.One, [], []
+        for factor in sp.Mul.make_args(term):
+            if factor.is_Rational:
+                number *= factor
+            elif not factor.has(self.unknown):
+                known.append(factor)
+            else:
+                jets += self._jets(factor)
+        return number, known, jets
+
+    def _jets(self, factor: sp.Expr) -> list[list[int]]:
+        """A power of the unknown or of one of its derivatives, as that many orders."""
+        base, power = factor.as_base_exp()
+        inner = base.expr if isinstance(base, sp.Derivative) else base
+        pairs = base.variable_count if isinstance(base, sp.Derivative) else ()
+        counts = {symbol: int(count) for symbol, count in pairs}
+        whole = power.is_Integer and 0 < power <= JETS
+        if inner != self.unknown or not whole or counts.keys() - set(self.variables):
+            raise ValueError(
+                f"equations must be polynomials in {self.unknown} and its derivatives in its own "
+                f"variables, got {factor} (multiply it out)"
+            )
+        return [[counts.get(variable, 0) for variable in self.variables]] * int(power)
+
+    def __repr__(self) -> str:
+        where = ", ".join(domain.text(symbol) for symbol, domain in self.domains.items())
+        formula = f"{self.unknown_name} = {abbreviated(self.formula)}"
+        return f"<Problem {self.name}: {formula} in {self.equation_name}; {where}>"
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.unknown_name} = {sp.latex(self.formula)}$"
+
+
+def solution_problem(
+    equation: Equation | sp.Expr,
     expression: sp.Expr,
-    points: Sequence[Point],
-    name: str,
-    stated: Stated,
+    points: Iterable[Point] = (),
+    name: str = "expression",
+    equation_name: str | None = None,
+    stated: Stated | None = None,
 ) -> Problem:
     """The problem that `prove` is called with.
 
-    Raises ValueError without a single unknown, and as `domain.settled_domains` does.
+    Raises ValueError without a single unknown, and as `domains.settled_domains` does.
     """
     expression = formula("expression", expression)
-    if isinstance(equation, sp.Expr):
-        left, label = equation, f"{equation} = 0"
-    elif not hasattr(equation, "residual"):
-        raise TypeError(
-            f"equation must be a SymPy expression, got {shown(equation)} (its left-hand "
-            "side, '= 0' understood)"
+    left, label = _left_side(equation)
+    unknown = _single_unknown(left)
+    real = real_symbols(left.free_symbols | expression.free_symbols)
+    left, expression, unknown = (part.xreplace(real) for part in (left, expression, unknown))
+    left = _written_out(left, unknown)
+    steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
+    if not steps <= set(unknown.args):
+        raise ValueError(
+            f"derivatives must be in the arguments of {unknown}, got one in "
+            f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
         )
-    else:
-        left, label = equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
+    domains = settled_domains(left.free_symbols | expression.free_symbols, stated or {})
+    found = problem_points(domains, points)
+    label = equation_name or label
+    return Problem(_text(name), label, unknown, expression, left, domains, found)
+
+
+def _left_side(equation: Equation | sp.Expr) -> tuple[sp.Expr, str]:
+    """The left-hand side of an equation, and its name."""
+    if isinstance(equation, sp.Expr):
+        return equation, f"{equation} = 0"
+    if hasattr(equation, "residual"):
+        return equation.residual(sp.Function("U")(equation.xi, equation.tau)), equation.name
+    raise TypeError(
+        f"equation must be a SymPy expression, got {shown(equation)} (its left-hand "
+        "side, '= 0' understood)"
+    )
+
+
+def _single_unknown(left: sp.Expr) -> sp.Expr:
+    """The one undefined function, of different symbols; raises ValueError for anything else."""
     unknowns = left.atoms(AppliedUndef)
     if len(unknowns) != 1:
         raise ValueError(
@@ -81,25 +174,35 @@ def make_problem(
             f"the unknown must be a function of different symbols, got {unknown} "
             "(write it with sympy.Function('u')(x, t))"
         )
-    real = real_symbols(left.free_symbols | expression.free_symbols)
-    left, expression = left.xreplace(real), expression.xreplace(real)
-    (unknown,) = left.atoms(AppliedUndef)
-    left = _written_out(left, unknown)
-    steps = {symbol for d in left.atoms(sp.Derivative) for symbol in d.variables}
-    if not steps <= set(unknown.args):
-        raise ValueError(
-            f"derivatives must be in the arguments of {unknown}, got one in "
-            f"{(steps - set(unknown.args)).pop()} (make it an argument, or work it out)"
-        )
-    domains = settled_domains(left.free_symbols | expression.free_symbols, stated)
-    found = problem_points(domains, points)
-    return Problem(left, unknown, expression, found, name, label, domains)
+    return unknown
 
 
 def _written_out(left: sp.Expr, unknown: sp.Expr) -> sp.Expr:
     """The equation with the derivatives of products and powers of the unknown in jets."""
     whole = [d for d in left.atoms(sp.Derivative) if d.expr != unknown and d.has(unknown)]
     return left.xreplace({derivative: derivative.doit() for derivative in whole})
+
+
+def equality_problem(
+    left: sp.Expr,
+    right: sp.Expr,
+    variables: Sequence[sp.Symbol],
+    points: Iterable[Point] = (),
+    name: str = "expressions",
+    equation_name: str = "equality",
+    stated: Stated | None = None,
+) -> Problem:
+    """The problem that `prove_equal` is called with; raises as `domains.settled_domains` does."""
+    left, right = formula("left", left), formula("right", right)
+    if not isinstance(variables, Iterable):
+        raise TypeError(f"variables must be a list of symbols, got {shown(variables)} ([x, t])")
+    real = real_symbols(left.free_symbols | right.free_symbols | set(variables))
+    left, right = left.xreplace(real), right.xreplace(real)
+    domains = settled_domains(left.free_symbols | right.free_symbols, stated or {})
+    own = tuple(real.get(variable, variable) for variable in variables)
+    found = problem_points(domains, points)
+    unknown = sp.Function("u")(*own)
+    return Problem(_text(name), equation_name, unknown, left, left - right, domains, found, right)
 
 
 def formula(name: str, given: object) -> sp.Expr:
@@ -113,71 +216,22 @@ def formula(name: str, given: object) -> sp.Expr:
     )
 
 
+def _text(name: object) -> str:
+    if isinstance(name, str):
+        return name
+    raise TypeError(f"name must be text, got {shown(name)} (such as 'kink')")
+
+
 def real_symbols(symbols: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
     """Real symbols in place of those of which SymPy knows nothing.
 
-    Raises ValueError as `domain.settled_domains` does.
+    Raises ValueError as `domains.settled_domains` does.
     """
     return {
         symbol: sp.Symbol(symbol.name, real=True)
         for symbol in settled_domains(symbols, {})
         if symbol.is_real is None
     }
-
-
-def make_equality(
-    left: sp.Expr,
-    right: sp.Expr,
-    points: Sequence[Point],
-    names: tuple[str, str],
-    stated: Stated,
-) -> Problem:
-    """The problem that `prove_equal` is called with; ``names`` of the formulas and the equation."""
-    domains = settled_domains(left.free_symbols | right.free_symbols, stated)
-    found = problem_points(domains, points)
-    return Problem(sp.S.Zero, sp.S.Zero, left - right, found, *names, domains)
-
-
-def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...]:
-    """Sampled points, and the added ones with sampled values where they leave a symbol out.
-
-    Raises ValueError for an added point outside the domains.
-    """
-    found = sample(domains, POINTS)
-    by_name = {symbol.name: symbol for symbol in domains}
-    extra = [
-        {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
-        for p in added
-    ]
-    for point in extra:
-        for symbol, value in point.items():
-            if not domains[symbol].contains(value, point):
-                raise ValueError(
-                    f"points must lie in the domains, got {symbol} = {value} "
-                    f"({domains[symbol].text(symbol)})"
-                )
-    return (*found, *extra)
-
-
-def more_points(problem: Problem) -> tuple[Point, ...]:
-    """Further points of a problem's domains, of all sizes and near the ends."""
-    return sample(problem.domains, POINTS + MORE_POINTS)[POINTS:]
-
-
-def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
-    found = sp.Integer(value) if isinstance(value, int) else value
-    if not (isinstance(found, sp.Expr) and found.is_Rational):
-        raise ValueError(
-            f"points must have rational numbers, got {symbol} = {shown(value)} "
-            "(sympy.Rational(1, 2))"
-        )
-    return found
-
-
-def coefficients(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
-    """The factors of the terms of ``equation`` that are free of ``unknown``."""
-    factors = (f for term in terms_in(equation, unknown) for f in sp.Mul.make_args(term))
-    return [factor for factor in dict.fromkeys(factors) if not factor.has(unknown)]
 
 
 def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
@@ -199,3 +253,40 @@ def terms_in(equation: sp.Expr, unknown: sp.Expr) -> list[sp.Expr]:
     else:
         return [equation]
     return [sp.Mul(*factors) for factors in product(*parts)]
+
+
+def problem_points(domains: Domains, added: Iterable[Point]) -> tuple[Point, ...]:
+    """Sampled points, and the added ones with sampled values where they leave a symbol out.
+
+    Raises ValueError for an added point outside the domains.
+    """
+    listed = tuple(added) if isinstance(added, Iterable) else (added,)
+    if not all(isinstance(point, Mapping) for point in listed):
+        raise TypeError(
+            f"points must be a list of dictionaries from symbols to numbers, got {shown(added)} "
+            "([{x: sympy.Rational(1, 2)}])"
+        )
+    found = sample(domains, POINTS)
+    by_name = {symbol.name: symbol for symbol in domains}
+    extra = [
+        {**found[0], **{by_name[str(s)]: _exact(s, v) for s, v in p.items() if str(s) in by_name}}
+        for p in listed
+    ]
+    for point in extra:
+        for symbol, value in point.items():
+            if not domains[symbol].contains(value, point):
+                raise ValueError(
+                    f"points must lie in the domains, got {symbol} = {value} "
+                    f"({domains[symbol].text(symbol)})"
+                )
+    return (*found, *extra)
+
+
+def _exact(symbol: sp.Symbol, value: object) -> sp.Rational:
+    found = sp.Integer(value) if isinstance(value, int) else value
+    if not (isinstance(found, sp.Expr) and found.is_Rational):
+        raise ValueError(
+            f"points must have rational numbers, got {symbol} = {shown(value)} "
+            "(sympy.Rational(1, 2))"
+        )
+    return found

@@ -23,11 +23,15 @@ on the right: a contradiction.  So ``D > 0`` for all real x, t and shifts.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import count
+from math import prod
 from typing import Any
 
+import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
 
 from solutions.forms.rational import rational_tau
@@ -36,11 +40,15 @@ from solutions.record import FOCUSING_MKDV
 from solutions.symbols import tau, xi
 from verify.verdict import Outcome, ProofVerdict
 
-from .certificate import signed
-from .certificate_writer import Data, NodeTable
+from .certificate_writer import Certificate, NodeTable, ProofWriter
 from .checker import CertificateError, check_certificate
 
 METHOD = "exact at more points than the degree"
+BILINEAR_METHOD = "bilinear identities"
+BILINEAR_EQUATION = "D_x^2 f.f* = 2i D_x f.f*, (D_t + D_x^3) f.f* = 0"
+
+WITNESS = 5
+"""Integers up to this are tried in search of a witness."""
 
 
 def prove_rational(order: int) -> ProofVerdict:
@@ -54,7 +62,7 @@ def prove_rational(order: int) -> ProofVerdict:
     start = time.perf_counter()
     family = rational_tau(order)
     verdict = rational_verdict(order, family.A, family.B)
-    return verdict.timed(time.perf_counter() - start)
+    return replace(verdict, seconds=time.perf_counter() - start)
 
 
 def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
@@ -62,30 +70,27 @@ def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
 
     A formula that is none is refuted by integers x and t at which the residual is not 0.
     """
-    name, equation = f"rational_{order}", FOCUSING_MKDV.name
+    verdict = partial(ProofVerdict, f"rational_{order}", FOCUSING_MKDV.name, METHOD)
     certificate = rational_certificate(order, A, B)
     try:
         check_certificate(certificate)
     except CertificateError as error:
         witness = nonzero_residual(A, B)
         if witness is None:
-            return ProofVerdict(name, equation, METHOD, Outcome.UNDECIDED, str(error))
+            return verdict(Outcome.UNDECIDED, str(error))
         detail = "the residual is not 0 at x = xi - 6 tau, t = tau"
-        return ProofVerdict(name, equation, METHOD, Outcome.REFUTED, detail, witness=witness)
-    detail = f"0 at {_values(A, B)} values of tau, accepted by the checker"
-    return ProofVerdict(
-        name,
-        equation,
-        METHOD,
+        return verdict(Outcome.REFUTED, detail, witness=witness)
+    values = 4 * int((A * A + B * B).degrees()[1]) + 1
+    return verdict(
         Outcome.PROVED,
-        detail,
+        f"0 at {values} values of tau, accepted by the checker",
         residual=0.0,
         assumptions=("for all real xi, tau",),
         certificate=certificate,
     )
 
 
-def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
+def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
     """The certificate for the solution of ``order`` made of A and B."""
     table = NodeTable()
     space, time_ = table.place(xi), table.place(tau)
@@ -116,12 +121,11 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
         "equations": [mkdv],
         "domain": [],
     }
-    proof = {
-        "generators": [["atom", time_], ["forms", [space], [[[one], shift]]]],
-        **{name: [] for name in ("sums", "values", "logs", "signs", "parts")},
-        "point": [[space, "1/3"], [time_, "1/5"]],
-    }
-    return signed(f"rational_{order}", table, statement, proof)
+    proof = ProofWriter(table)
+    proof.atom(time_)
+    proof.generators.append(["forms", [space], [[[one], shift]]])
+    point = {xi: sp.Rational(1, 3), tau: sp.Rational(1, 5)}
+    return Certificate.signed(f"rational_{order}", table, statement, proof.data(point))
 
 
 def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
@@ -133,46 +137,23 @@ def nonzero_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> dict[str, str] | None:
     return None
 
 
-WITNESS = 5
-"""Integers up to this are tried in search of a witness."""
+def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> fmpq:
+    """``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point, shifts 0.
 
-
-def residual_at(A: fmpq_mpoly, B: fmpq_mpoly, x: int, t: int) -> Any:
-    """``D**4`` times the residual ``U_t + 6 (U**2 - 1) U_x + U_xxx`` at a point.
-
-    The numerators are those of a truncated Taylor series in x, computed from A and B there.
+    The n-th derivative in x has a numerator P over ``D**(n + 1)``; the next is P' D - (n + 1) P D'.
     """
     D = A * A + B * B
     N = D - 2 * (A * B.derivative("x") - A.derivative("x") * B)
-
-    def at(polynomial: fmpq_mpoly) -> Any:
-        return polynomial(x, t, *[0] * (polynomial.context().nvars() - 2))
-
-    n, d = [N], [D]
-    for _ in range(3):
-        n.append(n[-1].derivative("x"))
-        d.append(d[-1].derivative("x"))
-    n0, n1, n2, n3 = map(at, n)
-    d0, d1, d2, d3 = map(at, d)
-    first = n1 * d0 - n0 * d1
-    second = (n2 * d0 - n0 * d2) * d0 - 2 * first * d1
-    third = (
-        ((n3 * d0 + n2 * d1 - n1 * d2 - n0 * d3) * d0 + (n2 * d0 - n0 * d2) * d1) * d0
-        - 2 * (n2 * d0 - n0 * d2) * d1 * d0
-        - 2 * first * d2 * d0
-        - 3 * second * d1
-    )
-    slope = at(N.derivative("t")) * d0 - n0 * at(D.derivative("t"))
-    return slope * d0 * d0 + 6 * (n0 * n0 - d0 * d0) * first + third
-
-
-def _values(A: fmpq_mpoly, B: fmpq_mpoly) -> int:
-    D = A * A + B * B
-    return 4 * int(D.degrees()[1]) + 1
-
-
-BILINEAR_METHOD = "bilinear identities"
-BILINEAR_EQUATION = "D_x^2 f.f* = 2i D_x f.f*, (D_t + D_x^3) f.f* = 0"
+    others: dict[str | int, int | fmpz | fmpq] = dict.fromkeys(D.context().names()[1:], 0)
+    others["t"] = t
+    n, d, n_t, d_t = (p.subs(others) for p in (N, D, N.derivative("t"), D.derivative("t")))
+    numerators, d_x = [n], d.derivative("x")
+    for power in (1, 2, 3):
+        last = numerators[-1]
+        numerators.append(last.derivative("x") * d - power * last * d_x)
+    _, first, _, third = numerators
+    residual = (n_t * d - n * d_t) * d * d + 6 * (n * n - d * d) * first + third
+    return residual(x, *[0] * len(others))
 
 
 def prove_bilinear(order: int, free: tuple[int, ...] = ()) -> ProofVerdict:
@@ -187,7 +168,7 @@ def prove_bilinear(order: int, free: tuple[int, ...] = ()) -> ProofVerdict:
     start = time.perf_counter()
     family = rational_tau(order, free)
     verdict = bilinear_verdict(f"rational_{order}", family.A, family.B)
-    return verdict.timed(time.perf_counter() - start)
+    return replace(verdict, seconds=time.perf_counter() - start)
 
 
 def bilinear_verdict(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
@@ -195,37 +176,31 @@ def bilinear_verdict(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
 
     A residual that is not the zero polynomial is refuted by a rational point at which it is not 0.
     """
-    for label, residual in (("space", space_residual(A, B)), ("time", time_residual(A, B))):
+    verdict = partial(ProofVerdict, name, BILINEAR_EQUATION, BILINEAR_METHOD)
+    for label, terms in (("space", SPACE), ("time", TIME)):
+        residual = bilinear_residual(terms, A, B)
         if not residual.is_zero():
             point = nonzero_point(residual)
             witness = dict(zip(residual.context().names(), map(str, point), strict=True))
             detail = f"the {label} equation leaves {residual(*point)} at the witness"
-            return ProofVerdict(
-                name, BILINEAR_EQUATION, BILINEAR_METHOD, Outcome.REFUTED, detail, witness=witness
-            )
+            return verdict(Outcome.REFUTED, detail, witness=witness)
     certificate = bilinear_certificate(name, A, B)
     try:
         check_certificate(certificate)
     except CertificateError as error:
-        return ProofVerdict(name, BILINEAR_EQUATION, BILINEAR_METHOD, Outcome.UNDECIDED, str(error))
-    return ProofVerdict(
-        name,
-        BILINEAR_EQUATION,
-        BILINEAR_METHOD,
-        Outcome.PROVED,
-        "both vanish identically, accepted by the checker",
-        residual=0.0,
-        certificate=certificate,
-    )
+        return verdict(Outcome.UNDECIDED, str(error))
+    detail = "both vanish identically, accepted by the checker"
+    return verdict(Outcome.PROVED, detail, residual=0.0, certificate=certificate)
 
 
-def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
+def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
     """The certificate of the bilinear equations as two equations of real polynomials A and B."""
     table = NodeTable()
-    symbols = [table.made("symbol", symbol, "real") for symbol in A.context().names()]
-    formulas = [table.polynomial(part, symbols) for part in (A, B)]
+    symbols = [sp.Symbol(symbol, real=True) for symbol in A.context().names()]
+    places = [table.place(symbol) for symbol in symbols]
+    formulas = [table.polynomial(part, places) for part in (A, B)]
     statement = {
-        "variables": symbols[:2],
+        "variables": places[:2],
         "unknowns": [["A", formulas[0]], ["B", formulas[1]]],
         "equations": [
             [[factor, [], [list(jet) for jet in jets]] for factor, jets in terms]
@@ -233,12 +208,27 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Data:
         ],
         "domain": [],
     }
-    proof = {
-        "generators": [["atom", symbol] for symbol in symbols],
-        **{hint: [] for hint in ("sums", "values", "logs", "signs", "parts")},
-        "point": [[symbol, "0"] for symbol in symbols],
-    }
-    return signed(f"{name} bilinear", table, statement, proof)
+    proof = ProofWriter(table)
+    for place in places:
+        proof.atom(place)
+    point = dict.fromkeys(symbols, sp.S.Zero)
+    return Certificate.signed(f"{name} bilinear", table, statement, proof.data(point))
+
+
+def bilinear_residual(terms: Terms, A: fmpq_mpoly, B: fmpq_mpoly) -> fmpq_mpoly:
+    """The left-hand side `SPACE` or `TIME`, a polynomial in x, t and the shifts."""
+
+    def jet(place: int, orders: Sequence[int]) -> fmpq_mpoly:
+        found = (A, B)[place]
+        for name, order in zip(("x", "t"), orders, strict=True):
+            for _ in range(order):
+                found = found.derivative(name)
+        return found
+
+    total = 0 * A
+    for number, jets in terms:
+        total += int(number) * prod((jet(*orders) for orders in jets), start=1 + 0 * A)
+    return total
 
 
 Jet = tuple[int, list[int]]
@@ -281,21 +271,6 @@ def nonzero_point(polynomial: fmpq_mpoly) -> tuple[int, ...]:
         polynomial = polynomial.subs({name: value})
         point.append(value)
     return tuple(point)
-
-
-def space_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> fmpq_mpoly:
-    """Half of ``D_x**2 f.f* - 2 i D_x f.f*`` (a real polynomial in x, t, ...)."""
-    A_x, B_x = A.derivative("x"), B.derivative("x")
-    A_xx, B_xx = A_x.derivative("x"), B_x.derivative("x")
-    return A * A_xx + B * B_xx - A_x * A_x - B_x * B_x - 2 * (A_x * B - A * B_x)
-
-
-def time_residual(A: fmpq_mpoly, B: fmpq_mpoly) -> fmpq_mpoly:
-    """``(D_t + D_x**3) f.f*`` divided by ``2 i``."""
-    A_x, B_x = A.derivative("x"), B.derivative("x")
-    A_xx, B_xx = A_x.derivative("x"), B_x.derivative("x")
-    third = B_xx.derivative("x") * A - B * A_xx.derivative("x") - 3 * (B_xx * A_x - B_x * A_xx)
-    return B.derivative("t") * A - B * A.derivative("t") + third
 
 
 @dataclass(frozen=True)

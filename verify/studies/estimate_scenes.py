@@ -95,7 +95,7 @@ def _scene(draw: Draw, wave: str, name: str) -> tuple[Scene, float]:
     drift = shape.drift * (a * eps) ** 2 / 24.0
     t0, span = _start(draw, drift, compared, way) / c, way / c
     snapshots = _snapshots(draw, t0, span)
-    scene = Scene(
+    scene = Scene.of(
         name=name,
         wave=wave,
         eps=eps,
@@ -120,9 +120,8 @@ def predicted_seconds(scene: Scene, shape: Shape, e: float) -> float:
     all sites count that sound reaches. On a spectral ring: its points, and the steps in which the
     wave's phase turns.
     """
-    assert scene.tolerance is not None
     way = scene.constants.sound_speed() * (scene.end - scene.t0)
-    tolerance = scene.tolerance / max(1.0, shape.largest)
+    tolerance = scene.target.tolerance / max(1.0, shape.largest)
     cone = 2.0 * scene.compared + 500.0 + 2.0 * way
     window = 2.0 * scene.compared + 1000.0 + 60.0 / e + 0.2 * min(e, 2.0) ** 2 * way
     work = EVALUATION * tolerance ** (-1.0 / 6.0) * way
@@ -130,7 +129,7 @@ def predicted_seconds(scene: Scene, shape: Shape, e: float) -> float:
         "stencil": PASSES * work * (cone if shape.tails in ("periodic", "step") else window),
         "spectral": _ring_seconds(scene.compared, way, tolerance, shape, e),
     }
-    seconds = planned[scene.engine] if scene.engine else min(planned.values())
+    seconds = planned.get(scene.target.engine, min(planned.values()))
     short = shape.tails in ("short", "step")
     return seconds + work * (window if short else 0.6 * cone)
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from derive import NormalForm, mkdv_normal_form
 from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from verify.processes import Job, Key
 
 _SMALL = sp.Rational(1, 10**8)
 _BELOW_ONE = 1 - sp.Rational(1, 10**12)
@@ -155,7 +156,7 @@ class WaveCase:
     @property
     def form(self) -> ClosedForm:
         """The closed form; rational solutions keep the shifts that have values as parameters."""
-        if self.name in {form.name for form in CATALOGUE}:
+        if self.name in CATALOGUE.names:
             return closed_form(self.name)
         order = int(self.name.removeprefix("rational_"))
         return rational(order, [int(name.removeprefix("tau_")) for name, _ in self.parameters])
@@ -181,7 +182,7 @@ class WaveCase:
 def wave_names() -> list[str]:
     """The catalogue's names and the rational solutions of higher order."""
     higher = range(4, LARGEST_ORDER + 1)
-    return [form.name for form in CATALOGUE] + [f"rational_{order}" for order in higher]
+    return list(CATALOGUE.names) + [f"rational_{order}" for order in higher]
 
 
 def all_cases(name: str, drawn: int = DRAWN) -> Iterator[WaveCase]:
@@ -283,6 +284,10 @@ PROMISED_ERROR = 1e-13
 REFERENCE_DIGITS = 60
 WIDTHS = (4.0, 60.0)
 """Half-widths, in units of xi, of the places that are searched for points."""
+
+CASE_SECONDS = {False: 0.2, True: 2.0}
+"""About the time of a case, by whether the wave's background is periodic: its reference values are
+elliptic functions then."""
 
 GRID = 2001
 BISECTIONS = 60
@@ -392,3 +397,22 @@ def worst_of(results: Iterable[Accuracy]) -> Accuracy:
 
 def _three(errors: Array) -> tuple[float, float, float]:
     return float(errors[0]), float(errors[1]), float(errors[2])
+
+
+def accuracy_jobs(full: bool) -> dict[Key, Job]:
+    """The cases of every wave; for the short report the first, middle and last, at a few points."""
+    jobs: dict[Key, Job] = {}
+    for name in wave_names():
+        cases = list(all_cases(name))
+        if full:
+            for case in cases:
+                seconds = CASE_SECONDS[case.form.period is not None]
+                jobs["accuracy", case] = Job(measure_accuracy, (case,), seconds)
+        else:
+            for case in dict.fromkeys((cases[0], cases[len(cases) // 2], cases[-1])):
+                jobs["accuracy", case] = Job(_measured_shortly, (case,), 0.5)
+    return jobs
+
+
+def _measured_shortly(case: WaveCase) -> Accuracy:
+    return measure_accuracy(case, times=case.times[::3], per_time=4, grid=401)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -27,7 +28,9 @@ from verify.comparison import (
     stability_limit,
 )
 from verify.comparison.initial_data import build_wave
+from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.comparison.spectral_data import RingPlace, ring_data
+from verify.processes import Job, Key
 
 Array = NDArray[np.float64]
 
@@ -80,8 +83,7 @@ PROBLEMS: Mapping[str, Callable[[], Scene]] = {
 
 def _ring(name: str, t0: float, end: float) -> Scene:
     """The shipped scene between two times, on a ring whose seam no compared site hears of."""
-    return replace(
-        load_scene(name),
+    return load_scene(name).changed(
         t0=t0,
         snapshots=(end,),
         domain="ring",
@@ -121,12 +123,12 @@ def by_scheme(scene: Scene, name: str, share: float) -> Scene:
     """The scene with a scheme at a share of its largest stable step."""
     limit = stability_limit(next(scheme for scheme in SCHEMES if scheme.name == name))
     fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
-    return replace(scene, scheme=name, step=share * limit / fastest)
+    return scene.changed(scheme=name, step=share * limit / fastest)
 
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
     """The scene by the spectral engine, which finds its own step, sampling and circumference."""
-    return Scene(
+    return Scene.of(
         name=scene.name,
         wave=scene.wave,
         eps=scene.eps,
@@ -164,7 +166,7 @@ def march_seconds(scene: Scene, found: xr.Dataset) -> float:
 
 def _timed(scene: Scene) -> xr.Dataset:
     """The run, compiled beforehand."""
-    warmed(scene.scheme)
+    warmed("" if scene.tolerance else scene.discretisation.scheme)
     return run(scene)
 
 
@@ -186,6 +188,9 @@ WINDOW_COMPARED = 400
 COMPARED_X = 10.0
 WINDOW_X = 200.0
 """Half-width compared, and width of a window, in X."""
+
+FITTED = 3
+"""Points at the small-eps end through which a law is fitted."""
 
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
 
@@ -219,6 +224,18 @@ def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
         np.log([point.x for point in points]), np.log([point.value for point in points]), 1
     )
     return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+
+
+def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
+    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
+    series: dict[str, list[ScalingPoint]] = {}
+    for point in points:
+        if point.series != TRUE_ERROR:
+            series.setdefault(point.series, []).append(point)
+    return {
+        name: fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
+        for name, found in series.items()
+    }
 
 
 def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
@@ -267,8 +284,7 @@ def _scene(eps: float) -> Scene:
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
     """Seconds of the whole run in a window of ``sites``, from STEPS steps of it."""
-    part = replace(
-        base,
+    part = base.changed(
         scheme=scheme,
         step=step,
         sites=sites,
@@ -288,7 +304,7 @@ def _figure(t0: float) -> Scene:
 def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
     """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
     scene = replace(_figure(t0), compared=WINDOW_COMPARED)
-    strains = [run(replace(scene, sites=count))["strain"].values[-1] for count in sites]
+    strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
     return [
         ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
         for count, strain in zip(sites[:-1], strains[:-1], strict=True)
@@ -298,7 +314,7 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
     """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
     scene = _figure(t0)
-    variants = {step: replace(scene, scheme="rk4", step=step) for step in steps}
+    variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
     points = []
     for step, variant in {**variants, 0.0: scene}.items():
         found = run(variant)
@@ -315,9 +331,6 @@ PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
 
 RESOLVED = 0.1
 """Most of a value that its discretisation error may be."""
-
-FITTED_PEAKS = 3
-"""Points at the small-eps end through which the law is fitted."""
 
 
 @dataclass(frozen=True)
@@ -380,4 +393,30 @@ def _law(points: Sequence[PeakError]) -> PowerLaw | None:
     sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
     if len(sound) < 2:
         return None
-    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED_PEAKS]])
+    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED]])
+
+
+EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
+RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
+WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
+"""What the short report shows, and what the full one adds."""
+
+PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
+"""About what a member of the family takes: by its order below ``NARROW``, and from there on."""
+
+NARROW = 0.02
+
+
+def lattice_cost_jobs(full: bool) -> dict[Key, Job]:
+    """Work and precision, scaling, RK4's share, windows; the error of the reduction if ``full``."""
+    jobs: dict[Key, Job] = {}
+    for problem in PROBLEMS:
+        jobs["precision", problem] = Job(work_precision, (problem,), 5.0)
+    for eps in EPSILONS + MORE_EPSILONS * full:
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
+    jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
+    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
+    for order, eps in product(ORDERS, EPS) if full else ():
+        seconds = PEAK_SECONDS[order] if eps < NARROW else WIDE_PEAK_SECONDS
+        jobs["peak", (order, eps)] = Job(peak_error, (order, eps), seconds)
+    return jobs

@@ -5,17 +5,22 @@ seam reaches a compared site. So its domain makes no error, and that of its step
 second run with a shorter one.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import xarray as xr
 
-from verify.comparison import Scene, load_scene, run, scheme_named
+from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
 from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Progress
 from verify.comparison.saved_run import scene_of
 from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step, scene_bounds
+from verify.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
+
+SPLIT_SCENE = "split_rational_3"
 
 SHARES = (0.6, 0.45)
 """Steps of the runs site by site, in units of the longest tried; the second run is the judge."""
@@ -56,7 +61,7 @@ class LongRun:
 
 def by_ring(name: str, progress: Progress | None = None) -> xr.Dataset:
     """The scene to its own tolerance on the spectral ring."""
-    return run(replace(load_scene(name), engine="spectral"), progress)
+    return run(load_scene(name).changed(engine="spectral"), progress)
 
 
 def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Dataset:
@@ -68,12 +73,26 @@ def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
     wave = build_wave(scene)
     bounds = scene_bounds(scene, wave)
-    return replace(
-        scene,
-        tolerance=None,
-        engine="stencil",
-        scheme=PREFERRED,
-        step=share * longest_step(scene, scheme_named(PREFERRED), bounds),
-        domain="ring",
-        sites=least_sites(scene, wave, "ring", bounds),
-    )
+    step = share * longest_step(scene, scheme_named(PREFERRED), bounds)
+    sites = least_sites(scene, wave, "ring", bounds)
+    return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
+
+
+def long_run_jobs() -> dict[Key, Job]:
+    """The long runs on both engines, and the run of the split wave."""
+    jobs: dict[Key, Job] = {}
+    jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 4.0, tells=True)
+    for name in LONG_SCENES:
+        jobs["ring", name] = Job(by_ring, (name,), 5.0, tells=True)
+        for share in SHARES:
+            jobs["sites", (name, share)] = Job(by_sites, (name, share), 1.5 / share, tells=True)
+    return jobs
+
+
+def long_runs(found: Mapping[Key, Any]) -> dict[str, LongRun]:
+    """The long runs among the results of jobs."""
+    return {
+        name: LongRun(found["ring", name], *(found["sites", (name, share)] for share in SHARES))
+        for name in LONG_SCENES
+        if ("ring", name) in found
+    }

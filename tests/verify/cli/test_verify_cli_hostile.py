@@ -14,7 +14,7 @@ from verify.cli import certificates as limits
 from verify.cli.certificates import limited
 from verify.proof import CertificateError, prove_form
 from verify.proof.checker import check_certificate
-from verify.proof.checker.check import digest
+from verify.proof.checker.limits import digest
 
 Data = dict[str, Any]
 Output = pytest.CaptureFixture[str]

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from verify.__main__ import main
-from verify.cli import mutations as command
+from verify.cli import verdicts as command
 from verify.evidence.mutations import MutationCount, Survivor
 from verify.verdict import Outcome
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from rich.progress import TextColumn
 
+from verify.__main__ import main
 from verify.cli import run as cli
 
 SCENE = """
@@ -33,7 +34,7 @@ def test_a_title_is_printed_as_it_is(
 ) -> None:
     path = tmp_path / "[red].toml"
     path.write_text(SCENE.format(title=f"'{title}'"), encoding="utf-8")
-    assert cli.run_command([str(path)]) == 0
+    assert main(["run", str(path)]) == 0
     assert title in capsys.readouterr().out
 
 

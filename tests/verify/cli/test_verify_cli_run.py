@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.cli.run import run_command
+from verify.__main__ import main
 
 SHORT = """
 title = "A short run"
@@ -39,7 +39,7 @@ def short(tmp_path: Path) -> Path:
 
 def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     output = tmp_path / "run.nc"
-    assert run_command([str(short), "--output", str(output)]) == 0
+    assert main(["run", str(short), "--output", str(output)]) == 0
     out = capsys.readouterr().out
     for expected in (
         "A short run",
@@ -79,7 +79,7 @@ def test_bad_input_is_one_line_and_status_2(
     short: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, expected: str
 ) -> None:
     short.write_text(SHORT.replace(old, new))
-    assert run_command([str(short)]) == 2
+    assert main(["run", str(short)]) == 2
     captured = capsys.readouterr()
     lines = [line for line in captured.err.splitlines() if "error:" in line]
     assert captured.out == ""
@@ -88,21 +88,21 @@ def test_bad_input_is_one_line_and_status_2(
 
 
 def test_an_unknown_scene_lists_the_shipped_ones(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(["nowhere"]) == 2
+    assert main(["run", "nowhere"]) == 2
     assert "breather_sn_k_0.5" in capsys.readouterr().err
 
 
 def test_an_output_in_no_folder_is_refused_before_the_run(
     short: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run_command([str(short), "--output", "/nonexistent/run.nc"]) == 2
+    assert main(["run", str(short), "--output", "/nonexistent/run.nc"]) == 2
     assert "--output must lie in an existing folder" in capsys.readouterr().err
 
 
 def test_a_tolerance_and_an_engine_on_the_command_line(
     short: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run_command([str(short), "--tolerance", "1e-3", "--engine", "stencil"]) == 0
+    assert main(["run", str(short), "--tolerance", "1e-3", "--engine", "stencil"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "stencil, reduced_phase_6: " in out
     assert re.search(r"error estimate \S+ of 0.001 allowed, planned in .* times as long", out)
@@ -119,7 +119,7 @@ def test_a_tolerance_and_an_engine_on_the_command_line(
 def test_bad_options_are_one_line_and_status_2(
     short: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
 ) -> None:
-    assert run_command([str(short), *words]) == 2
+    assert main(["run", str(short), *words]) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if line]
     assert len(lines) == 1
     assert expected in lines[0]
@@ -129,5 +129,5 @@ def test_a_file_with_step_and_tolerance_is_refused(
     short: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     short.write_text("tolerance = 1e-4\n" + SHORT)
-    assert run_command([str(short)]) == 2
+    assert main(["run", str(short)]) == 2
     assert "step must not be given with a tolerance" in capsys.readouterr().err

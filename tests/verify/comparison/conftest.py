@@ -1,14 +1,13 @@
 """Scenes for the tests of the lattice, short enough to run in a fraction of a second."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from verify.comparison import Scene
 
-RING = Scene(
+RING = Scene.of(
     name="short",
     wave="rogue_cn",
     parameters=(("k", 0.5),),
@@ -23,8 +22,7 @@ RING = Scene(
     compared=50,
     curve_points=5,
 )
-WINDOW = replace(
-    RING,
+WINDOW = RING.changed(
     wave="rational_2",
     parameters=(),
     K2=4.0,
@@ -41,7 +39,7 @@ def ring_scene() -> Callable[..., Scene]:
     """A cn rogue wave on a ring; keyword arguments replace fields."""
 
     def make(**changes: Any) -> Scene:
-        return replace(RING, **changes)
+        return RING.changed(**changes)
 
     return make
 
@@ -51,6 +49,6 @@ def window_scene() -> Callable[..., Scene]:
     """Y2 in a window; keyword arguments replace fields."""
 
     def make(**changes: Any) -> Scene:
-        return replace(WINDOW, **changes)
+        return WINDOW.changed(**changes)
 
     return make

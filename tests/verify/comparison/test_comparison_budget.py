@@ -89,7 +89,7 @@ def test_an_engine_gives_up_where_it_is_too_dear() -> None:
 
 
 def _scene(name: str, eps: float, **fields: Any) -> Scene:
-    return Scene(name=name, wave=name, eps=eps, observables=("strain",), **fields)
+    return Scene.of(name=name, wave=name, eps=eps, observables=("strain",), **fields)
 
 
 GROWING = _scene(
@@ -125,7 +125,7 @@ def test_a_lattice_that_amplifies_rounding_is_refused(scene: Scene) -> None:
 
 
 def test_the_tolerance_that_a_refusal_names_is_kept() -> None:
-    found = run(replace(BARELY, tolerance=2e-6))
+    found = run(BARELY.changed(tolerance=2e-6))
     assert found.attrs["error_estimate"] <= 2e-6
     assert found.attrs["rounding_estimate"] > 1e-7
 
@@ -135,7 +135,7 @@ def test_more_sites_than_memory_holds_are_refused(fields: dict[str, Any]) -> Non
     base: dict[str, Any] = {"K2": 1.0, "K4": 1.0, "t0": 0.0, "snapshots": (10.0,), "compared": 60}
     scene = _scene("wave_cn", 0.02, **(base | fields), tolerance=1e-3, parameters=(("k", 0.5),))
     with pytest.raises(ValueError, match="must ask for at most 1048576 sites with engine"):
-        run(replace(scene, engine="stencil"))
+        run(scene.changed(engine="stencil"))
 
 
 @pytest.mark.slow

@@ -22,21 +22,20 @@ def strain(scene: Scene) -> np.ndarray:
 def test_window_equals_a_wide_ring(window_scene: Callable[..., Scene]) -> None:
     """The window moves by 400 sites here; the ring holds them all."""
     scene = window_scene()
-    wide = replace(scene, domain="ring", sites=4096)
+    wide = scene.changed(domain="ring", sites=4096)
     assert np.max(np.abs(strain(scene) - strain(wide))) < 1e-6 * scene.eps
 
 
 def test_the_windows_error_cancels_between_two_steps() -> None:
     """Catches: a window that moves at times which depend on the step."""
-    scene = replace(
-        load_scene("rational_2_eps_0.05"),
+    scene = load_scene("rational_2_eps_0.05").changed(
         t0=-2000.0,
         snapshots=(0.0,),
         compared=200,
         scheme="blanes_moan_6",
     )
     small, wide = (
-        [strain(replace(scene, sites=sites, step=step)) for step in (0.69, 0.25)]
+        [strain(scene.changed(sites=sites, step=step)) for step in (0.69, 0.25)]
         for sites in (960, 2304)
     )
     steps, window = wide[0] - wide[1], small[0] - wide[0]
@@ -83,7 +82,7 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     kept = state.strain(state.sites)
     state.t += 10.0
     window.follow(state)
-    assert state.left == frame(scene, state.t) - scene.sites // 2
+    assert state.left == frame(scene, state.t) - scene.discretisation.sites // 2
     fed = 2 * 20 + domain_module.MARGIN
     np.testing.assert_array_equal(state.strain(state.sites)[:-fed], kept[20 : 20 - fed])
     speed = window.background_speed

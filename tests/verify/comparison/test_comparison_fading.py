@@ -10,7 +10,7 @@ from lattice.state import State
 from verify.comparison import Scene, run
 from verify.comparison.domain import SiteRing
 
-SOUND = Scene(
+SOUND = Scene.of(
     name="sn",
     wave="wave_sn",
     eps=0.06386,
@@ -39,7 +39,7 @@ def test_a_lattice_that_softens_within_reach_is_told() -> None:
 
 def test_fading_cannot_be_felt(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = replace(SOUND, K4=-1.0, t0=-300.0, snapshots=(-100.0, 100.0), compared=60)
-    scene = replace(scene, tolerance=1e-8)
+    scene = scene.changed(tolerance=1e-8)
     faded = run(scene).strain.values
     monkeypatch.setattr(SiteRing, "fade", lambda *_: None)
     assert np.abs(faded - run(scene).strain.values).max() < 1e-12 * scene.eps

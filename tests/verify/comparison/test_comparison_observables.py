@@ -75,7 +75,7 @@ def stored_bytes(entry: Observable, scene: Scene, moments: int) -> Iterator[int]
         size = moments
         for dimension in variable.dimensions:
             axis = axis_values(dimension, scene.compared)
-            size *= scene.sites if axis is None else axis[0].size
+            size *= scene.discretisation.sites if axis is None else axis[0].size
         yield 8 * size
 
 
@@ -146,7 +146,7 @@ def test_diagnostics_cost_less_than_a_twentieth_at_their_default_cadence(
     assert set(DIAGNOSTICS) == {
         "energy", "momentum", "spectrum", "crest_track", "space_time", "state"
     }  # fmt: skip
-    scene = replace(load_scene(name), scheme=scheme.name, observables=DIAGNOSTICS)
+    scene = load_scene(name).changed(scheme=scheme.name, observables=DIAGNOSTICS)
     per_look = {n: operations(scene, observable_named(n)) for n in DIAGNOSTICS}
     assert all(per_look[n] > 0 for n in DIAGNOSTICS if n != "state")
     measured = run(replace(scene, observables=(*DIAGNOSTICS,)))
@@ -155,7 +155,7 @@ def test_diagnostics_cost_less_than_a_twentieth_at_their_default_cadence(
         per_look[n] * (looks if observable_named(n).seen == "looks" else snapshots)
         for n in DIAGNOSTICS
     )
-    kernels = FLOPS * measured.attrs["force_evaluations"] * scene.sites
+    kernels = FLOPS * measured.attrs["force_evaluations"] * scene.discretisation.sites
     assert total < 0.05 * kernels
 
 
@@ -167,7 +167,7 @@ def test_a_dense_error_curve_does_not_make_diagnostics_dense(
     measured = run(scene)
     assert measured.sizes["curve_time"] == 81
     gap = np.diff(measured.look_time.values).min()
-    assert gap >= LOOK_EVALUATIONS / 17 * scene.step * (1.0 - 1e-9)
+    assert gap >= LOOK_EVALUATIONS / 17 * scene.discretisation.step * (1.0 - 1e-9)
 
 
 def test_diagnostics_do_not_disturb_the_run(window_scene: Callable[..., Scene]) -> None:

@@ -30,7 +30,7 @@ def test_Y2_error_at_its_crest() -> None:
 
 
 def test_rk4_step_pollutes_the_figure() -> None:
-    measured = run(replace(Y2, scheme="rk4", step=0.25))
+    measured = run(Y2.changed(scheme="rk4", step=0.25))
     assert float(measured.error[0]) == pytest.approx(0.119, abs=0.0005)
 
 
@@ -78,7 +78,7 @@ def test_each_side_has_its_own_far_field() -> None:
 )
 def test_refinements_are_finer(measure: str, changed: dict[str, float]) -> None:
     scene = load_scene("breather_sn_k_0.7")
-    assert refined(scene, measure) == replace(scene, observables=(), **changed)  # type: ignore[arg-type]
+    assert refined(scene, measure) == scene.changed(observables=(), **changed)  # type: ignore[arg-type]
 
 
 def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
@@ -181,7 +181,7 @@ def test_a_blow_up_at_the_start_keeps_nothing(ring_scene: Callable[..., Scene]) 
 @pytest.mark.parametrize(("sites", "closes"), [(400, False), (407, True)])
 def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: bool) -> None:
     """A dark breather's ring that does not close breaks at once; one that does runs on."""
-    scene = Scene(
+    scene = Scene.of(
         name="seam",
         wave="breather_sn",
         eps=0.7,

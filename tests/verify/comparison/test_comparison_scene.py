@@ -3,13 +3,15 @@
 import json
 import math
 from collections.abc import Callable
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_scene, run, shipped_scenes
+from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
 
 TEXT = """
 wave = "breather_sn"
@@ -53,6 +55,21 @@ BAD_NUMBERS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"sites": 12.5}, r"sites must be a whole number, 1 <= sites <= 1e.09, got 12.5"),
     ({"compared": 0}, r"compared must be a whole number, 1 <= compared <= 1e.09, got 0"),
+    ({"eps": "0.1"}, r"eps must be a number, got '0.1' \(such as 0.05\)"),
+    ({"snapshots": 5}, r"snapshots must be a list of at least one time, got 5 \(such as \["),
+    ({"observables": None}, r"observables must be a list of names, got None"),
+    ({"observables": (3,)}, r"observables must be a known one, got 3"),
+    ({"parameters": 5}, r'parameters must be pairs of names and values, got 5 \(such as {"k": 0.5'),
+    ({"parameters": ("k",)}, r"parameters must be pairs of names and values, got \('k',\)"),
+    ({"parameters": {"k": [1]}}, r"k must be a number, got \[1\]"),
+    ({"wave": 3}, r"wave must be a text or a ClosedForm, got 3"),
+    ({"name": None}, r"name must be a text, got None"),
+    ({"scheme": 8}, r"scheme must be a text, got 8"),
+    ({"engine": 8}, r"engine must be a known one, got 8"),
+    ({"engine": "spectral"}, r"tolerance must be given for engine 'spectral', got none"),
+    ({"tolerance": 1e-4}, r"step must not be given with a tolerance, got 0.5"),
+    ({"numerics": 1}, r"keywords must be known ones, got numerics \(one of name, wave, "),
+    ({"colour": 1}, r"keywords must be known ones, got colour"),
     ({"look_points": 0}, r"look_points must be a whole number, 1 <= look_points <= 1e.09, got 0"),
 ]
 
@@ -116,12 +133,78 @@ def test_what_needs_a_ring_is_refused_in_a_window(
         window_scene(observables=(name,))
 
 
+@pytest.mark.parametrize("numerics", [1e-4, None, "ring"])
+def test_numerics_are_one_of_two_records(ring_scene: Callable[..., Scene], numerics: Any) -> None:
+    with pytest.raises(ValueError, match=r"numerics must be a Discretisation or a Tolerance, got"):
+        replace(ring_scene(), numerics=numerics)
+
+
+def test_what_is_not_stated_is_not_asked_for(ring_scene: Callable[..., Scene]) -> None:
+    stated = ring_scene()
+    chosen = with_tolerance(stated, 1e-3)
+    with pytest.raises(ValueError, match=r"step, domain and sites must be stated for this"):
+        _ = chosen.discretisation
+    with pytest.raises(ValueError, match=r"tolerance must be given for this"):
+        _ = stated.target
+
+
+@pytest.mark.parametrize("wrong", [3, None, "rogue_cn_k_0.5"])
+def test_only_a_scene_is_run(wrong: Any) -> None:
+    with pytest.raises(ValueError, match=r"scene must be a Scene, got .* \(load_scene and"):
+        run(wrong)
+
+
+def test_numbers_of_any_kind_become_floats_and_ints(ring_scene: Callable[..., Scene]) -> None:
+    scene = ring_scene(eps=Fraction(1, 10), compared=np.int64(50), t0=np.float32(-20))
+    assert scene == ring_scene()
+    assert json.loads(scene.json())["compared"] == 50
+
+
+def test_a_scene_shows_itself_in_one_line(ring_scene: Callable[..., Scene]) -> None:
+    assert repr(ring_scene()) == (
+        "<Scene short: rogue_cn with k = 0.5, eps = 0.1, t = -20 .. 20, 101 sites compared, "
+        "kahan_li_8, step 0.5, ring of 400 sites>"
+    )
+    by_ring = with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
+    assert repr(by_ring).endswith("101 sites compared, to 0.001 by spectral>")
+
+
+OLD = (
+    '{"K2": 1.0, "K3": 0.0, "K4": 1.0, "compared": 50, "curve_points": 5, "domain": %s, '
+    '"engine": "%s", "eps": 0.1, "look_points": null, "name": "short", "observables": ["strain", '
+    '"error_curve"], "parameters": [["k", 0.5]], "scheme": "%s", "sites": %d, "snapshots": '
+    '[-20.0, 0.0, 20.0], "step": %g, "t0": -20.0, "title": "", "tolerance": %s, "wave": "rogue_cn"}'
+)
+
+
+def test_scenes_of_older_runs_are_read(ring_scene: Callable[..., Scene]) -> None:
+    """They had every key, and left empty what did not apply."""
+    stated = OLD % ('"ring"', "", "kahan_li_8", 400, 0.5, "null")
+    assert Scene.from_json(stated) == ring_scene()
+    by_program = OLD % ('"ring"', "stencil", "kahan_li_8", 400, 0.5, "null")
+    assert Scene.from_json(by_program) == ring_scene()
+    chosen = OLD % ('""', "spectral", "", 0, 0.0, "0.001")
+    assert Scene.from_json(chosen) == with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
+
+
+@pytest.mark.parametrize("engine", ["", "stencil", "spectral"])
+def test_a_scene_comes_back_from_its_json(ring_scene: Callable[..., Scene], engine: str) -> None:
+    chosen = with_tolerance(ring_scene(), 1e-3).changed(engine=engine)
+    for scene in (ring_scene(), chosen):
+        assert Scene.from_json(scene.json()) == scene
+
+
 def test_a_file_becomes_the_record(tmp_path: Path) -> None:
     path = tmp_path / "mine_0.7.toml"
     path.write_text(TEXT)
     scene = Scene.from_toml(path)
     assert scene.name == "mine_0.7"
-    assert (scene.K2, scene.K3, scene.K4, scene.scheme) == (1.0, 0.0, -1.0, "kahan_li_8")
+    assert (scene.K2, scene.K3, scene.K4, scene.discretisation.scheme) == (
+        1.0,
+        0.0,
+        -1.0,
+        "kahan_li_8",
+    )
     assert dict(scene.parameters) == {"k": 0.7, "alpha": "K/2"}
     assert json.loads(scene.json())["snapshots"] == [0.0]
     assert hash(scene) == hash(Scene.from_toml(path))
@@ -170,7 +253,7 @@ def test_shipped_scenes_are_the_papers(name: str) -> None:
     times = {0.05: (-10000.0, -5000.0, 0.0, 5000.0), 0.075: (-5000.0, -1000.0, 0.0, 1000.0)}
     expected = times[scene.eps] if rational else (-100.0, -100.0, 0.0, 100.0)
     assert (scene.t0, *scene.snapshots) == expected
-    assert scene.domain == ("window" if rational else "ring")
+    assert scene.discretisation.domain == ("window" if rational else "ring")
 
 
 def test_all_of_the_papers_scenes_are_shipped() -> None:

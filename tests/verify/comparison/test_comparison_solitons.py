@@ -15,7 +15,7 @@ def scene(wave: str, K4: float, **parameters: float) -> Scene:
     """The wave from t = 0, where Y2's scene has its window, to T = 1."""
     values = tuple(parameters.items())
     short = replace(Y2, eps=0.1, t0=0.0, snapshots=(0.0, 1000.0), observables=WANTED)
-    return replace(short, name=wave, wave=wave, K4=K4, parameters=values, sites=2048, compared=500)
+    return short.changed(name=wave, wave=wave, K4=K4, parameters=values, sites=2048, compared=500)
 
 
 @pytest.mark.parametrize(

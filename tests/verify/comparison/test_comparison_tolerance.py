@@ -37,10 +37,10 @@ RING_DENSITY = {0.05: 2.0, 0.075: 3.0}
 
 def stencil_reference(scene: Scene) -> Array:
     """Strains of the paper's scene by another scheme, with a finer step and more sites."""
-    fine = {"window": (0.15, 6144), "ring": (0.25, 2 * scene.sites)}
-    step, sites = fine[scene.domain]
+    fine = {"window": (0.15, 6144), "ring": (0.25, 2 * scene.discretisation.sites)}
+    step, sites = fine[scene.discretisation.domain]
     changes = {"scheme": "kahan_li_8", "step": step, "sites": sites, "observables": ("strain",)}
-    return np.asarray(run(replace(scene, **changes)).strain)  # type: ignore[arg-type]
+    return np.asarray(run(scene.changed(**changes)).strain)  # type: ignore[arg-type]
 
 
 def spectral_reference(scene: Scene) -> Array:
@@ -71,14 +71,14 @@ def test_a_short_window_keeps_its_tolerance(
     window_scene: Callable[..., Scene], tolerance: float
 ) -> None:
     scene = window_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.08, sites=4096)).strain.values
+    exact = run(scene.changed(step=0.08, sites=4096)).strain.values
     check(with_tolerance(scene, tolerance), exact)
 
 
 def test_stops_that_shorten_the_steps_do_not_widen_a_ring() -> None:
     """Catches: the time step's error taken for the seam's where a dense curve changes the steps."""
     scene = with_tolerance(load_scene("rogue_cn_k_0.5"), 1e-9)
-    measured = run(replace(scene, engine="stencil"))
+    measured = run(scene.changed(engine="stencil"))
     assert "error_curve" in scene.observables
     assert measured.attrs["sites"] < 2048
 
@@ -88,8 +88,8 @@ def test_both_engines_keep_a_tolerance_on_a_periodic_background(
     ring_scene: Callable[..., Scene], engine: str
 ) -> None:
     scene = ring_scene(observables=("strain",))
-    exact = run(replace(scene, step=0.08, sites=800)).strain.values
-    check(replace(with_tolerance(scene, 1e-4), engine=engine), exact)
+    exact = run(scene.changed(step=0.08, sites=800)).strain.values
+    check(with_tolerance(scene, 1e-4).changed(engine=engine), exact)
 
 
 RATIONAL = tuple(name for name in shipped_scenes() if name.startswith("rational"))
@@ -106,7 +106,7 @@ def test_the_window_keeps_every_tolerance(name: str) -> None:
     scene = load_scene(name)
     exact = spectral_reference(scene) if scene.eps <= 0.05 else stencil_reference(scene)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
-        check(replace(with_tolerance(scene, tolerance), engine="stencil"), exact)
+        check(with_tolerance(scene, tolerance).changed(engine="stencil"), exact)
 
 
 @pytest.mark.slow
@@ -119,7 +119,7 @@ def test_the_ring_keeps_its_tolerance(name: str, tolerances: tuple[float, ...]) 
     scene = load_scene(name)
     exact = stencil_reference(scene)
     for tolerance in tolerances:
-        check(replace(with_tolerance(scene, tolerance), engine="spectral"), exact)
+        check(with_tolerance(scene, tolerance).changed(engine="spectral"), exact)
 
 
 @pytest.mark.slow
@@ -129,7 +129,7 @@ def test_both_engines_keep_every_tolerance_on_periodic_backgrounds(name: str, en
     scene = load_scene(name)
     exact = stencil_reference(scene)
     for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
-        check(replace(with_tolerance(scene, tolerance), engine=engine), exact)
+        check(with_tolerance(scene, tolerance).changed(engine=engine), exact)
 
 
 def test_the_model_takes_the_cheaper_engine() -> None:
@@ -149,9 +149,9 @@ def test_the_engine_follows_from_the_duration_and_from_what_is_asked(
     scene = replace(scene, snapshots=(2e4,))
     assert choose_engine(scene, wave) == "spectral"
     assert choose_engine(replace(scene, observables=("energy",)), wave) == "stencil"
-    assert choose_engine(replace(scene, engine="stencil"), wave) == "stencil"
+    assert choose_engine(scene.changed(engine="stencil"), wave) == "stencil"
     with pytest.raises(ValueError, match="engine must be 'stencil' for energy, got 'spectral'"):
-        choose_engine(replace(scene, engine="spectral", observables=("energy",)), wave)
+        choose_engine(scene.changed(engine="spectral", observables=("energy",)), wave)
 
 
 def test_a_stencil_run_carries_the_scene_that_was_run(
@@ -179,7 +179,7 @@ def test_the_spectral_ring_forms_what_is_asked_for_and_no_more(
     ring_scene: Callable[..., Scene], observables: tuple[str, ...], variables: set[str]
 ) -> None:
     scene = with_tolerance(ring_scene(observables=observables), 1e-2)
-    measured = run(replace(scene, engine="spectral"))
+    measured = run(scene.changed(engine="spectral"))
     assert set(measured.data_vars) == variables
     assert all(np.all(np.isfinite(measured[name])) for name in variables)
 
@@ -211,7 +211,7 @@ def test_what_contradicts_a_tolerance_is_refused_in_one_line(
     ring_scene: Callable[..., Scene], changes: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message) as caught:
-        replace(with_tolerance(ring_scene(), 1e-3), **changes)  # type: ignore[arg-type]
+        with_tolerance(ring_scene(), 1e-3).changed(**changes)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
 
 
@@ -228,7 +228,7 @@ def test_the_stencil_tells_a_blow_up_and_keeps_what_came_before(
 ) -> None:
     """K4 < 0 and an amplitude near the point where K2 + 3 K4 y^2 changes sign."""
     scene = with_tolerance(ring_scene(**SOFT), 1e-3)
-    measured = run(replace(scene, eps=0.8, engine="stencil"))
+    measured = run(scene.changed(eps=0.8, engine="stencil"))
     assert measured.attrs["blow_up"].startswith("blow-up: K2 + 2 K3 y + 3 K4 y^2 <= 0 at t = ")
     assert measured.sizes["time"] == measured.strain.shape[0] == 1
     assert measured.attrs["error_estimate"] == float("inf")
@@ -240,7 +240,7 @@ def test_the_spectral_ring_refuses_a_wave_as_short_as_the_lattice(
     """Its steps would have to be as short as the stencil's, and it would find a plateau first."""
     scene = replace(with_tolerance(ring_scene(**SOFT), 1e-3), eps=0.8)
     with pytest.raises(ValueError, match=r"engine must be 'stencil' .* longer than 0\.73 sites"):
-        run(replace(scene, engine="spectral"))
+        run(scene.changed(engine="spectral"))
     assert run(scene).attrs["engine"] == "stencil"
 
 
@@ -249,6 +249,6 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
 ) -> None:
     """Catches: the share of it that the engine asks of itself."""
     monkeypatch.setattr(spectral_run, "MOST_POINTS", 100)
-    scene = replace(with_tolerance(ring_scene(), 1e-3), engine="spectral")
+    scene = with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
     with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
         run(scene)

@@ -43,7 +43,7 @@ def test_a_tolerance_below_rounding_is_lost_at_once() -> None:
 
 
 def _line(background: dict[str, float], **changes: float) -> str:
-    scene = replace(load_scene("rogue_cn_k_0.5"), **changes)
+    scene = load_scene("rogue_cn_k_0.5").changed(**changes)
     attributes = {"engine": "e", "scheme": "s", "steps": 1, "sites": 2, "force_evaluations": 3}
     attributes |= {"seconds": 0.1, "blow_up": ""} | background
     return list(summary_lines(xr.Dataset(attrs=attributes), scene))[-1]

@@ -8,7 +8,8 @@ from flint import fmpq
 
 from verify.proof import prove
 from verify.proof.checker import CertificateError, check_certificate
-from verify.proof.checker.check import Branches, digest, registered
+from verify.proof.checker.check import Branches, registered
+from verify.proof.checker.limits import digest
 from verify.proof.checker.nodes import Nodes
 from verify.proof.checker.statement import read_statement
 from verify.verdict import Outcome

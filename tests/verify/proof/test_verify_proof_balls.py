@@ -13,7 +13,8 @@ from solutions.functions import (
     jacobi_zeta,
 )
 from verify.proof.balls import ball_value, residual_ball
-from verify.proof.domains import sample, settled_domains
+from verify.proof.domains import settled_domains
+from verify.proof.samples import sample
 
 x, t, m = sp.symbols("x t m", real=True)
 

@@ -12,9 +12,9 @@ import sympy as sp
 
 from solutions import CATALOGUE, closed_form
 from verify.proof import CertificateError, check_certificate, prove, prove_equal, prove_form
+from verify.proof.catalogue_proofs import form_domains
 from verify.proof.checker import check_certificate as check_content
-from verify.proof.checker.check import digest
-from verify.proof.domains import form_domains
+from verify.proof.checker.limits import digest
 from verify.verdict import Outcome
 
 Data = dict[str, Any]

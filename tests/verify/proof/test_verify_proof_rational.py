@@ -5,12 +5,13 @@ import pytest
 from solutions.forms.rational import rational, rational_tau
 from verify.proof import prove, prove_bilinear, prove_rational
 from verify.proof.rational_proofs import (
+    SPACE,
+    TIME,
+    bilinear_residual,
     bilinear_verdict,
     nonzero_point,
     rational_verdict,
     residual_at,
-    space_residual,
-    time_residual,
 )
 from verify.verdict import Outcome
 
@@ -36,15 +37,15 @@ def test_both_proofs_see_a_changed_coefficient() -> None:
     family = rational_tau(3)
     assert any(residual_at(family.A + 1, family.B, 1, t) for t in range(-3, 4))
     assert not any(residual_at(family.A, family.B, x, t) for x in (0, 1, 5) for t in (-2, 0, 3))
-    assert not space_residual(family.A + 1, family.B).is_zero()
-    assert not time_residual(family.A + 1, family.B).is_zero()
+    assert not bilinear_residual(SPACE, family.A + 1, family.B).is_zero()
+    assert not bilinear_residual(TIME, family.A + 1, family.B).is_zero()
 
 
 def test_a_shift_of_the_third_kind_is_not_free_in_time() -> None:
     """tau_3 moves t: a coefficient of t changed in A alone breaks the identity."""
     family = rational_tau(2)
     t = family.A.context().gens()[1]
-    assert not time_residual(family.A + 3 * t, family.B).is_zero()
+    assert not bilinear_residual(TIME, family.A + 3 * t, family.B).is_zero()
 
 
 @pytest.mark.parametrize("changes", [(1, 0), (0, 1)])
@@ -55,7 +56,7 @@ def test_bilinear_identities_that_fail_are_refuted_with_a_point(changes: tuple[i
     assert verdict.outcome is Outcome.REFUTED
     assert verdict.witness is not None
     point = [int(verdict.witness[name]) for name in ("x", "t", "tau_5")]
-    assert space_residual(A, B)(*point) != 0
+    assert bilinear_residual(SPACE, A, B)(*point) != 0
 
 
 def test_a_bilinear_identity_that_fails_in_time_alone_is_refuted() -> None:
@@ -66,7 +67,7 @@ def test_a_bilinear_identity_that_fails_in_time_alone_is_refuted() -> None:
         {e: c * (-1) ** int(e[1]) for e, c in family.B.terms()},
     )
     A, B = (family.A.context().from_dict(terms) for terms in later)
-    assert space_residual(A, B).is_zero()
+    assert bilinear_residual(SPACE, A, B).is_zero()
     verdict = bilinear_verdict("backwards", A, B)
     assert verdict.outcome is Outcome.REFUTED
     assert "time equation" in verdict.detail

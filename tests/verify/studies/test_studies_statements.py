@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.studies.statements import KINDS, Range, Statement, Truth, statement
+from verify.studies.statements.library import KINDS, statement
+from verify.studies.statements.random_statement import Range, Statement, Truth
 from verify.studies.statements.values import ValueMissing, Values, fails_at, label_fault
 
 x = sp.Symbol("x", real=True)

@@ -7,9 +7,10 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.studies import verdicts
-from verify.studies.statements import Range, Statement, Truth, statement
-from verify.studies.verdicts import HEADINGS, Judgement, Mark, judge, judgements, tallies
+from verify.studies import verdict_search as verdicts
+from verify.studies.statements.library import statement
+from verify.studies.statements.random_statement import Range, Statement, Truth
+from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judge, judgements, tallies
 from verify.verdict import Outcome, ProofVerdict
 
 x = sp.Symbol("x", real=True)

@@ -8,8 +8,6 @@ branches is analytic, and every branch must differ from 0 at the point.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from itertools import product
 from math import prod
@@ -20,7 +18,18 @@ from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 from .field import Field
 from .identity import Residual
 from .images import Generator, Hints, Sum
-from .limits import BRANCHES, FORMS, GENERATORS, NAME, NODES, PARTS, CertificateError, within
+from .limits import (
+    BRANCHES,
+    FORMAT,
+    FORMS,
+    GENERATORS,
+    NAME,
+    NODES,
+    PARTS,
+    CertificateError,
+    digest,
+    within,
+)
 from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
 from .statement import Statement, read_statement, statement_text
 
@@ -168,15 +177,6 @@ def is_linear(field: Field, node: int) -> bool:
             moving = [f for f in factors if field.nodes.all[f][0] not in ("number", "pi")]
             return len(moving) <= 1 and all(is_linear(field, f) for f in moving)
     return False
-
-
-FORMAT = "longwave proof 2"
-
-
-def digest(body: Mapping[str, Any]) -> str:
-    """A checksum of everything but itself, against slips of the pen."""
-    plain = {key: value for key, value in body.items() if key != "digest"}
-    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 
 
 def check_certificate(data: object) -> str:

@@ -1,6 +1,13 @@
-"""How much a certificate may cost, and the error of one that is refused."""
+"""The outer form of a certificate, how much it may cost, and the error of one that is refused."""
 
 from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+FORMAT = "longwave proof 2"
 
 FILE_BYTES = 8_000_000
 """The largest certificate of the catalogue has 0.2 MB."""
@@ -35,3 +42,9 @@ def within(what: str, got: int, limit: int) -> int:
     if got > limit:
         raise CertificateError(f"{what} must be at most {limit}, got {got} (prove less at once)")
     return got
+
+
+def digest(body: Mapping[str, Any]) -> str:
+    """A checksum of everything but itself, against slips of the pen."""
+    plain = {key: value for key, value in body.items() if key != "digest"}
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

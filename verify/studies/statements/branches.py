@@ -13,8 +13,8 @@ import sympy as sp
 
 from verify.studies.statements.formulas import constant, formula, number, phase, positive, rewritten
 from verify.studies.statements.perturbed import shown_at
+from verify.studies.statements.random_statement import Setting, Statement, Truth, ranged
 from verify.studies.statements.solvable import true_equality, true_equation
-from verify.studies.statements.statement import Setting, Statement, Truth, ranged
 from verify.studies.statements.values import with_counterexample
 
 Sides = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from solutions.functions import jacobi
-from verify.studies.statements.statement import Setting
+from verify.studies.statements.random_statement import Setting
 from verify.subexpressions import distinct_nodes, replaced
 
 SMALL = (-3, -2, -1, 1, 2, 3)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import sympy as sp
 
 from verify.studies.statements import branches, perturbed, solvable
-from verify.studies.statements.statement import Setting, Statement, random_setting
+from verify.studies.statements.random_statement import Setting, Statement, random_setting
 from verify.subexpressions import distinct_nodes
 
 LONGEST = 160

@@ -20,6 +20,7 @@ from verify.studies.statements.formulas import (
     polynomial,
     positive,
 )
+from verify.studies.statements.random_statement import Point, Setting, Statement, Truth
 from verify.studies.statements.solvable import (
     identity,
     logarithmic,
@@ -29,7 +30,6 @@ from verify.studies.statements.solvable import (
     with_annihilator,
     with_source,
 )
-from verify.studies.statements.statement import Point, Setting, Statement, Truth
 from verify.studies.statements.values import ValueMissing, values_at, with_counterexample
 
 TINY = (20, 60, 200)

@@ -23,7 +23,7 @@ from verify.studies.statements.formulas import (
     positive,
     rewritten,
 )
-from verify.studies.statements.statement import Range, Setting, Statement, Truth
+from verify.studies.statements.random_statement import Range, Setting, Statement, Truth
 from verify.studies.statements.values import with_counterexample
 
 HIGHEST = 3

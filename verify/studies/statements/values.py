@@ -17,7 +17,7 @@ import sympy as sp
 
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.multiprecision import IMPLEMENTATIONS
-from verify.studies.statements.statement import Point, Statement, Truth
+from verify.studies.statements.random_statement import Point, Statement, Truth
 from verify.subexpressions import distinct_nodes
 
 Numbers = Mapping[sp.Symbol, Any]

@@ -18,7 +18,8 @@ import sympy as sp
 from verify.processes import OutOfTime, time_limit
 from verify.proof import prove, prove_equal
 from verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
-from verify.studies.statements import Statement, Truth, statement
+from verify.studies.statements.library import statement
+from verify.studies.statements.random_statement import Statement, Truth
 from verify.studies.statements.values import ValueMissing, fails_at, label_fault
 from verify.subexpressions import distinct_nodes
 from verify.verdict import Outcome, ProofVerdict

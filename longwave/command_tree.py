@@ -1,0 +1,122 @@
+"""The words of the command line and their options: one tree, declared with click.
+
+Nothing of the rooms is imported before a command runs, so help and completion answer at once.
+"""
+
+import json
+
+import click
+from click.shell_completion import get_completion_class
+
+from derive.__main__ import derive
+from derive.command_line import Words, called_by, example, json_option
+from reports.__main__ import report
+from verify.cli.commands import complete_scenes, prove, run, verify
+
+COMPLETION = "_LONGWAVE_COMPLETE"
+"""The environment variable by which a shell asks for completions."""
+
+KINDS = ("lattices", "waves", "schemes", "scenes", "observables")
+PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
+SHELLS = ("bash", "zsh", "fish")
+
+
+def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted and not context.resilient_parsing:
+        from importlib.metadata import version
+
+        click.echo(f"longwave {version('longwave')}")
+        context.exit()
+
+
+def _completion(context: click.Context, _: click.Parameter, shell: str | None) -> None:
+    found = get_completion_class(shell) if shell else None
+    if found is not None and not context.resilient_parsing:
+        click.echo(found(longwave, {}, "longwave", COMPLETION).source())
+        context.exit()
+
+
+@click.group(
+    cls=Words,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=example("longwave run rogue_cn_k_0.5")
+    + "\n\nExit status: 0 all is well, 1 something is refuted, undecided, missing or broke off, "
+    "2 wrong input, 130 Ctrl-C.",
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_version,
+    help="Print it.",
+)
+@click.option(
+    "--completion",
+    type=click.Choice(SHELLS),
+    expose_value=False,
+    is_eager=True,
+    callback=_completion,
+    help="Print the script that completes words and options in this shell.",
+)
+def longwave() -> None:
+    """Derive the long-wave limit of a lattice, prove its closed-form solutions, and test them on
+    the lattice itself.
+    """
+
+
+for word in (derive, prove, verify, run):
+    longwave.add_command(word)
+
+
+@longwave.command(epilog=example("longwave plot rogue_cn_k_0.5 --output rogue_cn.pdf"))
+@click.argument("source", shell_complete=complete_scenes)
+@click.option(
+    "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
+)
+@click.option("--kind", type=click.Choice(PICTURES), default="all", help="Which picture.")
+def plot(source: str, output: str | None, kind: str) -> int:
+    """Draw a run, or run a scene and draw it.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
+    of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
+    error curves and the track of the crest: all that the run holds, or one kind.
+    """
+    from longwave.plotting import draw
+
+    return draw(source, output, kind, called_by())
+
+
+longwave.add_command(report)
+
+
+@longwave.command("list", epilog=example("longwave list waves --json"))
+@click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
+@json_option
+def list_(kind: str | None, json_wanted: bool) -> int:
+    """Show lattices, waves, schemes, scenes or observables.
+
+    KIND is one of these words; without it all are shown.
+    """
+    from longwave.inventory import inventory, print_tables
+
+    found = inventory((kind,) if kind else KINDS)
+    if json_wanted:
+        click.echo(json.dumps(found[kind] if kind else found, indent=2))
+    else:
+        print_tables(found)
+    return 0
+
+
+@longwave.command(epilog=example("longwave doctor --json"))
+@json_option
+def doctor(json_wanted: bool) -> int:
+    """Show what is installed, and what each missing piece costs."""
+    from longwave.health import examine, print_findings
+
+    findings = examine()
+    if json_wanted:
+        click.echo(json.dumps([finding.json() for finding in findings], indent=2))
+    else:
+        print_findings(findings)
+    return 1 if any(finding.state == "broken" for finding in findings) else 0

@@ -1,0 +1,143 @@
+"""Waves ``U = 2 d/dxi arctan(f)`` (K4 > 0): the breather, the double pole, two solitons."""
+
+import sympy as sp
+
+from solutions.parameter import Bound, Parameter
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.symbols import X_0, A, tau, xi
+
+__all__ = ["breather", "double_pole", "two_soliton"]
+
+_A_1 = sp.Symbol("A_1", positive=True)
+_A_2 = sp.Symbol("A_2", positive=True)
+
+_phases = (_A_1 * (xi - _A_1**2 * tau), _A_2 * (xi - _A_2**2 * tau + X_0))
+_repulsion = (_A_1 - _A_2) / (_A_1 + _A_2)
+
+_f, _g, _r = sp.symbols("f g r", positive=True)
+
+
+def _slope(tangent: sp.Expr) -> sp.Expr:
+    """``2 d/dxi arctan(tangent)``."""
+    return 2 * sp.diff(sp.atan(tangent), xi)
+
+
+def _bounded_slope(tangent: sp.Expr) -> sp.Expr:
+    """The same with every ``1/cosh`` written ``sech``, so that nothing grows exponentially."""
+    bounded = tangent.replace(sp.cosh, lambda z: 1 / sp.sech(z))
+    return 2 * sp.diff(bounded, xi) / (1 + bounded**2)
+
+
+def breather() -> ClosedForm:
+    """The breather on zero: a soliton bound to its negative, its carrier sin(p ...)."""
+    p, q = sp.symbols("p q", positive=True)
+    carrier = p * (xi + (p**2 - 3 * q**2) * tau)
+    envelope = q * (xi + (3 * p**2 - q**2) * tau + X_0)
+    tangent = q * sp.sin(carrier) / (p * sp.cosh(envelope))
+    return ClosedForm(
+        name="breather",
+        title="breather",
+        expression=_slope(tangent),
+        equation=FOCUSING_MKDV,
+        parameters=(
+            Parameter(p, lower=Bound(sp.S.Zero, "the double-pole soliton")),
+            Parameter(q, lower=Bound(sp.S.Zero, "the zero solution")),
+            Parameter(X_0, default=sp.S.Zero),
+        ),
+        background=sp.S.Zero,
+        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+        reference=Reference("clarke2000generation", "standard mKdV"),
+        stabilise=lambda: _bounded_slope(tangent),
+    )
+
+
+def double_pole() -> ClosedForm:
+    """The double-pole soliton: a soliton and its negative that part like log|T|.
+
+    M. Wadati and K. Ohkuma, Multiple-pole solutions of the modified Korteweg-de Vries equation,
+    J. Phys. Soc. Jpn. 51 (1982) 2029.
+    """
+    tangent = A * (xi - 3 * A**2 * tau + X_0) / sp.cosh(A * (xi - A**2 * tau))
+    return ClosedForm(
+        name="double_pole",
+        title="double-pole soliton",
+        expression=_slope(tangent),
+        equation=FOCUSING_MKDV,
+        parameters=(
+            Parameter(A, lower=Bound(sp.S.Zero, "the zero solution")),
+            Parameter(X_0, default=sp.S.Zero),
+        ),
+        background=sp.S.Zero,
+        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+        reference=Reference("wadati1982multiple", "standard mKdV"),
+        stabilise=lambda: _bounded_slope(tangent),
+    )
+
+
+def two_soliton() -> ClosedForm:
+    """Two sech solitons of different amplitudes, one overtaking the other.
+
+    R. Hirota, Exact solution of the modified Korteweg-de Vries equation for multiple collisions of
+    solitons, J. Phys. Soc. Jpn. 33 (1972) 1456.
+    """
+    return ClosedForm(
+        name="two_soliton",
+        title="two solitons",
+        expression=_slope(_tangent(sp.exp(_phases[0]), sp.exp(_phases[1]), _repulsion)),
+        equation=FOCUSING_MKDV,
+        parameters=(
+            Parameter(_A_1, lower=Bound(sp.S.Zero, "the zero solution")),
+            Parameter(
+                _A_2,
+                lower=Bound(sp.S.Zero, "the sech soliton"),
+                upper=Bound(_A_1, "the sech soliton, the other infinitely far away"),
+            ),
+            Parameter(X_0, default=sp.S.Zero),
+        ),
+        background=sp.S.Zero,
+        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+        reference=Reference("hirota1972exact", "standard mKdV"),
+        stabilise=_stable_solitons,
+    )
+
+
+def _tangent(f: sp.Expr, g: sp.Expr, r: sp.Expr) -> sp.Expr:
+    return (f + g) / (1 - r**2 * f * g)
+
+
+def _fraction() -> tuple[sp.Poly, sp.Poly]:
+    """Numerator and denominator of the wave, polynomials in r f and r g (called f and g)."""
+    tangent = _tangent(_f, _g, _r)
+    slope = _A_1 * _f * sp.diff(tangent, _f) + _A_2 * _g * sp.diff(tangent, _g)
+    wave = sp.cancel((2 * slope / (1 + tangent**2)).subs({_f: _f / _r, _g: _g / _r}))
+    numerator, denominator = sp.fraction(wave)
+    return sp.Poly(numerator, _f, _g), sp.Poly(denominator, _f, _g)
+
+
+def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]) -> sp.Expr:
+    """``polynomial`` divided by ``(1 + f**2) (1 + g**2)``, up to a factor 4."""
+    weights = [(1 - t, s, 1 + t) for t, s in zip(tanhs, sechs, strict=True)]
+    return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
+
+
+def _without_cancellation(t: list[sp.Symbol], s: list[sp.Symbol]) -> sp.Expr:
+    """``gap = 1 - t_1 t_2``, where it is small from ``1 - (t_1 t_2)**2``, a sum of squares.
+
+    ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error in the gap; twice leaves none.
+    """
+    gap = 1 - t[0] * t[1]
+    for _ in range(2):
+        gap = (gap**2 + s[0] ** 2 + (s[1] * t[0]) ** 2) / 2
+    return gap
+
+
+def _stable_solitons() -> sp.Expr:
+    """Divided by the growing exponentials; ``log r`` joins the phases; a positive denominator."""
+    t, s = list(sp.symbols("t_1 t_2", real=True)), list(sp.symbols("s_1 s_2", positive=True))
+    gap = sp.Symbol("gap", positive=True)
+    numerator, denominator = (_divided(part, t, s) for part in _fraction())
+    denominator = sp.expand(denominator.subs(t[0], (1 - gap) / t[1]))
+    shifted = [phase + sp.log(_repulsion) for phase in _phases]
+    values = dict(zip(t + s, [f(z) for f in (sp.tanh, sp.sech) for z in shifted], strict=True))
+    wave = numerator / sp.collect(denominator, gap, sp.factor)
+    return wave.subs(gap, _without_cancellation(t, s)).subs(_r, _repulsion).xreplace(values)

@@ -1,0 +1,164 @@
+"""The words of ``python -m verify``, which are those of ``longwave verify``, ``prove`` and ``run``.
+
+Nothing of the room is imported before a command runs, so help and completion answer at once.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from derive.command_line import Words, called_by, example, json_option
+
+ENGINES = ("stencil", "spectral")
+METHODS = ("proof", "residual")
+SCENES = Path(__file__).parents[1] / "comparison"
+"""Where the shipped scenes lie."""
+
+
+def scene_names() -> list[str]:
+    """The names of the shipped scenes, found as files: importing the lattice takes seconds."""
+    return sorted(path.stem for path in SCENES.rglob("*.toml"))
+
+
+def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Files, where a path or nothing that is shipped has been begun, else the shipped scenes."""
+    names = [name for name in scene_names() if name.startswith(begun)]
+    items = [CompletionItem(name) for name in names]
+    return items if begun and names else [*items, CompletionItem(begun, type="file")]
+
+
+def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
+    """The closed forms whose names begin like that."""
+    from solutions.catalogue import CATALOGUE
+
+    return [name for name in CATALOGUE.names if name.startswith(begun)]
+
+
+_only = click.option(
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    shell_complete=complete_waves,
+    help="Take this form; may be repeated.",
+)
+
+
+@click.command(epilog=example("longwave prove rogue_cn --output rogue_cn.json"))
+@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=complete_waves)
+@click.option(
+    "--certificate", metavar="FILE", type=click.Path(), help="Check the proofs in this file."
+)
+@click.option("--output", metavar="FILE", type=click.Path(), help="Write the proofs' certificates.")
+@json_option
+def prove(
+    names: tuple[str, ...], certificate: str | None, output: str | None, json_wanted: bool
+) -> int:
+    """Prove closed forms by name, or check the proofs in a file.
+
+    What is proved holds for all X and T, all lattice constants and all parameters of the form.
+    `longwave list waves` shows the names; rational_<j> is there for every order j.
+    """
+    if bool(names) == (certificate is not None):
+        got = "both" if names else "neither"
+        raise click.UsageError(
+            f"either NAME or --certificate FILE must be given, got {got} "
+            "(--output FILE writes certificates)"
+        )
+    if certificate is None:
+        from verify.cli.verdicts import Options, print_verdicts
+
+        options = Options(tuple(dict.fromkeys(names)), json_wanted, output)
+        return print_verdicts(options, called_by())
+    if output is not None:
+        raise click.UsageError("--output must not be given with --certificate, got both")
+    from verify.cli.certificates import print_certificates
+
+    return print_certificates(Path(certificate), json_wanted)
+
+
+@click.group(
+    cls=Words,
+    invoke_without_command=True,
+    subcommand_metavar="[COMMAND [ARGS]...]",
+    epilog=example("longwave verify --digits 30,50,100"),
+)
+@_only
+@click.option("--json", "json_wanted", is_flag=True, help="Print the verdicts as JSON.")
+@click.option("--certificate", metavar="FILE", type=click.Path(), help="Write the certificates.")
+@click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")
+@click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, no proof.")
+@click.option("--digits", metavar="D1,D2,...", help="Increasing precisions of the residual.")
+@click.option("--points", type=int, help="Random points a form for the residual.")
+@click.option("--seed", type=int, help="Seed of the points.")
+def verify(**options: Any) -> int:
+    """Prove every closed form, or measure its residual.
+
+    The words below check certificates and misprints, and measure the evaluation.
+    """
+    subcommand = click.get_current_context().invoked_subcommand
+    if subcommand is not None:
+        given = [name for name, value in options.items() if value not in (None, False, ())]
+        if given:
+            option = given[0].removesuffix("_wanted")
+            raise click.UsageError(
+                f"--{option} must stand behind the word that it is meant for, got it before "
+                f"{subcommand}"
+            )
+        return 0
+    from verify.cli.verdicts import Options, print_verdicts
+
+    return print_verdicts(Options(**options), called_by())
+
+
+@verify.command("check-certificate", epilog=example("longwave verify check-certificate c.json"))
+@click.argument("file", type=click.Path(path_type=Path))
+@json_option
+def check_certificate(file: Path, json_wanted: bool) -> int:
+    """Repeat the proofs in FILE with other arithmetic."""
+    from verify.cli.certificates import print_certificates
+
+    return print_certificates(file, json_wanted)
+
+
+@verify.command(epilog=example("longwave verify mutations --only kink"))
+@_only
+@json_option
+def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
+    """Refute every misprint of the closed forms."""
+    from verify.cli.verdicts import print_mutations
+
+    return print_mutations(only, json_wanted, called_by())
+
+
+@verify.command(epilog=example("longwave verify accuracy --only kink --drawn 10"))
+@_only
+@click.option("--jobs", type=int, help="Processes (default all cores).")
+@click.option("--drawn", type=int, help="Random cases a wave.")
+@json_option
+def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
+    """Measure the evaluation of every wave."""
+    from verify.cli.accuracy import print_accuracy
+
+    return print_accuracy(only, jobs, drawn, json_wanted, called_by())
+
+
+@verify.command(epilog=example("longwave run rational_2_eps_0.05 --tolerance 1e-3"))
+@click.argument("scene", shell_complete=complete_scenes)
+@click.option(
+    "--tolerance",
+    type=float,
+    metavar="X",
+    help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
+)
+@click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
+@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as netCDF.")
+def run(**options: Any) -> int:
+    """Run the lattice from a wave and compare the two.
+
+    SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`).
+    """
+    from verify.cli.run import Options, run_and_print
+
+    return run_and_print(Options(**options), called_by())
