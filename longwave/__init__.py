@@ -28,7 +28,8 @@ _ROOMS: dict[str, tuple[str, ...]] = {
         "reduce",
     ),
     "solutions": ("CATALOGUE", "ClosedForm", "Equation", "Parameter", "Wave", "closed_form"),
-    "verify.proof": ("check_certificate", "prove", "prove_equal"),
+    "verify.proof": ("check_certificate", "prove_equal"),
+    "verify.proof.statement_verdict": ("prove",),
     "verify.verdict": ("Verdict",),
     "longwave.plotting": ("plot",),
     "verify.comparison": (

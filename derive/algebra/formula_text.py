@@ -71,9 +71,15 @@ class FormulaError(ValueError):
 
     def __init__(self, name: str, words: str, text: str, position: int) -> None:
         super().__init__(f"{name}: {words} (column {position + 1})")
+        self.name = name
+        self.words = words
         self.text = text
         self.position = position
         self.add_note(self.picture)
+
+    def within(self, place: str) -> FormulaError:
+        """The same error, with ``place`` before the name of the text."""
+        return FormulaError(f"{place}: {self.name}", self.words, self.text, self.position)
 
     @property
     def picture(self) -> str:

@@ -21,7 +21,8 @@ from verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .domain_signs import singularities
-from .domains import REAL, Domains, sample, settled_domains
+from .domains import REAL, Domains, settled_domains
+from .samples import sample
 from .statement_text import Statement, read_statement
 
 Progress = Callable[[str], None]
@@ -143,6 +144,19 @@ def _together(
         certificate=certificates[0] if certificates else None,
         statement=statement_latex(statement),
         certificates=certificates,
+    )
+
+
+def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
+    """The verdict that there is none, for a reason."""
+    return StatementVerdict(
+        statement.name,
+        "; ".join(equation_text(equation) for equation in statement.equations),
+        prover.METHOD,
+        Outcome.UNDECIDED,
+        reason,
+        seconds=seconds,
+        statement=statement_latex(statement),
     )
 
 
@@ -282,11 +296,54 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
 
 def statement_latex(statement: Statement) -> str:
     """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
-    equations = [f"{_latex(equation)} = 0" for equation in statement.equations]
-    formulas = [f"{_latex(u)} = {_latex(f)}" for u, f in statement.solutions.items()]
-    domains = [_domain_latex(symbol, d) for symbol, d in statement.domains.items()]
-    words = r",\quad ".join(equations) + r" \quad\Leftarrow\quad " + r",\quad ".join(formulas)
-    return words + (rf" \qquad ({', '.join(domains)})" if domains else "")
+    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
+    words = rf"{_equations_latex(statement)} \quad\Leftarrow\quad {_formulas_latex(statement)}"
+    return words + (rf" \qquad ({domains})" if domains else "")
+
+
+def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
+    r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
+
+    >>> statement = read_statement("u_x - 1", "u = x")
+    >>> print(verified_sentence(statement, decide_statement(statement)))
+    We verified (certificate \texttt{...}) that
+    \[ u = x \]
+    satisfies
+    \[ u_{x} - 1 = 0 \]
+    for all real $x$ at which it is smooth.
+    """
+    formulas, equations = _formulas_latex(statement), _equations_latex(statement)
+    if verdict.outcome is Outcome.UNDECIDED:
+        return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
+    if verdict.outcome is Outcome.REFUTED:
+        point = ", ".join(
+            rf"{sp.latex(sp.Symbol(name))} = {value}"
+            for name, value in (verdict.witness or {}).items()
+        )
+        heading, last = "We found that", f"at ${point}$."
+        verb = "does not satisfy"
+    else:
+        digests = ", ".join(rf"\texttt{{{c['digest'][:16]}}}" for c in verdict.certificates)
+        heading = f"We verified (certificate {digests}) that"
+        verb, last = "satisfies", f"{_scope_latex(statement)} at which it is smooth."
+    return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
+
+
+def _scope_latex(statement: Statement) -> str:
+    formulas = (*statement.equations, *statement.solutions.values())
+    symbols = {s for formula in formulas for s in formula.free_symbols} | set(statement.variables)
+    names = ", ".join(sp.latex(symbol) for symbol in sorted(symbols, key=str))
+    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
+    return f"for all real ${names}$" + (f" with ${domains}$" if domains else "")
+
+
+def _equations_latex(statement: Statement) -> str:
+    return r",\quad ".join(f"{_latex(equation)} = 0" for equation in statement.equations)
+
+
+def _formulas_latex(statement: Statement) -> str:
+    pairs = statement.solutions.items()
+    return r",\quad ".join(f"{_latex(unknown)} = {_latex(f)}" for unknown, f in pairs)
 
 
 def _latex(expression: sp.Expr) -> str:
