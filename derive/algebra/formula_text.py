@@ -210,7 +210,7 @@ class Parser:
     def after_operand(self) -> str:
         """What may follow a complete operand, for an error."""
         juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
-        return "an operator such as * " if juxtaposed else "an operator or the end"
+        return "an operator such as *" if juxtaposed else "an operator or the end"
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
         """The error at a token, which is the one that comes unless given."""
@@ -228,32 +228,36 @@ class Parser:
         return self._built(start, total, terms)
 
     def _term(self) -> sp.Expr:
+        """A product, built at once, so that a number is not multiplied into a sum beside others."""
         start = self.next
-        factors = [self._signed()]
+        factors = self._signed()
         while sign := self.take_sign("*", "/"):
-            factor = self._signed()
+            further = self._signed()
             if sign.text == "/":
-                factor = self._built(sign, power, factor, sp.S.NegativeOne)
-            factors.append(factor)
+                divisor = self._built(sign, product, further)
+                further = [self._built(sign, power, divisor, sp.S.NegativeOne)]
+            factors += further
         return self._built(start, product, factors)
 
-    def _signed(self) -> sp.Expr:
-        """An operand with its signs; ``**`` binds closer than they do."""
+    def _signed(self) -> list[sp.Expr]:
+        """An operand with its sign, as factors; ``**`` binds closer than signs do."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
             negative ^= sign.text == "-"
         self._depth += 1
         if self._depth > DEEPEST:
-            words = f"brackets and powers must be at most {DEEPEST} deep"
-            raise self.error(words, start)
+            raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
         found = self._power()
         self._depth -= 1
-        return self._built(start, product, [sp.S.NegativeOne, found]) if negative else found
+        return [sp.S.NegativeOne, found] if negative else [found]
 
     def _power(self) -> sp.Expr:
         base = self._operand()
         sign = self.take_sign("**")
-        return self._built(sign, power, base, self._signed()) if sign else base
+        if sign is None:
+            return base
+        exponent = self._built(sign, product, self._signed())
+        return self._built(sign, power, base, exponent)
 
     def _operand(self) -> sp.Expr:
         token = self.next

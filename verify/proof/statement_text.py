@@ -26,7 +26,8 @@ from derive.algebra.formula_text import (
 )
 from solutions import functions
 
-from .domains import REAL, Domain
+from .domains import REAL, Domain, settled_domains
+from .samples import sample
 
 CONTINUOUS, SITE = "xyzt", "n"
 
@@ -40,6 +41,10 @@ MISREAD = {
     "E": "write exp(1)",
     "Pi": "write pi",
     "PI": "write pi",
+    "oo": "leave the bound out",
+    "inf": "leave the bound out",
+    "nan": "formulas have values",
+    "zoo": "formulas have values",
 }
 """Names that are taken for constants elsewhere, and must be declared here."""
 
@@ -181,8 +186,10 @@ class _Reading:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
             if len(part.words) > 1 and part.words[0].kind == "end":
                 raise part.error("expected a formula, got the end")
-        if max(len(self.entries), len(self.limits)) > PARTS:
-            raise self.entries[0].error(f"expected at most {PARTS} entries")
+        for parts in (self.equations, self.solutions, self.entries, self.limits):
+            if len(parts) > PARTS:
+                words = f"expected at most {PARTS} parts, got {len(parts)}"
+                raise parts[PARTS].error(words)
         for entry in self.entries:
             self._declare(entry)
         letters, indexed = self._letters(), self._indexed()
@@ -191,6 +198,7 @@ class _Reading:
         solutions = dict(self._solution(part) for part in self.solutions)
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
+        self._check_domains()
         return Statement(self.name, equations, solutions, self.domains)
 
     def _words(self) -> Iterator[tuple[_Part, int, Token]]:
@@ -293,6 +301,8 @@ class _Reading:
         while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
             signs.append(sign.text)
             sides.append(parser.expression())
+        if any(side.is_extended_real is False for side in sides):
+            raise part.error("expected real bounds, got a complex one", start)
         if not signs:
             known = ", ".join(WORDS)
             words = f"expected an inequality such as {name}>0, or one of {known}, got"
@@ -448,6 +458,16 @@ class _Reading:
             name = part.words[0].text
             if name not in self.used:
                 raise part.error(f"expected an unknown of the equations, got {name}")
+
+    def _check_domains(self) -> None:
+        """Raise FormulaError for domains that the prover cannot take, or that hold no point."""
+        if not self.domains:
+            return
+        try:
+            sample(settled_domains(self.domains, self.domains), 1)
+        except ValueError as error:
+            part = (*self.limits, *self.entries)[0]
+            raise part.error(str(error)) from None
 
 
 def _whole(letter: str) -> Domain:
