@@ -22,7 +22,8 @@ _NOUNS = {
     "derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
     "mkdv_normal_form reduce",
     "solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
-    "verify.proof": "check_certificate prove prove_equal",
+    "verify.proof": "check_certificate prove_equal",
+    "verify.proof.statement_verdict": "prove",
     "verify.verdict": "Verdict",
     "longwave.plotting": "plot",
     "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "

@@ -109,14 +109,7 @@ def _repeat(rows: Array, first: int, height: int) -> None:
 
 @_jit
 def _pass(
-    y: Array,
-    s: Array,
-    forces: Array,
-    drifts: Array,
-    kicks: Array,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    y: Array, s: Array, forces: Array, drifts: Array, kicks: Array, *constants: float | None
 ) -> None:
     """All stages once over the rows; each leaves one more row at either end untrue."""
     total, stages = y.size // LANES, kicks.size
@@ -127,21 +120,14 @@ def _pass(
             first, past = max(low - k, k + 1), high - k
             both = max(first, k + 3) if k + 1 < stages else past
             if first < min(both, past):
-                stage(y, s, forces, drifts, kicks, k, first, min(both, past), K2, K3, K4)
+                stage(y, s, forces, drifts, kicks, k, first, min(both, past), *constants)
             if both < past:
-                pair(y, s, forces, drifts, kicks, k, both, past, K2, K3, K4)
+                pair(y, s, forces, drifts, kicks, k, both, past, *constants)
 
 
 @_jit
 def advance_blocked(
-    ring_y: Array,
-    ring_s: Array,
-    drifts: Array,
-    kicks: Array,
-    steps: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    ring_y: Array, ring_s: Array, drifts: Array, kicks: Array, steps: int, *constants: float | None
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps of a drift-kick splitting.
 
@@ -169,7 +155,7 @@ def advance_blocked(
         _repeat(y, first, height)
         _repeat(s, first, height)
         used = LANES * (height + 2 * block + 1)
-        _pass(y[:used], s[:used], forces, a[:block], b[:block], K2, K3, K4)
+        _pass(y[:used], s[:used], forces, a[:block], b[:block], *constants)
         first = block + 1
         done += block // stages
     for rows, ring in ((y, ring_y), (s, ring_s)):

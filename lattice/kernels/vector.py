@@ -120,13 +120,11 @@ def plain_pair(
     level: int,
     first: int,
     past: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    *constants: float | None,
 ) -> None:
     """`plain_stage` for ``level``, and for level + 1 one row lower. 2 <= first."""
-    plain_stage(y, s, forces, drifts, kicks, level, first, past, K2, K3, K4)
-    plain_stage(y, s, forces, drifts, kicks, level + 1, first - 1, past - 1, K2, K3, K4)
+    plain_stage(y, s, forces, drifts, kicks, level, first, past, *constants)
+    plain_stage(y, s, forces, drifts, kicks, level + 1, first - 1, past - 1, *constants)
 
 
 def _why_plain() -> str:

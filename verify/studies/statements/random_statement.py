@@ -26,7 +26,7 @@ class Truth(enum.StrEnum):
 
 
 @dataclass(frozen=True)
-class Range:
+class SymbolRange:
     """The open interval from which a symbol takes its values; None for an end at infinity."""
 
     symbol: sp.Symbol
@@ -83,7 +83,7 @@ class RandomStatement:
     left: sp.Expr
     right: sp.Expr
     variables: tuple[sp.Symbol, ...]
-    ranges: tuple[Range, ...]
+    ranges: tuple[SymbolRange, ...]
     unknown: sp.Expr | None = None
     counterexample: Point | None = None
     change: sp.Expr | None = None
@@ -132,7 +132,7 @@ class Setting:
     draw: random.Random
     variables: tuple[sp.Symbol, ...]
     parameters: list[sp.Symbol]
-    ranges: dict[sp.Symbol, Range]
+    ranges: dict[sp.Symbol, SymbolRange]
     modulus: sp.Expr | None = field(default=None)
 
     @property
@@ -193,13 +193,13 @@ class Setting:
         return self.modulus
 
 
-def ranged(name: str, low: sp.Rational | None, high: sp.Rational | None) -> Range:
+def ranged(name: str, low: sp.Rational | None, high: sp.Rational | None) -> SymbolRange:
     """A symbol whose assumptions say what they can of its range."""
     if low is not None and low >= 0:
-        return Range(sp.Symbol(name, positive=True), low, high)
+        return SymbolRange(sp.Symbol(name, positive=True), low, high)
     if high is not None and high <= 0:
-        return Range(sp.Symbol(name, negative=True), low, high)
-    return Range(sp.Symbol(name, real=True), low, high)
+        return SymbolRange(sp.Symbol(name, negative=True), low, high)
+    return SymbolRange(sp.Symbol(name, real=True), low, high)
 
 
 def random_setting(draw: random.Random, variables: int = 0, parameters: int = -1) -> Setting:
@@ -214,7 +214,7 @@ def random_setting(draw: random.Random, variables: int = 0, parameters: int = -1
     return Setting(draw, tuple(symbols[:count]), symbols[count:], {r.symbol: r for r in made})
 
 
-def random_range(draw: random.Random, name: str) -> Range:
+def random_range(draw: random.Random, name: str) -> SymbolRange:
     """The whole line, a half line or an interval."""
     kind = draw.random()
     if kind < 0.4:

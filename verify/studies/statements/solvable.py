@@ -23,7 +23,7 @@ from verify.studies.statements.formulas import (
     positive,
     rewritten,
 )
-from verify.studies.statements.random_statement import RandomStatement, Range, Setting, Truth
+from verify.studies.statements.random_statement import RandomStatement, Setting, SymbolRange, Truth
 from verify.studies.statements.values import with_counterexample
 
 HIGHEST = 3
@@ -154,7 +154,7 @@ def catalogue_form(setting: Setting) -> RandomStatement | None:
     solution = scale * form.expression.xreplace(moved)
     unknown = sp.Function("U")(xi, tau)
     holds = power == 3 or scale == 1
-    variables = (Range(xi), Range(tau))
+    variables = (SymbolRange(xi), SymbolRange(tau))
     made = RandomStatement(
         "catalogue",
         Truth.TRUE if holds else Truth.FALSE,
@@ -167,7 +167,7 @@ def catalogue_form(setting: Setting) -> RandomStatement | None:
     return made if holds else with_counterexample(made, draw)
 
 
-def _ranges(form: ClosedForm) -> list[Range] | None:
+def _ranges(form: ClosedForm) -> list[SymbolRange] | None:
     """The ranges of a form's parameters; None if one depends on another."""
     found = []
     for parameter in form.parameters:
@@ -177,7 +177,7 @@ def _ranges(form: ClosedForm) -> list[Range] | None:
         ]
         if not all(end is None or end.is_Rational for end in ends):
             return None
-        found.append(Range(parameter.symbol, *ends))
+        found.append(SymbolRange(parameter.symbol, *ends))
     return found
 
 
@@ -191,8 +191,8 @@ def known_solution(setting: Setting) -> RandomStatement | None:
     left, solution = draw.choice(_textbook(x, time, a, b, u))
     rate = draw.choice((sp.S.One, sp.S.One, sp.Rational(101, 100), 1 + sp.Rational(1, 10**60)))
     left = left + (rate - 1) * u
-    variables = (Range(x), Range(time, sp.S.Zero if time.is_positive else None))
-    ranges = (*variables, Range(a, sp.S.Zero), Range(b, sp.S.Zero))
+    variables = (SymbolRange(x), SymbolRange(time, sp.S.Zero if time.is_positive else None))
+    ranges = (*variables, SymbolRange(a, sp.S.Zero), SymbolRange(b, sp.S.Zero))
     used = solution.free_symbols | {x, time}
     made = RandomStatement(
         "textbook",
