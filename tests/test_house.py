@@ -28,17 +28,22 @@ SAME_NAMES = {
     "__init__.py": "a room's or a folder's face",
     "__main__.py": "a room's command",
     "catalogue.py": "closed forms, schemes: the list of what there is",
-    "symbols.py": "the letters of a room's formulas",
+    "jacobi.py": "the functions for SymPy, and for the machine",
     "ring.py": "a ring of sites, a ring of polynomials",
+    "symbols.py": "the letters of a room's formulas",
 }
 """Names that several files may have, and why."""
 
 SAME_CLASSES = {
     "Domain": "of sites, of variables",
-    "Range": "of a drawn number, of values on a domain",
+    "Options": "of one command each",
+    "Problem": "as a file states it, as it is proved",
     "Signs": "of the prover, of the checker, which shares no code with it",
+    "Statement": "as a text states it, as a certificate proves it",
 }
 """Names that several public classes may have, and why: their folders make them clear."""
+
+MOST_LINES = 510
 
 
 def imported_modules(path: Path, text: str | None = None) -> Iterator[str]:
@@ -209,7 +214,7 @@ def lines_of_code(text: str) -> int:
 @pytest.mark.parametrize("path", SOURCES, ids=name_of)
 def test_a_file_is_neither_a_scrap_nor_a_heap(path: Path) -> None:
     text = path.read_text("utf-8")
-    assert len(text.splitlines()) <= 460
+    assert len(text.splitlines()) <= MOST_LINES
     if not path.name.startswith("__"):
         assert lines_of_code(text) >= 15
 

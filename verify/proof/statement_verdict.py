@@ -90,7 +90,10 @@ def prove(
             )
         return prover.prove(equation, solution, **options)
     if not all(textual):
-        raise TypeError("equation and solution must be of one kind, got text and a SymPy object")
+        raise TypeError(
+            "equation and solution must be of one kind, got text and a SymPy object "
+            "(give both as text, or neither)"
+        )
     wrong = sorted(options.keys() - {"name"})
     if wrong:
         raise TypeError(f"{wrong[0]} must be left out with texts, got it (say it in parameters)")
