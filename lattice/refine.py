@@ -59,7 +59,7 @@ PROGRESS = 0.7
 
 WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
-shorter ones, whose roundings are more."""
+shorter ones, whose roundings are more (scenes of `benchmarks/estimates.py`)."""
 
 SURE = 50.0
 """A step's error that is to be divided by at most this is taken to obey its law."""

@@ -164,7 +164,9 @@ def test_a_circle_of_imports_is_seen() -> None:
         longest_chain(circle)
 
 
-@pytest.mark.parametrize("room", ["derive", "solutions", "verify.comparison", "longwave"])
+@pytest.mark.parametrize(
+    "room", ["derive", "solutions", "lattice", "verify.comparison", "longwave"]
+)
 def test_a_noun_that_is_imported_when_asked_for_has_not_the_name_of_a_module(room: str) -> None:
     """Importing the module would put it in the noun's place."""
     face = import_module(room)
