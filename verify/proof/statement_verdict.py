@@ -354,6 +354,7 @@ def _latex(expression: sp.Expr) -> str:
 def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
     if not isinstance(unknown, AppliedUndef):
         return rf"\left({_latex(unknown)}\right)_{{{''.join(map(str, variables))}}}"
+    variables = sorted(variables, key=unknown.args.index)
     index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
     below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
     return f"{unknown.func.__name__}_{{{below}}}" if below else unknown.func.__name__
