@@ -123,9 +123,9 @@ def _prove_names(
             "(--output FILE writes certificates)"
         )
     if certificate is None:
-        from verify.cli.verdicts import Options, print_verdicts
+        from verify.cli.verdicts import VerdictOptions, print_verdicts
 
-        options = Options(tuple(dict.fromkeys(names)), json_wanted, output)
+        options = VerdictOptions(tuple(dict.fromkeys(names)), json_wanted, output)
         return print_verdicts(options, called_by())
     if output is not None:
         raise click.UsageError("--output must not be given with --certificate, got both")
@@ -163,9 +163,9 @@ def verify(**options: Any) -> int:
                 f"{subcommand}"
             )
         return 0
-    from verify.cli.verdicts import Options, print_verdicts
+    from verify.cli.verdicts import VerdictOptions, print_verdicts
 
-    return print_verdicts(Options(**options), called_by())
+    return print_verdicts(VerdictOptions(**options), called_by())
 
 
 @verify.command("check-certificate", epilog=example("longwave verify check-certificate c.json"))
