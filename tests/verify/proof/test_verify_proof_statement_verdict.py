@@ -115,6 +115,26 @@ def test_a_system_is_proved_by_all_and_refuted_by_one_of_its_equations() -> None
     assert verdict.detail.startswith("equation 2: ")
 
 
+NOWHERE = "1/(sin(x)**2 + cos(x)**2 - 1)"
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u_t - v_t", f"u = {NOWHERE} ;; v = {NOWHERE}"),
+        ("u_x - v_x - 1", f"u = {NOWHERE} ;; v = {NOWHERE}"),
+        ("(u_x - v_x)/(u**2 + w**2 - 1)", "u = sin(x) ;; w = cos(x) ;; v = sin(x)"),
+        ("u_t - v_t", "u = log(sin(x)**2 + cos(x)**2 - 1) ;; v = t - t"),
+        ("u_t - v_t - 1", "u = log(sin(x)**2 + cos(x)**2 - 1) ;; v = t - t"),
+        ("u_t + sin(u)*0 - v_t", f"u = {NOWHERE} ;; v = x"),
+    ],
+)
+def test_what_is_nowhere_defined_is_neither_proved_nor_refuted(
+    equation: str, solution: str
+) -> None:
+    assert prove(equation, solution).outcome == "UNDECIDED"
+
+
 def test_the_residual_has_the_formulas_at_shifted_sites() -> None:
     statement = read_statement("q[n+1]*q[n-1] - q_t[n+2]", "q = n**2*t")
     n, t = statement.variables
