@@ -140,6 +140,11 @@ class ProofWriter:
             self.registered.add(place)
             self.generators.append([*(rest or ("atom", place))])
 
+    def name(self, *, place: int, value: int) -> None:
+        """Say that the root or function at ``place`` is the node at ``value``."""
+        if place != value:
+            self.hints["values"][place] = value
+
     def data(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         return {
