@@ -67,15 +67,15 @@ def _keep(program: Program, path: Path) -> None:
 def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:
     """Compile ``expression`` in xi, tau and ``parameters``."""
     lowering = Lowering()
-    statements, outputs = tape_of(lowering, lowering.lower(expression))
+    tape, outputs = tape_of(lowering, lowering.lower(expression))
     phases, calls = tuple(lowering.phases.values()), tuple(lowering.calls.values())
     jacobi = [symbol for call in calls for symbol in call.symbols]
     assembler = Assembler([*(phase.symbol for phase in phases), *jacobi])
-    for symbol, right in statements:
+    for symbol, right in tape.lines:
         assembler.define(symbol, right)
     bytecode = assembler.assemble([assembler.value(output) for output in outputs])
     back = {symbol: constant for constant, symbol in lowering.constants.items()}
-    used = set().union(*(right.free_symbols for _, right in statements))
+    used = set().union(*(right.free_symbols for _, right in tape.lines))
     fixed = [
         *(entry.xreplace(back) for entry in bytecode.pool),
         *(c for phase in phases for c in (phase.p, phase.q, phase.r)),

@@ -20,7 +20,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
+from solutions.compile.tape import Tape, UnknownDerivativeError
 from solutions.parameter import Bound, Parameter
 from solutions.record import ClosedForm, Equation
 from verify.verdict import Outcome, Verdict
@@ -218,7 +218,7 @@ class ResidualProgram:
     def __init__(self, expression: sp.Expr, equation: Equation) -> None:
         self.symbols = tuple(sorted({equation.xi, equation.tau} | expression.free_symbols, key=str))
         self._context = mpmath.mp.clone()
-        tape = StraightLine()
+        tape = Tape()
         try:
             entries = _term_entries(tape, expression, equation)
         except UnknownDerivativeError as error:
@@ -243,7 +243,7 @@ class ResidualProgram:
         return float(context.log10(total / size)) if total else float("-inf")
 
 
-def _term_entries(tape: StraightLine, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
+def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
     """The terms of the residual in the tape's registers.
 
     The field is first an undefined function, whose derivatives stand unevaluated in the terms.

@@ -19,7 +19,7 @@ import sympy as sp
 from flint import acb, ctx
 
 from solutions import CATALOGUE
-from solutions.compile.straight_line import StraightLine
+from solutions.compile.tape import Tape
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import tau, xi
 from verify.processes import Job, Key
@@ -162,7 +162,7 @@ def exact_values(case: WaveCase) -> list[Row]:
 @lru_cache(maxsize=1)
 def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
     """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
-    context, tape = mpmath.MPContext(), StraightLine()
+    context, tape = mpmath.MPContext(), Tape()
     value = tape.record(case.form.expression)
     entries = [value, *(tape.derivative(value, variable) for variable in (xi, tau))]
     symbols = (xi, tau, *case.wave().parameters)
