@@ -8,10 +8,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from derive.algebra.exact_numbers import instance
+from derive.algebra.exact_numbers import exact_number, instance
 from derive.normal_form import NormalForm
 from solutions.compile.compiler import kept_program
-from solutions.exact import exact_number
 from solutions.points import check_points, evaluate_points
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import split

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from solutions.exact import exact_number, shown
+from derive.algebra.exact_numbers import exact_number, shown
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.run.program import Variables
 from solutions.symbols import tau, xi

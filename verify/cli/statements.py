@@ -22,9 +22,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import fail, interrupted
-from solutions.exact import shown
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.verdicts import STYLES, summary
 from verify.processes import OutOfTime, ignore_interrupt

@@ -20,9 +20,9 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 import derive
+from derive.algebra.exact_numbers import exact_number
 from lattice.state import Sites
 from solutions import ClosedForm, Wave, WaveValues, closed_form
-from solutions.exact import exact_number
 from solutions.run.jit import njit
 from verify.comparison.scene import Scene
 

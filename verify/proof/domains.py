@@ -13,7 +13,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from solutions.exact import shown
+from derive.algebra.exact_numbers import shown
 
 
 @dataclass(frozen=True)

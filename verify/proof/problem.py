@@ -10,7 +10,7 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from solutions.exact import shown
+from derive.algebra.exact_numbers import shown
 from solutions.record import Equation
 from verify.subexpressions import abbreviated
 
