@@ -16,9 +16,9 @@ import xarray as xr
 
 from lattice.schemes.scheme import check_step
 from lattice.state import State
-from lattice.stepper import Stepper
-from solutions import Wave
-from verify.comparison.domain import build_domain
+from lattice.stepper import Domain, Stepper
+from verify.comparison.domain import SiteRing, Window
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import (
     TIME_DIMENSION,
     Moment,
@@ -184,14 +184,26 @@ class Recording:
     stopped: bool = False
 
 
-def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Stepper, float]:
+def build_domain(scene: Scene, moving: MovingWave) -> Domain:
+    """The domain that the scene states. A closed ring fades where nothing asks for all sites."""
+    stated = scene.discretisation
+    if stated.domain == "window":
+        return Window(moving, stated.sites)
+    closed = stated.domain == "closed_ring"
+    whole = any(observable_named(name).all_sites for name in scene.observables)
+    return SiteRing(moving, stated.sites, closed, fades=closed and not whole)
+
+
+def prepare(
+    scene: Scene, moving: MovingWave, restart: State | None = None
+) -> tuple[Stepper, float]:
     """The march of a scene, kernels compiled, and the largest stable step.
 
     It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
     same scene. Raises ValueError for a step past the stability limit and for a domain that is too
     small.
     """
-    domain, step = build_domain(scene, wave), scene.discretisation.step
+    domain, step = build_domain(scene, moving), scene.discretisation.step
     scheme = scene.discretisation.table
     initial = domain.start()
     limit = check_step(step, scheme, scene.constants, initial.y)
@@ -203,7 +215,7 @@ def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Ste
 
 def record(
     scene: Scene,
-    wave: Wave,
+    moving: MovingWave,
     observers: Sequence[Observer],
     progress: Progress,
     restart: State | None = None,
@@ -212,7 +224,7 @@ def record(
 
     A run from ``restart`` shows nothing before or at the time of that state.
     """
-    march, step_limit = prepare(scene, wave, restart)
+    march, step_limit = prepare(scene, moving, restart)
     begin = march.state.t
     exact = {t for observer in observers for t in observer.moments.times}
     first = {begin} if restart is None else set()
@@ -220,7 +232,7 @@ def record(
     begun, stopped = time.perf_counter(), False
     try:
         for state in march.through(times):
-            view = View(scene, wave, state)
+            view = View(moving, state)
             for observer in observers:
                 if observer.moments.due(state.t):
                     observer.see(view)

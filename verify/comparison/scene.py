@@ -10,9 +10,10 @@ from typing import Any
 from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme
-from solutions import ClosedForm
+from solutions import ClosedForm, closed_form
 from verify.comparison import checks as check
-from verify.comparison.observables import observable_named
+from verify.comparison.moving_wave import MovingWave, build_wave
+from verify.comparison.observables import NAMES, observable_named
 from verify.comparison.scene_file import read_scene_file
 
 DOMAINS = ("window", "ring", "closed_ring")
@@ -162,7 +163,7 @@ class Scene:
             object.__setattr__(self, key, check.whole(key, getattr(self, key)))
         check.positive("eps", self.eps)
         object.__setattr__(self, "snapshots", check.times(self.snapshots, self.t0))
-        object.__setattr__(self, "observables", check.observables(self.observables))
+        object.__setattr__(self, "observables", check.names("observables", self.observables, NAMES))
         object.__setattr__(self, "parameters", check.parameters(self.parameters))
         if self.look_points is not None:
             object.__setattr__(self, "look_points", check.whole("look_points", self.look_points))
@@ -236,6 +237,23 @@ class Scene:
     def constants(self) -> Model:
         """The lattice constants."""
         return Model(self.K2, self.K3, self.K4)
+
+    @property
+    def form(self) -> ClosedForm:
+        """The closed form that is named or given; a ValueError lists the known names."""
+        if isinstance(self.wave, ClosedForm):
+            return self.wave
+        return closed_form(self.wave, dict(self.parameters))
+
+    @cached_property
+    def moving_wave(self) -> MovingWave:
+        """The wave on the lattice; ValueError for parameters and constants that it does not admit.
+
+        What asks for the wave alone finds it in ``moving_wave.wave``.
+        """
+        wave = build_wave(self.form, self.constants, dict(self.parameters))
+        times = (self.t0, *self.snapshots)
+        return MovingWave(wave, self.constants, self.eps, times, self.compared)
 
     @property
     def end(self) -> float:

@@ -11,9 +11,8 @@ import numpy as np
 import xarray as xr
 
 from lattice.state import State
-from solutions import Wave
 from verify.comparison.domain import Array
-from verify.comparison.initial_data import build_wave
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import (
     Moments,
@@ -67,7 +66,7 @@ def refined(scene: Scene, measure: str) -> Scene:
 
 
 def measured_error(
-    scene: Scene, wave: Wave, measure: str, samples: Sequence[Array], progress: Progress
+    scene: Scene, moving: MovingWave, measure: str, samples: Sequence[Array], progress: Progress
 ) -> list[float]:
     """Largest difference of y/eps over the compared sites between a run and its refinement.
 
@@ -75,7 +74,7 @@ def measured_error(
     KeyboardInterrupt on Ctrl-C.
     """
     finer = StrainSamples(scene.snapshots[: len(samples)])
-    if record(refined(scene, measure), wave, [finer], progress).stopped:
+    if record(refined(scene, measure), moving, [finer], progress).stopped:
         raise KeyboardInterrupt
     return [
         float(np.max(np.abs(fine - coarse))) / scene.eps
@@ -85,24 +84,24 @@ def measured_error(
 
 def run_from(
     scene: Scene,
+    moving: MovingWave,
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),
 ) -> xr.Dataset:
-    """Run from the scene's initial data or from a state of an earlier run of the same scene.
+    """Run from the wave's initial data or from a state of an earlier run of the same scene.
 
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
     what was recorded on Ctrl-C.
     """
     meter = _Meter(scene, progress)
-    wave = build_wave(scene)
     recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
     measures = [measure for measure in scene.observables if measure in COST]
     seen: list[Observer] = [*recorders, *witnesses]
     if measures:
         seen.append(samples)
-    recording = record(scene, wave, seen, meter.part(1.0), restart)
+    recording = record(scene, moving, seen, meter.part(1.0), restart)
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
@@ -113,7 +112,7 @@ def run_from(
     for measure in measures:
         part = meter.part(COST[measure])
         try:
-            values = measured_error(scene, wave, measure, samples.samples, part)
+            values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
             cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
             raise UnfinishedRun(build_dataset(scene, reached, variables, cost)) from None

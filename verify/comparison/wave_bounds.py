@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lattice.model import Model
 from solutions import Wave
+from verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 
@@ -65,22 +66,17 @@ class WaveBounds:
         return int(np.ceil(max(-self.low, self.high)))
 
 
-def find_bounds(
-    constants: Model,
-    wave: Wave,
-    eps: float,
-    times: Sequence[float],
-    compared: int,
-    tolerance: float,
-) -> WaveBounds:
-    """The bounds of ``compared`` sites about c t and of the wave from the first of ``times`` on.
+def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
+    """The bounds of compared sites and wave at all times from the first to the last.
 
     The wave is where y/eps deviates from its far fields by more than a share of ``tolerance``, or,
     if it decays like a power, by more than a share of its largest deviation: the rest is a matter
     of the domain's size.
     """
-    ends, strain = _wave_at_all_times(constants, wave, eps, tuple(times), tolerance)
-    edge = float(compared)
+    ends, strain = _wave_at_all_times(
+        moving.constants, moving.wave, moving.eps, moving.times, tolerance
+    )
+    edge = float(moving.compared)
     return WaveBounds(min(-edge, ends[0]), max(edge, ends[1]), strain)
 
 
@@ -167,8 +163,9 @@ def front(speed: float, duration: float) -> float:
     return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
 
 
-def seam_room(wave: Wave, eps: float) -> float:
+def seam_room(moving: MovingWave) -> float:
     """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    wave, eps = moving.wave, moving.eps
     if wave.constant_background is not None:
         return 0.0
     if wave.wavelength is not None:

@@ -20,7 +20,6 @@ from lattice.state import State, ring_energy
 from lattice.stepper import Stepper
 from verify.comparison import Scene, load_scene, resume, run
 from verify.comparison.domain import SiteRing, Window
-from verify.comparison.initial_data import build_wave
 from verify.comparison.trust import UNIT_ROUNDOFF, horizon
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
@@ -151,7 +150,7 @@ def soft_scene() -> Scene:
         compared=50,
         observables=("strain",),
     )
-    return replace(scene, eps=float(build_wave(scene).wavelength or math.nan) / 7.0)
+    return replace(scene, eps=float(scene.moving_wave.wave.wavelength or math.nan) / 7.0)
 
 
 def soft_lattice() -> Reading:
@@ -170,7 +169,7 @@ def soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    state = SiteRing(scene, build_wave(scene)).start()
+    state = SiteRing(scene.moving_wave, scene.discretisation.sites).start()
     y, s = doubled(state.y), doubled(state.s)
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
@@ -204,11 +203,10 @@ def wrong_feed() -> Reading:
     """Moves of the window until a feed wrong by 0.1 % stops the run."""
     scene = replace(load_scene("rational_2_eps_0.05"), t0=-400.0, snapshots=(0.0,))
     scene = scene.changed(sites=2048, compared=500)
-    wave, sound = build_wave(scene), Window(scene, build_wave(scene))
-    window = Window(scene, wave)
+    sound, window = (Window(scene.moving_wave, scene.discretisation.sites) for _ in range(2))
     state = window.start()
     amplitude = float(np.max(np.abs(state.y)))
-    window.scene = replace(scene, eps=1.001 * scene.eps)
+    window.moving = replace(window.moving, eps=1.001 * scene.eps)
     scheme, step = scene.discretisation.table, scene.discretisation.step
     march = Stepper(state, scheme, scene.constants, window, step, amplitude)
     moves = sum(1 for _ in march.through([0.0])) + 1
