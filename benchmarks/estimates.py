@@ -18,7 +18,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 from verify.studies.estimate_scenes import random_scene
-from verify.studies.estimates import QUANTILES, VERDICTS, Judged, judge, rows, warm_up
+from verify.studies.estimates import QUANTILES, VERDICTS, Judged, estimate_rows, judge, warm_up
 
 POOL = 64
 """Scenes handed to the pool ahead, so that an interrupt is soon obeyed."""
@@ -104,9 +104,9 @@ def _print_table(judged: list[Judged]) -> None:
     heads = " ".join(f"{verdict:>11}" for verdict in VERDICTS)
     shares = " ".join(f"{'max' if q == 1 else f'{q:.0%}':>8}" for q in QUANTILES)
     print(f"{'':22} {'scenes':>6} {heads} {shares} {'seconds':>8}   (true/estimate)")
-    for row in rows(judged):
-        counts = " ".join(f"{count:11}" for count in row.verdicts)
-        quantiles = " ".join(f"{quantile:8.2g}" for quantile in row.quantiles)
+    for row in estimate_rows(judged):
+        counts = " ".join(f"{count:11}" for count in row.verdicts.values())
+        quantiles = " ".join(f"{quantile:8.2g}" for quantile in row.quantiles.values())
         print(f"{row.name:22} {row.count:6} {counts} {quantiles} {row.seconds:8.0f}")
     missed = sum(one.estimate > one.tolerance for one in judged)
     print(f"estimates above their tolerance: {missed}")

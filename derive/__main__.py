@@ -1,133 +1,49 @@
-"""``python -m derive``: print the reduction of the strain FPUT lattice."""
+"""The command ``python -m derive``, which is ``longwave derive`` too: print a reduction.
+
+Nothing is imported for the help; SymPy comes with the derivation.
+"""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Literal
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from derive.algebra.exact_numbers import Number, parse_rational
-from derive.command_line import OneLineParser, fail, interrupted
-from derive.dispersion import agrees_with_reduction, dispersion_relation
-from derive.models.lattices import FPUT_STRAIN
-from derive.models.mkdv import initial_velocity, initial_velocity_latex
-from derive.multiscale import DEFAULT_ORDERS, reduce
-from derive.output.notation import aligned, text_of
-from derive.reduction import Reduction
+import click
 
-MOST_ORDERS = 13
-Form = Literal["text", "latex", "json"]
-CONSTANTS = tuple(str(constant) for constant in FPUT_STRAIN.constants)
+from derive.command_line import example, run_words
+
+CONSTANTS = ("K2", "K3", "K4")
+"""The constants of the strain FPUT lattice."""
 
 
-def _parser() -> OneLineParser:
-    parser = OneLineParser(
-        prog="python -m derive", description=__doc__.split(": ", 1)[1], allow_abbrev=False
+def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    for name in reversed(CONSTANTS):
+        said = f"Value of {name} for the coefficients (integer, decimal or ratio)."
+        option = click.option(f"--{name.lower()}", name, metavar="P/Q", help=said)
+        function = option(function)
+    return function
+
+
+@click.command(epilog=example("longwave derive --k2 1 --k4 1/3"))
+@click.option("--latex", is_flag=True, help="Print LaTeX (an aligned block).")
+@click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
+@click.option("--orders", metavar="N", help="Highest power of eps.")
+@_constant_options
+def derive(latex: bool, json_wanted: bool, orders: str | None, **constants: str | None) -> int:
+    """Derive the reduced equation and its coefficients."""
+    if latex and json_wanted:
+        raise click.UsageError("--json must not be given with --latex, got both (leave one)")
+    from derive.output.printout import print_reduction
+
+    return print_reduction(
+        constants, orders, "json" if json_wanted else "latex" if latex else "text"
     )
-    form = parser.add_mutually_exclusive_group()
-    form.add_argument("--latex", action="store_true", help="print LaTeX (an aligned block)")
-    form.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.add_argument(
-        "--orders",
-        default=str(DEFAULT_ORDERS),
-        metavar="N",
-        help=f"highest power of eps, at most {MOST_ORDERS} (default {DEFAULT_ORDERS})",
-    )
-    for name in CONSTANTS:
-        parser.add_argument(
-            f"--{name.lower()}",
-            dest=name,
-            metavar="P/Q",
-            help=f"value of {name} for the coefficients (integer, decimal or ratio)",
-        )
-    return parser
-
-
-def _joined(arguments: Sequence[str]) -> list[str]:
-    """``--k4 -1/2`` as ``--k4=-1/2``, which argparse would take for an option."""
-    options = {f"--{name.lower()}" for name in CONSTANTS}
-    result: list[str] = []
-    for argument in arguments:
-        if result and result[-1] in options and argument != "--":
-            result[-1] += f"={argument}"
-        else:
-            result.append(argument)
-    return result
-
-
-def _orders(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= MOST_ORDERS):
-        raise ValueError(
-            f"--orders must be an integer <= {MOST_ORDERS}, got {text!r} "
-            f"(the default is {DEFAULT_ORDERS})"
-        )
-    return int(text)
-
-
-def _linear_lines(reduction: Reduction) -> Iterator[str]:
-    relation = dispersion_relation(reduction.lattice)
-    yield ""
-    yield "linear waves about the uniform strain ybar:"
-    yield f"  omega^2 = {text_of(relation.omega_squared)}"
-    yield f"  omega_+ = {text_of(relation.omega_plus)}"
-    yield f"          = {text_of(relation.long_wave())} + O(k^5)"
-    agrees = agrees_with_reduction(reduction.lattice, reduction)
-    yield f"  same as the reduced equation's linear part to k^3: {'yes' if agrees else 'NO'}"
-    yield f"initial velocity: s = {text_of(initial_velocity())}"
-
-
-def _linear_latex(reduction: Reduction) -> str:
-    rows = [*dispersion_relation(reduction.lattice).latex(), initial_velocity_latex()]
-    return aligned([("", row) for row in rows])
-
-
-def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[str]:
-    coefficients = reduction.coefficients(**values)
-    form = reduction.normal_form(**values)
-    given = ", ".join(f"{name} = {value}" for name, value in values.items())
-    yield ""
-    yield f"coefficients{' at ' + given if given else ''}:"
-    yield f"  c = {text_of(coefficients.c)}"
-    yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
-    yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
-    yield f"  a = {text_of(form.a)}"
-    yield f"  b = {text_of(form.b)}"
-    yield f"  s = {text_of(form.s)}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit status (2 for wrong input)."""
-    given = _parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
-    form: Form = "json" if given.json else "latex" if given.latex else "text"
-    try:
-        return print_reduction(
-            {name: getattr(given, name) for name in CONSTANTS}, given.orders, form
-        )
-    except KeyboardInterrupt:
-        return interrupted("python -m derive")
-
-
-def print_reduction(constants: Mapping[str, str | None], orders: str, form: Form) -> int:
-    """Print the reduction in that form; returns the exit status (2 for wrong input).
-
-    ``constants`` are values as text by name, None where a constant stays a symbol; ``orders`` is
-    the highest power of eps as text.
-    """
-    try:
-        values: dict[str, Number] = {
-            name: parse_rational(name, text) for name, text in constants.items() if text is not None
-        }
-        reduction = reduce(FPUT_STRAIN, orders=_orders(orders))
-        numbers = list(_number_lines(reduction, values))
-    except ValueError as error:
-        return fail(error)
-    if form == "json":
-        print(reduction.json(**values))
-    elif form == "latex":
-        print("\n".join([reduction.latex(**values), _linear_latex(reduction)]))
-    else:
-        print("\n".join([reduction.text(), *_linear_lines(reduction), *numbers]))
-    return 0
+    return run_words(derive, "python -m derive", arguments)
 
 
 if __name__ == "__main__":

@@ -3,11 +3,9 @@
 A room declares its words with click, next to what they do; `run_words` is the way into any of them.
 """
 
-import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
 
 import click
 
@@ -92,15 +90,6 @@ def _wrong(error: click.ClickException, called: str) -> int:
         line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
         line += f" (see {context.command_path if context else called} --help)"
     return fail(line)
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line on stderr and exit status 2."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print ``error: message (see ... --help)`` and stop."""
-        fail(f"{message} (see {self.prog} --help)")
-        sys.exit(WRONG)
 
 
 def fail(message: object) -> int:

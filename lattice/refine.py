@@ -22,8 +22,12 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lattice.trial import Choices, StoppedTrial, Trial, difference
 
+Array = NDArray[np.float64]
 Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -353,3 +357,41 @@ class _Search:
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
             self._announce(spent / work * asked)
+
+
+LEAST_FACTOR = 0.2
+"""Least factor from one step to the next one tried."""
+
+
+def lawful_step(step: float, order: int, excess: float) -> float:
+    """The step with which an error that falls like step^order is smaller by ``excess``.
+
+    >>> round(lawful_step(1.0, 6, 64.0), 3)
+    0.475
+    """
+    return step * max(LEAST_FACTOR, 0.95 * excess ** (-1.0 / order))
+
+
+def mean_step(stops: Array, step: float, order: int) -> float:
+    """The step that would make the same error if the stops did not shorten it.
+
+    Between two stops the steps are equal and at most ``step``.
+
+    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
+    0.5
+    """
+    gaps = np.diff(stops)
+    gaps = gaps[gaps > 0]
+    if gaps.size == 0:
+        return step
+    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
+    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
+
+
+def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
+    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    wanted = ratio * mean_step(stops, step, order)
+    found = ratio * step
+    while mean_step(stops, found, order) > wanted:
+        found *= 0.97
+    return found

@@ -117,18 +117,20 @@ class BlowUp:
         )
 
 
-def find_blow_up(model: Model, state: State, initial_amplitude: float) -> BlowUp | None:
+def find_blow_up(model: Model, state: State, initial_amplitude: float | None) -> BlowUp | None:
     """The first criterion that the state meets, None if it is sound.
 
-    Criteria, in order: a strain or velocity that is not finite; the lattice's hyperbolicity,
-    K2 + 2 K3 y + 3 K4 y^2 > 0, lost (disturbances then grow at once, fastest at the zone
-    boundary); the largest strain grown by more than ``GROWTH``.
+    Criteria, in order: a strain or velocity that is not finite; for a wave, that is with an
+    amplitude, the lattice's hyperbolicity, K2 + 2 K3 y + 3 K4 y^2 > 0, lost (disturbances then grow
+    at once, fastest at the zone boundary); the largest strain grown by more than ``GROWTH``.
     """
-    if _sound(model, state, GROWTH * initial_amplitude):
+    if initial_amplitude is not None and _sound(model, state, GROWTH * initial_amplitude):
         return None
     broken = ~(np.isfinite(state.y) & np.isfinite(state.s))
     if broken.any():
         return _seen("the strain is not finite", state, broken)
+    if initial_amplitude is None:
+        return None
     with np.errstate(over="ignore"):
         soft = model.stiffness(state.y) <= 0.0
     if soft.any():

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from lattice.model import Model
@@ -16,13 +17,17 @@ UPDATES = 3e8
 
 
 class Domain(Protocol):
-    """What a run needs of a domain; ``moves`` are the times at which it follows the wave."""
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
 
-    moves: frozenset[float]
+    What is written here is a ring of sites that stays where it is.
+    """
+
+    moves: frozenset[float] = frozenset()
 
     @property
     def mismatch(self) -> float:
         """Largest difference of y/eps between what was fed and the sites next to it."""
+        return 0.0
 
     def start(self) -> State:
         """The initial state."""
@@ -32,15 +37,29 @@ class Domain(Protocol):
 
         To be called at each of the ``moves``.
         """
+        return None
 
     def fade(self, state: State) -> None:
         """Change what can no longer reach a compared site, if that is of use.
 
         To be called wherever the march stops.
         """
+        return
 
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with what the domain may have to do with it."""
+        return found
+
+
+@dataclass
+class StillRing(Domain):
+    """The ring of all sites of a state."""
+
+    state: State
+
+    def start(self) -> State:
+        """The state itself, which is advanced in place."""
+        return self.state
 
 
 class Stepper:
@@ -48,7 +67,8 @@ class Stepper:
 
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
     longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
-    at the run's beginning. ``strain`` holds the smallest and the largest that was met at a stop, on
+    of the wave at the run's beginning, None if there is no wave and strains may be what they will.
+    ``strain`` holds the smallest and the largest that was met at a stop, on
     any site. ``blow_up`` is set when the march had to stop; ``steps`` counts.
     """
 
@@ -59,7 +79,7 @@ class Stepper:
         model: Model,
         domain: Domain,
         step: float,
-        amplitude: float,
+        amplitude: float | None,
     ) -> None:
         self.state = state
         self.scheme = scheme

@@ -1,4 +1,4 @@
-"""The command `longwave`: the words of `longwave.commands`, and what their completion asks for."""
+"""The command `longwave`: its words, and what their completion asks for."""
 
 import os
 import sys
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from click.shell_completion import shell_complete
 
 from derive.command_line import run_words
-from longwave.commands import COMPLETION, longwave
+from longwave.command_tree import COMPLETION, longwave
 
 
 def main(argv: Sequence[str] | None = None) -> int:

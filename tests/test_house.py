@@ -1,11 +1,17 @@
 """The house itself: what imports what, how long things are, what may not be mentioned."""
 
 import ast
+import io
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+import tokenize
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 import pytest
 
@@ -14,6 +20,28 @@ from solutions.run.source_digest import ROOMS as SOURCE_ROOMS
 HOUSE = Path(__file__).parents[1]
 ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
 SOURCES = sorted(path for room in ROOMS for path in (HOUSE / room).rglob("*.py"))
+
+LONGEST_CHAIN = 18
+"""Modules in the longest chain of imports, those in functions and for types alone left out."""
+
+SAME_NAMES = {
+    "__init__.py": "a room's or a folder's face",
+    "__main__.py": "a room's command",
+    "catalogue.py": "closed forms, schemes: the list of what there is",
+    "symbols.py": "the letters of a room's formulas",
+    "ring.py": "a ring of sites, a ring of polynomials",
+}
+"""Names that several files may have, and why."""
+
+SAME_CLASSES = {
+    "Domain": "of sites, of variables",
+    "Options": "of one command",
+    "Range": "of a drawn number, of values on a domain",
+    "Shape": "of a scene, of a series",
+    "Signs": "of the prover, of the checker, which shares no code with it",
+    "Statement": "one that is drawn, one that a certificate proves",
+}
+"""Names that several public classes may have, and why: their folders make them clear."""
 
 
 def imported_modules(path: Path, text: str | None = None) -> Iterator[str]:
@@ -70,6 +98,120 @@ def test_importing_a_room_pulls_in_only_what_it_needs(room: str, unwanted: set[s
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=HOUSE, check=True
     )
     assert done.stdout.split() == []
+
+
+def module_of(path: Path) -> str:
+    return ".".join(path.relative_to(HOUSE).with_suffix("").parts).removesuffix(".__init__")
+
+
+def modules_imported_first(tree: ast.Module, known: Mapping[str, Path]) -> Iterator[str]:
+    """Yield the modules of the house that are imported when this one is: no later, for no types."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            continue
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        waiting += ast.iter_child_nodes(node)
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            inner = (f"{node.module}.{alias.name}" for alias in node.names)
+            yield from (name if name in known else node.module for name in inner)
+
+
+@cache
+def imports() -> Mapping[str, frozenset[str]]:
+    """The modules of the house, with those that each of them imports first."""
+    known = {module_of(path): path for path in SOURCES}
+    return {
+        name: frozenset(modules_imported_first(ast.parse(path.read_text("utf-8")), known))
+        & (known.keys() - {name})
+        for name, path in known.items()
+    }
+
+
+def longest_chain(graph: Mapping[str, frozenset[str]]) -> tuple[str, ...]:
+    """The longest chain of imports; AssertionError, with its modules, if there is a circle."""
+    found: dict[str, tuple[str, ...]] = {}
+
+    def chain(name: str, above: tuple[str, ...]) -> tuple[str, ...]:
+        assert name not in above, " -> ".join([*above[above.index(name) :], name])
+        if name not in found:
+            below = (chain(other, (*above, name)) for other in sorted(graph[name]))
+            found[name] = (name, *max(below, key=len, default=()))
+        return found[name]
+
+    return max((chain(name, ()) for name in graph), key=len)
+
+
+def test_imports_form_no_circle_and_no_long_chain() -> None:
+    chain = longest_chain(imports())
+    assert len(chain) <= LONGEST_CHAIN, " -> ".join(chain)
+
+
+def test_a_circle_of_imports_is_seen() -> None:
+    circle = {"a": frozenset("b"), "b": frozenset("c"), "c": frozenset("b")}
+    with pytest.raises(AssertionError, match="b -> c -> b"):
+        longest_chain(circle)
+
+
+@pytest.mark.parametrize("room", ["derive", "solutions", "verify.comparison", "longwave"])
+def test_a_noun_that_is_imported_when_asked_for_has_not_the_name_of_a_module(room: str) -> None:
+    """Importing the module would put it in the noun's place."""
+    face = import_module(room)
+    assert "__getattr__" in vars(face)
+    modules = {module.name for module in iter_modules(face.__path__)}
+    assert not modules & set(face.__all__)
+
+
+def doubled(places: Iterator[tuple[str, Path]]) -> dict[str, list[str]]:
+    """The names that are in several files, with those files."""
+    found = defaultdict(list)
+    for name, path in places:
+        found[name].append(name_of(path))
+    return {name: files for name, files in found.items() if len(files) > 1}
+
+
+def test_no_two_files_have_one_name() -> None:
+    assert not doubled((path.name, path) for path in SOURCES if path.name not in SAME_NAMES)
+
+
+def test_no_two_public_classes_have_one_name() -> None:
+    assert not doubled(
+        (node.name, path)
+        for path in SOURCES
+        for node in ast.parse(path.read_text("utf-8")).body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+        if node.name not in SAME_CLASSES
+    )
+
+
+def lines_of_code(text: str) -> int:
+    """The lines that hold more than a comment or a docstring."""
+    told = {
+        line
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    empty = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+    held = {
+        line
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type not in empty | {tokenize.ENDMARKER}
+        for line in range(token.start[0], token.end[0] + 1)
+    }
+    return len(held - told)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_a_file_is_neither_a_scrap_nor_a_heap(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert len(text.splitlines()) <= 530
+    if not path.name.startswith("__"):
+        assert lines_of_code(text) >= 15
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=name_of)

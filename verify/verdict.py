@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -32,7 +32,7 @@ class Outcome(enum.StrEnum):
         return self in (Outcome.PROVED, Outcome.CHECKED)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """The outcome of one check of one closed form.
 
@@ -43,6 +43,9 @@ class Verdict:
 
     Raises ValueError for a refutation without a witness, and for an undecided verdict without a
     reason.
+
+    >>> Verdict("kink", "mKdV", "proof", Outcome.REFUTED, "residual 2", witness={"xi": "1"})
+    <Verdict REFUTED: kink, mKdV: residual 2 at xi = 1>
     """
 
     name: str
@@ -77,12 +80,18 @@ class Verdict:
         >>> verdict.json()["outcome"]
         'CHECKED'
         """
-        record = asdict(self) | {"outcome": self.outcome.value}
+        record = vars(self) | {"outcome": self.outcome.value}
         record["witness"] = None if self.witness is None else dict(self.witness)
         return record
 
+    def __repr__(self) -> str:
+        point = ", ".join(f"{name} = {value}" for name, value in (self.witness or {}).items())
+        found = f"{self.detail} at {point}" if point else self.detail
+        kind = type(self).__name__
+        return f"<{kind} {self.outcome}: {self.name}, {self.equation}: {found}>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class ProofVerdict(Verdict):
     """``assumptions`` and ``singularities`` in words; a proof's ``certificate``, accepted.
 
@@ -94,7 +103,7 @@ class ProofVerdict(Verdict):
 
     assumptions: tuple[str, ...] = ()
     singularities: tuple[str, ...] = ()
-    certificate: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
+    certificate: Mapping[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -115,11 +124,9 @@ class ProofVerdict(Verdict):
 
     def json(self) -> dict[str, Any]:
         """The record as plain data, with the certificate's size (it is a file of its own)."""
-        record = self.__dict__.copy()
-        record.pop("certificate")
-        record["outcome"] = self.outcome.value
+        record = super().json()
+        del record["certificate"]
         record["assumptions"] = list(self.assumptions)
         record["singularities"] = list(self.singularities)
         record["certificate_bytes"] = self.certificate_bytes
-        record["witness"] = None if self.witness is None else dict(self.witness)
         return record

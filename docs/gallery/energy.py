@@ -7,8 +7,9 @@ keep it up to an error that does not grow.
 import numpy as np
 from matplotlib.figure import Figure
 
-from longwave import Scene, run
+from longwave import run
 from reports.figures.drawing import CURVES
+from verify.comparison.scene import Scene
 
 
 def scene(scheme: str) -> Scene:

@@ -6,9 +6,10 @@ lattice stays a little below the mKdV wave.
 
 from matplotlib.figure import Figure
 
-from longwave import load_scene, run
+from longwave import run
 from reports.figures.drawing import snapshot_figure
 from reports.figures.paper_figures import snapshots
+from verify.comparison.scene_catalogue import load_scene
 
 
 def picture() -> Figure:

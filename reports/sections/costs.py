@@ -1,5 +1,7 @@
 """What the report prints of evaluation, costs on the lattice, hard cases and estimates."""
 
+from __future__ import annotations
+
 import math
 import re
 from collections import Counter
@@ -7,22 +9,25 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import attrgetter
+from typing import TYPE_CHECKING
 
 from reports.figures.drawing import CostPanel
 from reports.latex import block, duration, escape, mathematics, scientific, table
-from verify.studies.estimates import QUANTILES, VERDICTS, EstimateRow, Judged, rows
-from verify.studies.evaluation_accuracy import Accuracy
-from verify.studies.evaluation_cost import ARITHMETICS, EvaluationCost
-from verify.studies.hard_cases import HardCaseResult
 from verify.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
     CostPoint,
-    PowerLaw,
     ScalingPoint,
     fit_law,
+    scaling_laws,
 )
+
+if TYPE_CHECKING:
+    from verify.studies.estimates import EstimateRow, Judged
+    from verify.studies.evaluation_accuracy import Accuracy
+    from verify.studies.evaluation_cost import EvaluationCost
+    from verify.studies.hard_cases import HardCaseResult
 
 TABULATED = (
     "double-double",
@@ -116,12 +121,12 @@ def digits(value: float) -> str:
 
 def cost_panels(costs: Iterable[EvaluationCost]) -> list[CostPanel]:
     """One panel a wave: digits against seconds for each family of arithmetics."""
-    family = {arithmetic.name: arithmetic.family for arithmetic in ARITHMETICS}
     panels = []
     for wave, group in groupby(costs, attrgetter("wave")):
         curves: dict[str, list[tuple[float, float]]] = {}
         for cost in group:
-            curves.setdefault(family[cost.arithmetic], []).append((cost.seconds, cost.digits))
+            family = cost.arithmetic.partition(",")[0]
+            curves.setdefault(family, []).append((cost.seconds, cost.digits))
         panels.append(CostPanel(wave.replace("_", " "), curves))
     return panels
 
@@ -143,9 +148,6 @@ PRINTED = {
 
 LONG = 1e4
 """Seconds from which on they are shown as a power of ten."""
-
-FITTED = 3
-"""Points at the small-eps end through which a law is fitted."""
 
 
 def precision_table(points: Sequence[CostPoint]) -> str:
@@ -187,21 +189,9 @@ def precision_panels(points: Iterable[CostPoint]) -> list[CostPanel]:
     return [CostPanel(problem, curves) for problem, curves in panels.items()]
 
 
-def laws(points: Iterable[ScalingPoint]) -> list[PowerLaw]:
-    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
-    series: dict[str, list[ScalingPoint]] = {}
-    for point in points:
-        if point.series != TRUE_ERROR:
-            series.setdefault(point.series, []).append(point)
-    return [
-        fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
-        for found in series.values()
-    ]
-
-
 def scaling_table(points: Sequence[ScalingPoint]) -> str:
     """Each series against eps, with its fitted exponent."""
-    found = {law.series: law for law in laws(points)}
+    found = scaling_laws(points)
     epsilons = sorted({_eps(point) for point in points}, reverse=True)
     rows = []
     for series in dict.fromkeys(point.series for point in points):
@@ -280,19 +270,20 @@ def message_table(cases: Iterable[HardCaseResult]) -> str:
     return table("L{56mm}L{88mm}", ["case", "the program says"], rows, gap="0.5ex")
 
 
-def estimate_table(judged: Sequence[Judged]) -> str:
-    """Counts of verdicts and quantiles of true/estimate by wave and engine; "" without scenes."""
-    if not judged:
+def estimate_table(rows: Sequence[EstimateRow]) -> str:
+    """Counts of verdicts and quantiles of true/estimate by wave and engine; "" without rows."""
+    if not rows:
         return ""
-    shares = ["largest" if q == 1.0 else "median" if q == 0.5 else rf"{q:.0%}" for q in QUANTILES]
-    head = ["", "scenes", *VERDICTS, *map(escape, shares), "time"]
+    names = {0.5: "median", 1.0: "largest"}
+    shares = [names.get(share, f"{share:.0%}") for share in rows[0].quantiles]
+    head = ["", "scenes", *rows[0].verdicts, *map(escape, shares), "time"]
     columns = "l" + "r" * (len(head) - 1)
-    return table(columns, head, map(_row, rows(judged)))
+    return table(columns, head, map(_row, rows))
 
 
 def _row(found: EstimateRow) -> list[str]:
-    quantiles = ["--" if q != q else scientific(q) for q in found.quantiles]
-    counts = [str(count) if count else "--" for count in found.verdicts]
+    quantiles = ["--" if q != q else scientific(q) for q in found.quantiles.values()]
+    counts = [str(count) if count else "--" for count in found.verdicts.values()]
     return [escape(found.name), str(found.count), *counts, *quantiles, duration(found.seconds)]
 
 

@@ -3,8 +3,10 @@
 The full report has all eps, the split wave and long times.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -14,10 +16,12 @@ from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snaps
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
 from verify.comparison import Scene, load_scene, relative_sup_error
-from verify.studies.claims import Claim, Measurement
 from verify.studies.lattice_cost import PeakError, peak_laws
-from verify.studies.long_runs import LongRun
-from verify.studies.measured_runs import MeasuredRuns
+
+if TYPE_CHECKING:
+    from verify.studies.claims import Claim, Measurement
+    from verify.studies.long_runs import LongRun
+    from verify.studies.measured_runs import MeasuredRuns
 
 SHORT = 16
 """Measurements whose texts are shorter than this stand in one line."""

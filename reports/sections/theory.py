@@ -1,8 +1,10 @@
 """What the report prints of the derivation, the closed forms, their proofs and misprints."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -14,9 +16,11 @@ from reports.latex import block, escape, scientific
 from reports.paper import cited
 from solutions import CATALOGUE, ClosedForm
 from solutions.record import Equation
-from verify.evidence.mutations import MutationCount, Survivor
-from verify.studies.proofs import ProofRecord
-from verify.verdict import Verdict
+
+if TYPE_CHECKING:
+    from verify.evidence.mutations import MutationCount, Survivor
+    from verify.studies.proofs import ProofRecord
+    from verify.verdict import Verdict
 
 DERIVATION_ORDERS = 7
 """Highest power of eps shown: two beyond the mKdV equation."""

@@ -113,19 +113,53 @@ def test_other_formats_take_the_numbers(option: str, capsys: pytest.CaptureFixtu
 def test_wrong_input_is_one_line_and_status_two(
     arguments: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    try:
-        status: object = main(arguments)
-    except SystemExit as stop:
-        status = stop.code
+    assert main(arguments) == 2
     out, err = capsys.readouterr()
-    assert status == 2
     assert not out
     assert err.count("\n") == 1
     assert err.startswith("error: ")
 
 
-def test_import_is_light() -> None:
-    """derive must not pull in numpy, scipy, numba or matplotlib."""
-    heavy = "{'numpy', 'scipy', 'numba', 'matplotlib', 'solutions', 'verify', 'reports'}"
-    code = f"import sys, derive, derive.__main__; sys.exit(len({heavy} & set(sys.modules)))"
+@pytest.mark.parametrize(
+    ("imported", "unwanted"),
+    [
+        ("derive, derive.__main__", "{'sympy', 'mpmath'}"),
+        (
+            "derive.output.printout",
+            "{'numpy', 'scipy', 'numba', 'matplotlib', 'solutions', 'verify', 'reports'}",
+        ),
+    ],
+)
+def test_import_is_light(imported: str, unwanted: str) -> None:
+    code = f"import sys, {imported}; sys.exit(len({unwanted} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_objects_show_themselves_in_one_line_and_as_formulas(mkdv: Reduction) -> None:
+    """A whole tree of records would fill the screen."""
+    shown: list[tuple[Any, str]] = [
+        (
+            mkdv,
+            "Reduction(fput_strain: Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0, c^2 = K2, "
+            "K3 = 0)",
+        ),
+        (
+            mkdv.lattice,
+            "Lattice(fput_strain: y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1}); "
+            "F(x) = K2 x + K3 x^2 + K4 x^3)",
+        ),
+        (mkdv.scaling, "Scaling(y = eps Y(X, T), X = eps (n - c t), T = eps^3 t)"),
+        (mkdv.pde, "EvolutionEquation(Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0)"),
+        (mkdv.conditions[0], "Condition(K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0)"),
+        (mkdv.orders[4], "OrderEquation(K3 (Y^2)_XX = 0)"),
+        (mkdv.normal_form(K2=4, K4=1), "NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)"),
+    ]
+    for thing, line in shown:
+        assert repr(thing) == line
+        formula = thing._repr_latex_()
+        assert formula.startswith(r"$\displaystyle ")
+        assert formula.endswith("$")
+        assert formula.count("{") == formula.count("}")
+    assert r"\ddot{y_n} = F(y_{n+1})" in mkdv.lattice._repr_latex_()
+    assert r"X = \epsilon (n - c t)" in mkdv.scaling._repr_latex_()
+    assert r"c^{2} = K_{2}" in mkdv._repr_latex_()

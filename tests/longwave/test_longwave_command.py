@@ -11,14 +11,16 @@ from typing import Any
 import click
 import pytest
 
-import derive.__main__
-import longwave.commands as tree
+import derive.output.printout
+import longwave.command_tree as tree
 import longwave.inventory
 import reports.build
 import verify.cli.accuracy
 import verify.cli.commands as words
 import verify.cli.run
 import verify.cli.verdicts
+from derive.__main__ import CONSTANTS
+from derive.models.lattices import FPUT_STRAIN
 from longwave.__main__ import main
 from verify.comparison import ENGINES, further_scenes, shipped_scenes
 
@@ -126,7 +128,7 @@ def test_wrong_input_is_one_line_and_status_2(
 
 def test_what_is_declared_is_what_the_rooms_take() -> None:
     assert words.ENGINES == ENGINES
-    assert tree.CONSTANTS == derive.__main__.CONSTANTS
+    assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     assert words.scene_names() == sorted((*shipped_scenes(), *further_scenes()))
 
 
@@ -137,13 +139,13 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         got.append(given)
         return 1
 
-    monkeypatch.setattr(derive.__main__, "print_reduction", keep)
+    monkeypatch.setattr(derive.output.printout, "print_reduction", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_mutations", keep)
     monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
     monkeypatch.setattr(verify.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(reports.build, "write_report", keep)
-    verdicts, runs = verify.cli.verdicts.Options, verify.cli.run.Options
+    verdicts, runs = verify.cli.verdicts.VerdictOptions, verify.cli.run.Options
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove kink wave_cn kink --json --output c.json",

@@ -8,7 +8,7 @@ import pytest
 import longwave.inventory as inventory
 from derive import LATTICES
 from longwave.__main__ import main
-from longwave.commands import KINDS
+from longwave.command_tree import KINDS
 from solutions import CATALOGUE
 from verify.comparison import (
     OBSERVABLES,

@@ -8,7 +8,7 @@ import xarray as xr
 
 from longwave import plotting as drawing
 from longwave.__main__ import main
-from longwave.commands import PICTURES
+from longwave.command_tree import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
 from verify.comparison.recording import UnfinishedRun

@@ -7,11 +7,14 @@ import sys
 import sysconfig
 import venv
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 
 HOUSE = Path(__file__).parents[2]
+ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
 SCENE = "rogue_cn_k_0.5"
+PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 
 
 def call(*words: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -29,34 +32,61 @@ def call(*words: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The scripts' folder of an environment with the wheel, and the packages that it needs."""
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built from a copy of the sources."""
     base = tmp_path_factory.mktemp("wheel")
     unwanted = shutil.ignore_patterns(".*", "build", "*.egg-info", "__pycache__", "tests", "docs")
     shutil.copytree(HOUSE, base / "source", ignore=unwanted)
-    pip = (sys.executable, "-m", "pip", "--disable-pip-version-check")
-    call(*pip, "wheel", base / "source", "--no-deps", "--wheel-dir", base, cwd=base)
+    call(*PIP, "wheel", base / "source", "--no-deps", "--wheel-dir", base, cwd=base)
     shutil.rmtree(base / "source")
+    (built,) = base.glob("longwave-*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path) -> Path:
+    """The scripts' folder of an environment with the wheel, and the packages that it needs."""
+    base = wheel.parent
     venv.create(base / "env")
     python = base / "env" / "bin" / "python"
-    (wheel,) = base.glob("longwave-*.whl")
-    call(*pip, "--python", python, "install", "--no-deps", "--no-index", wheel, cwd=base)
+    call(*PIP, "--python", python, "install", "--no-deps", "--no-index", wheel, cwd=base)
     (packages,) = (base / "env" / "lib").glob("python*/site-packages")
     (packages / "needed.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
     return python.parent
 
 
 @pytest.mark.slow
+def test_the_wheel_holds_every_source_and_every_file_that_is_read(wheel: Path) -> None:
+    read = (".py", ".toml", ".j2", "py.typed")
+    expected = {
+        str(path.relative_to(HOUSE))
+        for room in ROOMS
+        for path in (HOUSE / room).rglob("*")
+        if path.name.endswith(read) and "build" not in path.parts
+    }
+    assert {f"{room}/py.typed" for room in ROOMS} <= expected
+    with ZipFile(wheel) as archive:
+        held = {name for name in archive.namelist() if ".dist-info/" not in name}
+    assert held == expected
+
+
+@pytest.mark.slow
 def test_the_installed_command_runs_plots_and_reports(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "solutions.py").write_text("raise SystemExit('by mistake')", encoding="utf-8")
-    where = call(
-        installed / "python", "-P", "-c", "import verify; print(verify.__file__)", cwd=tmp_path
-    )
-    assert Path(where.stdout.strip()).is_relative_to(installed.parent)
-    ran = call(installed / "longwave", "run", SCENE, "--output", "run.nc", cwd=tmp_path)
+    for room in ROOMS:
+        code = f"import {room}; print({room}.__file__)"
+        where = call(installed / "python", "-P", "-c", code, cwd=tmp_path)
+        assert Path(where.stdout.strip()).is_relative_to(installed.parent)
+    command = installed / "longwave"
+    ran = call(command, "run", SCENE, "--output", "run.nc", cwd=tmp_path)
     assert "Rogue wave on the cn wave" in ran.stdout
-    drawing = "import longwave; longwave.plot('run.nc', 'run.pdf')"
-    call(installed / "python", "-P", "-c", drawing, cwd=tmp_path)
+    assert (
+        call(command, "plot", "run.nc", "--output", "run.pdf", cwd=tmp_path).stdout == "run.pdf\n"
+    )
     assert (tmp_path / "run.pdf").read_bytes().startswith(b"%PDF")
-    said = call(installed / "longwave", "report", "--help", cwd=tmp_path)
-    assert "longwave-report" in said.stdout
+    call(command, "plot", SCENE, "--kind", "snapshots", cwd=tmp_path)
+    assert (tmp_path / f"{SCENE}.png").read_bytes().startswith(b"\x89PNG")
+    reported = call(command, "report", cwd=tmp_path)
+    pdf = tmp_path / "longwave-report" / "longwave.pdf"
+    assert reported.stdout.splitlines()[-1] == str(pdf.relative_to(tmp_path))
+    assert pdf.read_bytes().startswith(b"%PDF")

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from reports import bench
-from reports.assemble import STUDY_TABLES
+from reports import bench, build
+from reports.build import STUDY_TABLES
 from reports.work import Studies
 from verify.studies.hard_cases import HardCaseResult
 from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
@@ -17,7 +17,7 @@ FOUND = Studies(
     scaling=[ScalingPoint("window", x, x**4) for x in (10.0, 20.0)],
     rk4=[ScalingPoint("error figure", x, 0.1 + x) for x in (0.25, 0.0)],
     windows=[ScalingPoint("window", x, 1 / x) for x in (1024.0, 2048.0)],
-    hard_cases=[HardCaseResult("h", "what", "how much", 0.1, 0.5, True, 0.1, "")],
+    hard_cases=[HardCaseResult("what", "how much", 0.5, 0.1, "")],
     peaks=[PeakError(2, eps, eps**2, 1e-9, 1.0, "stencil") for eps in (0.1, 0.05)],
     split={},
     long_runs={},
@@ -26,9 +26,9 @@ FOUND = Studies(
 
 def measure(found: Studies, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Run the command with these findings and without figures."""
-    monkeypatch.setattr(bench, "run_jobs", lambda *_: {})
-    monkeypatch.setattr(bench, "studies", lambda _: found)
-    monkeypatch.setattr(bench, "write_study_figures", lambda *_: [folder / "figure.pdf"])
+    monkeypatch.setattr(build, "run_jobs", lambda *_: {})
+    monkeypatch.setattr(build, "studies", lambda _: found)
+    monkeypatch.setattr(build, "write_study_figures", lambda *_: [folder / "figure.pdf"])
     return bench.main(["--output", str(folder)])
 
 
@@ -50,5 +50,5 @@ def test_it_tells_where_its_tables_are(
 def test_a_case_that_fails_is_its_exit_status(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wrong = replace(FOUND, hard_cases=[replace(FOUND.hard_cases[0], passed=False)])
+    wrong = replace(FOUND, hard_cases=[replace(FOUND.hard_cases[0], measured=1.0)])
     assert measure(wrong, tmp_path, monkeypatch) == 1

@@ -20,9 +20,9 @@ def findings(
     outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0, fails: bool = False
 ) -> Findings:
     """What a report found: one proof, one run, one count of misprints."""
-    proof = ProofRecord("kink", "mKdV", "exact", outcome, "", 0.1, 1000, 0.1, True, None)
+    proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
-    hard = HardCaseResult("h", "what", "how much", 1.0, 0.5, not fails, 0.1, "")
+    hard = HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})
     evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
     return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)

@@ -3,7 +3,7 @@
 import math
 
 from reports.sections.costs import estimate_table, reason_table
-from verify.studies.estimates import Judged
+from verify.studies.estimates import Judged, estimate_rows
 
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:
@@ -21,7 +21,7 @@ FOUND = [
 
 
 def test_the_table_counts_verdicts_and_shows_the_worst_ratio() -> None:
-    lines = estimate_table(FOUND).splitlines()
+    lines = estimate_table(estimate_rows(FOUND)).splitlines()
     (total,) = [line for line in lines if line.startswith("all &")]
     assert total.startswith("all & 4 & 1 & 1 & -- & 2 & -- & -- &")
     assert "$4.0$" in total
@@ -34,4 +34,4 @@ def test_reasons_that_differ_in_numbers_are_one() -> None:
 
 
 def test_without_scenes_there_is_no_table() -> None:
-    assert estimate_table([]) == reason_table([]) == reason_table(FOUND[:1]) == ""
+    assert estimate_table(estimate_rows([])) == reason_table([]) == reason_table(FOUND[:1]) == ""

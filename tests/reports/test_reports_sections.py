@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.assemble import STUDY_TABLES, TABLES, source
+from reports.build import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import SOURCES, cited
@@ -61,18 +61,7 @@ def test_the_derivation_shows_each_order_and_the_condition() -> None:
 def proof(outcome: Outcome, accepted: bool | None) -> ProofRecord:
     size = None if accepted is None else 1700
     seconds = None if accepted is None else 0.25
-    return ProofRecord(
-        "kink",
-        "defocusing mKdV",
-        "differential algebra",
-        outcome,
-        "",
-        0.5,
-        size,
-        seconds,
-        accepted,
-        None,
-    )
+    return ProofRecord("kink", "differential algebra", outcome, 0.5, size, seconds, accepted)
 
 
 def test_a_proof_row_shows_verdict_certificate_times_and_residual() -> None:

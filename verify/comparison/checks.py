@@ -100,6 +100,16 @@ def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
             raise ValueError(f"keywords must be known ones, got {key} (one of {', '.join(known)})")
 
 
+def closed_form(value: object) -> None:
+    """Refuse what is no closed form."""
+    from solutions import ClosedForm  # only a wave that is not named needs formulas
+
+    if not isinstance(value, ClosedForm):
+        raise ValueError(
+            f"wave must be a text or a ClosedForm, got {shown(value)} (such as 'rogue_cn')"
+        )
+
+
 def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
     """Refuse a word that is not known."""
     if value not in known:

@@ -5,7 +5,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,16 +13,41 @@ from numpy.typing import NDArray
 
 from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
 from lattice.state import WATCHED, BlowUp, InflowCheck, State, empty_state
+from lattice.stepper import Domain
 from verify.comparison.moving_wave import MovingWave, Tail
-from verify.comparison.wave_bounds import MARGIN, front, seam_room
 
 Array = NDArray[np.float64]
+
+MARGIN = 64
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+
+KINK = 80.0
+"""Room for a kink at the seam, in units of its width."""
 
 STRIDE = 64
 """Most sites by which a window moves at once."""
 
 BISECTIONS = 40
 """Halvings to the speed that a ring holds."""
+
+
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def seam_room(moving: MovingWave) -> float:
+    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    wave, eps = moving.wave, moving.eps
+    if wave.constant_background is not None:
+        return 0.0
+    if wave.wavelength is not None:
+        return 2.0 * wave.wavelength / eps
+    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
+    return KINK / (float(wave.normal_form.a) * eps * height)
 
 
 def least_window(compared: int) -> int:
@@ -69,7 +94,7 @@ def window_moves(moving: MovingWave) -> tuple[float, ...]:
 
 
 @dataclass
-class SiteRing:
+class SiteRing(Domain):
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
@@ -82,9 +107,6 @@ class SiteRing:
     size: int
     closed: bool = False
     fades: bool = False
-    moves: frozenset[float] = frozenset()
-    mismatch: float = 0.0
-    _fading: Fading | None = field(default=None, init=False)
 
     def start(self) -> State:
         """The initial state on all sites of the ring."""
@@ -92,8 +114,12 @@ class SiteRing:
         middle = (moving.frame(moving.t0) + moving.frame(moving.end)) // 2
         state = empty_state(moving.t0, middle - self.size // 2, self.size)
         state.store(state.sites, *self._data(state))
-        self._check(state)
-        self._fading = self._build_fading()
+        least = least_ring(moving, state.y)
+        if self.size < least:
+            raise ValueError(
+                f"sites must satisfy sites >= {least} on this ring, got {self.size} "
+                "(else signals from the seam reach the compared sites; widen it or end earlier)"
+            )
         return state
 
     def fade(self, state: State) -> None:
@@ -101,7 +127,8 @@ class SiteRing:
         if self._fading is not None:
             self._fading.at(state)
 
-    def _build_fading(self) -> Fading | None:
+    @cached_property
+    def _fading(self) -> Fading | None:
         moving, wavelength = self.moving, self.moving.wave.wavelength
         if not self.fades or moving.duration == 0.0:
             return None
@@ -132,9 +159,6 @@ class SiteRing:
         y, s = negate_at_seam(profile, length, crest, x)
         return y, s
 
-    def follow(self, state: State) -> BlowUp | None:
-        """Nothing: the ring stays where it is."""
-
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
         if self.closed:
@@ -143,17 +167,9 @@ class SiteRing:
         reach = self.moving.speed * (found.t - self.moving.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found
 
-    def _check(self, state: State) -> None:
-        least = least_ring(self.moving, state.y)
-        if self.size < least:
-            raise ValueError(
-                f"sites must satisfy sites >= {least} on this ring, got {self.size} "
-                "(else signals from the seam reach the compared sites; widen it or end earlier)"
-            )
-
 
 @dataclass
-class Window:
+class Window(Domain):
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
     It moves at fixed times, whatever the time step: two runs that differ in their step alone have
@@ -162,8 +178,8 @@ class Window:
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
     the window outruns those at its rear. A monitor compares each feed with the sites behind it.
-    Raises ValueError for a wave without a constant
-    background, and for compared sites too near the window's ends.
+    Raises ValueError for a wave without a constant background, and for compared sites too near the
+    window's ends.
     """
 
     moving: MovingWave
@@ -197,13 +213,6 @@ class Window:
         state = empty_state(moving.t0, moving.frame(moving.t0) - self.size // 2, self.size)
         state.store(state.sites, *moving.initial_data(state.sites))
         return state
-
-    def fade(self, state: State) -> None:
-        """Nothing: what is dropped is gone."""
-
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``: a window has no seam."""
-        return found
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""

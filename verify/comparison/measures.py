@@ -21,7 +21,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from lattice.state import ring_energy
 from verify.comparison.view import Array, View
@@ -185,6 +184,8 @@ def error_split(view: View) -> Mapping[str, float]:
 
 def fit(view: View) -> tuple[float, float]:
     """The least-squares shift (sites) and scale, started from no shift and from the crests' one."""
+    from scipy.optimize import least_squares  # 0.2 s, for one observable
+
     run, wave = view.numeric - view.background, view.analytic - view.background
     crests = float(np.argmax(np.abs(run)) - np.argmax(np.abs(wave)))
     fits = [

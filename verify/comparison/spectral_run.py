@@ -29,7 +29,7 @@ from verify.comparison.recording import (
 )
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
-from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, spectral_run
+from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
 from verify.comparison.view import View
 
 START_SECONDS = 0.08
@@ -126,7 +126,7 @@ def run_spectral(
     moving = replace(scene.moving_wave, times=(scene.t0, *sorted(times)))
     most_work = max(LONG, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
     try:
-        solved = spectral_run(moving, tolerance, progress, announce, most_work)
+        solved = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
         raise _stopped(scene, moving, stop, recorders) from None
     except RingTooLargeError as error:

@@ -96,7 +96,7 @@ class StepTooShortError(ValueError):
     """A tolerance, or a wave, that needs shorter steps than the engine should take."""
 
 
-def spectral_run(
+def solve_on_rings(
     moving: MovingWave,
     tolerance: float,
     progress: Progress = lambda _: None,

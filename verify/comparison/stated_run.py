@@ -4,14 +4,17 @@ Discretisation errors are measured on request: the same scene with half the step
 sites.
 """
 
+import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
+from lattice.schemes.scheme import check_step
 from lattice.state import State
-from verify.comparison.domain import Array
+from lattice.stepper import Domain, Stepper
+from verify.comparison.domain import Array, SiteRing, Window
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import (
@@ -19,15 +22,89 @@ from verify.comparison.recording import (
     Observer,
     Progress,
     Recorder,
-    Recording,
     UnfinishedRun,
     Variables,
     build_dataset,
     build_recorders,
-    record,
 )
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
+
+
+@dataclass(frozen=True)
+class Recording:
+    """How far a run got, and what it cost (seconds without compilation).
+
+    ``stopped`` if Ctrl-C ended it.
+    """
+
+    stepper: Stepper
+    step_limit: float
+    seconds: float
+    stopped: bool = False
+
+
+def build_domain(scene: Scene, moving: MovingWave) -> Domain:
+    """The domain that the scene states. A closed ring fades where nothing asks for all sites."""
+    stated = scene.discretisation
+    if stated.domain == "window":
+        return Window(moving, stated.sites)
+    closed = stated.domain == "closed_ring"
+    whole = any(observable_named(name).all_sites for name in scene.observables)
+    return SiteRing(moving, stated.sites, closed, fades=closed and not whole)
+
+
+def prepare(
+    scene: Scene, moving: MovingWave, restart: State | None = None
+) -> tuple[Stepper, float]:
+    """What steps a scene, kernels compiled, and the largest stable step.
+
+    It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
+    same scene. Raises ValueError for a step past the stability limit and for a domain that is too
+    small.
+    """
+    domain, step = build_domain(scene, moving), scene.discretisation.step
+    scheme = scene.discretisation.table
+    initial = domain.start()
+    limit = check_step(step, scheme, scene.constants, initial.y)
+    scheme.advance(initial.y, initial.s, step, 0, scene.constants)
+    state = initial if restart is None else restart
+    amplitude = float(np.max(np.abs(initial.y)))
+    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
+
+
+def record(
+    scene: Scene,
+    moving: MovingWave,
+    observers: Sequence[Observer],
+    progress: Progress,
+    restart: State | None = None,
+) -> Recording:
+    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observable at its moments.
+
+    A run from ``restart`` shows nothing before or at the time of that state.
+    """
+    stepper, step_limit = prepare(scene, moving, restart)
+    begin = stepper.state.t
+    exact = {t for observer in observers for t in observer.moments.times}
+    first = {begin} if restart is None else set()
+    times = sorted({t for t in exact if t > begin} | first | {scene.end})
+    begun, stopped = time.perf_counter(), False
+    try:
+        for state in stepper.through(times):
+            view = View(moving, state)
+            for observer in observers:
+                if observer.moments.due(state.t):
+                    observer.see(view)
+            progress(_share(begin, scene.end, state.t))
+    except KeyboardInterrupt:
+        stopped = True
+    return Recording(stepper, step_limit, time.perf_counter() - begun, stopped)
+
+
+def _share(begin: float, end: float, t: float) -> float:
+    return (t - begin) / (end - begin) if end > begin else 1.0
+
 
 START_SECONDS = 0.03
 """Before the first step, measured with the planning."""
@@ -49,10 +126,6 @@ class StrainSamples:
     def see(self, view: View) -> None:
         """Keep the strains at one time."""
         self.samples.append(view.numeric)
-
-    def variables(self) -> Variables:
-        """Nothing: the samples are only compared."""
-        return {}
 
 
 def refined(scene: Scene, measure: str) -> Scene:
@@ -107,7 +180,7 @@ def run_from(
         variables |= recorder.variables()
     reached, cost = _reached(scene, recorders, recording), _cost(scene, recording)
     if recording.stopped:
-        why = f"Ctrl-C after t = {recording.march.state.t:g} of {scene.end:g}"
+        why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
         raise UnfinishedRun(build_dataset(scene, reached, variables, cost | {"unfinished": why}))
     for measure in measures:
         part = meter.part(COST[measure])
@@ -129,9 +202,9 @@ def _reached(
         for recorder in recorders:
             if recorder.dimension == "time":
                 return tuple(recorder.times)
-    elif recording.march.blow_up is None:
+    elif recording.stepper.blow_up is None:
         return scene.snapshots
-    return tuple(t for t in scene.snapshots if t < recording.march.state.t)
+    return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
 class _Meter:
@@ -153,20 +226,20 @@ class _Meter:
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
-    march, scheme = recording.march, scene.discretisation.table
+    stepper, scheme = recording.stepper, scene.discretisation.table
     return {
         "engine": "stencil",
         "scheme": scheme.name,
         "order": scheme.order,
-        "steps": march.steps,
-        "force_evaluations": march.steps * scheme.stages,
+        "steps": stepper.steps,
+        "force_evaluations": stepper.steps * scheme.stages,
         "sites": scene.discretisation.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
-        "least_strain": march.strain[0],
-        "most_strain": march.strain[1],
-        "feed_mismatch": march.domain.mismatch,
-        "blow_up": "" if march.blow_up is None else str(march.blow_up),
+        "least_strain": stepper.strain[0],
+        "most_strain": stepper.strain[1],
+        "feed_mismatch": stepper.domain.mismatch,
+        "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
     }
 
 

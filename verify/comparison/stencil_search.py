@@ -9,17 +9,26 @@ import numpy as np
 import xarray as xr
 
 from lattice.model import Model
-from lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
+from lattice.refine import (
+    SAFETY,
+    Announce,
+    Engine,
+    Kind,
+    StoppedSearch,
+    lawful_step,
+    refine,
+    shorter_step,
+)
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme, stability_limit
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
-from verify.comparison.domain import Array, creeping, least_ring, least_window, window_moves
+from verify.comparison.domain import creeping, least_ring, least_window, seam_room, window_moves
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import Progress, UnfinishedRun, moments_of, unfinished
 from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
-from verify.comparison.wave_bounds import WaveBounds, find_bounds, seam_room
+from verify.comparison.wave_bounds import WaveBounds, find_bounds
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -77,31 +86,6 @@ def judged_times(moving: MovingWave, exact: Sequence[float], domain: str) -> tup
     return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
 
 
-def mean_step(stops: Array, step: float, order: int) -> float:
-    """The step that would make the same error if the stops did not shorten it.
-
-    Between two stops the steps are equal and at most ``step``.
-
-    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
-    0.5
-    """
-    gaps = np.diff(stops)
-    gaps = gaps[gaps > 0]
-    if gaps.size == 0:
-        return step
-    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
-    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
-
-
-def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
-    wanted = ratio * mean_step(stops, step, order)
-    found = ratio * step
-    while mean_step(stops, found, order) > wanted:
-        found *= 0.97
-    return found
-
-
 STEP_RATIO = 0.85
 """Step of a control run, in units of the one before it."""
 
@@ -122,8 +106,8 @@ DECAY = 5
 CLEARANCE = 128
 """Sites beyond the wave on which runs of a scout are compared."""
 
-REACHES = (0.2, 4.0)
-"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+LARGEST_GROWTH = 4.0
+"""Largest factor on a size from one choice to the next."""
 
 MOST_SITES = 2**20
 """Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
@@ -229,11 +213,10 @@ class StencilEngine:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the scheme's order and of the window's size."""
         if kind == "step":
-            factor = max(REACHES[0], 0.95 * excess ** (-1.0 / self.order))
-            return replace(choices, step=factor * choices.step)
+            return replace(choices, step=lawful_step(choices.step, self.order, excess))
         if choices.causal:
             return choices
-        factor = min(REACHES[1], max(1.2, 1.05 * excess ** (1.0 / DECAY)))
+        factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / DECAY)))
         return self._sized(choices, factor * choices.size)
 
     def work(self, choices: Choices) -> float:

@@ -2,13 +2,17 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.state import Sites, State
-from solutions import WaveValues
-from verify.comparison.moving_wave import MovingWave
+from verify.comparison.checks import shown
+
+if TYPE_CHECKING:
+    from solutions import WaveValues
+    from verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 
@@ -27,6 +31,12 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     >>> relative_sup_error(np.array([1.0, 4.5]), np.array([1.0, 5.0]), np.array([1.0, 1.0]))
     0.125
     """
+    for array in (numeric, analytic, background):
+        if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
+            raise ValueError(
+                f"compared arrays must be NumPy's, of real numbers, got {shown(array)} "
+                "(np.asarray makes one)"
+            )
     if not numeric.shape == analytic.shape == background.shape:
         shapes = f"{numeric.shape}, {analytic.shape}, {background.shape}"
         raise ValueError(f"compared arrays must have one shape, got {shapes} (take the same sites)")
@@ -50,7 +60,7 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
 class View:
     """Strains of the run and of the wave on the compared sites; each is made when first used."""
 
-    moving: MovingWave
+    moving: "MovingWave"
     state: State
 
     @cached_property
@@ -113,5 +123,5 @@ class View:
     def _place(self) -> tuple[Sites, float, float]:
         return self.sites, self.state.t, self.moving.eps
 
-    def _strain(self, values: WaveValues) -> Array:
+    def _strain(self, values: "WaveValues") -> Array:
         return self.moving.eps * values.Y

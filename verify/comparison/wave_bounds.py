@@ -3,8 +3,6 @@
 The wave is looked for on the whole line, not on the compared sites alone: outwards from where its
 phases vanish, on a grid whose spacing grows with the distance. A domain that holds the bounds holds
 the wave at all times, so nothing of it can come back round a ring or be cut off by a window.
-
-How far ahead of sound a signal's front runs, and how much room a seam takes, is told here, too.
 """
 
 from collections.abc import Sequence
@@ -146,29 +144,3 @@ def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
     beyond = crest + 2.0 * (x[index] - crest)
     rest = x >= beyond if x[index] > crest else x <= beyond
     return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])
-
-
-MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
-
-FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
-
-KINK = 80.0
-"""Room for a kink at the seam, in units of its width."""
-
-
-def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def seam_room(moving: MovingWave) -> float:
-    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
-    wave, eps = moving.wave, moving.eps
-    if wave.constant_background is not None:
-        return 0.0
-    if wave.wavelength is not None:
-        return 2.0 * wave.wavelength / eps
-    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-    return KINK / (float(wave.normal_form.a) * eps * height)

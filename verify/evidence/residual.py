@@ -23,8 +23,7 @@ import sympy as sp
 from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
 from solutions.functions.multiprecision import mp_module
 from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm
-from verify.terms import FieldEquation, field_derivatives, residual_terms
+from solutions.record import ClosedForm, Equation
 from verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4
@@ -217,7 +216,7 @@ class ResidualProgram:
     Raises EvaluationError for a function without a known derivative.
     """
 
-    def __init__(self, expression: sp.Expr, equation: FieldEquation) -> None:
+    def __init__(self, expression: sp.Expr, equation: Equation) -> None:
         self.symbols = tuple(sorted({equation.xi, equation.tau} | expression.free_symbols, key=str))
         self._context = mpmath.mp.clone()
         tape = StraightLine()
@@ -245,17 +244,21 @@ class ResidualProgram:
         return float(context.log10(total / size)) if total else float("-inf")
 
 
-def _term_entries(
-    tape: StraightLine, expression: sp.Expr, equation: FieldEquation
-) -> list[sp.Expr]:
-    terms, field = residual_terms(equation)
+def _term_entries(tape: StraightLine, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
+    """The terms of the residual in the tape's registers.
+
+    The field is first an undefined function, whose derivatives stand unevaluated in the terms.
+    """
+    field = sp.Function("U")(equation.xi, equation.tau)
+    residual = sp.expand(equation.residual(field))
     value = tape.record(expression)
     entries = {}
-    for derivative in field_derivatives(terms, field):
+    for jet in sorted(residual.atoms(sp.Derivative, type(field)), key=sp.default_sort_key):
         entry = value
-        for variable in getattr(derivative, "variables", ()):
+        for variable in getattr(jet, "variables", ()):
             entry = tape.derivative(entry, variable)
-        entries[derivative] = entry
+        entries[jet] = entry
+    terms = sp.Add.make_args(residual)
     return [tape.record(term.xreplace(entries)) for term in terms]
 
 

@@ -177,47 +177,37 @@ TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 class Arguments:
     """The arguments of the exponentials and of the elliptic functions, as integer combinations.
 
-    ``exponents`` combines what stands in exponentials.  For an elliptic parameter m,
-    ``moving(m)`` and ``fixed(m)`` combine the variable and of the constant parts of
-    the arguments.  ``count`` says how often each function occurs; ``circles`` are the symbols s
-    for which sqrt(1 - s**2) occurs and no other root of a sum with s.  ``degrees`` has, for the
-    base of roots, the common multiple of their degrees.
+    ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
+    and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
+    each function occurs; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
+    root of a sum with s, as its relation with that one would be lost.
     """
 
     def __init__(self, expressions: Iterable[sp.Expr], variables: Sequence[sp.Symbol]) -> None:
         self.dependence = Dependence(variables)
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
-        self.circles: set[sp.Symbol] = set()
-        self.degrees: dict[sp.Expr, int] = {}
         self._exponents: dict[sp.Expr, None] = {}
-        self._moving: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
-        self._fixed: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
+        self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
+        self._radicands: dict[sp.Expr, None] = {}
         seen: set[sp.Basic] = set()
         for expression in expressions:
             self._visit(expression, seen)
-        self._close_circles()
         self.exponents = IntegerCombinations(self._exponents)
-        self._combined: dict[tuple[str, sp.Expr], IntegerCombinations] = {}
+        self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
+        self.circles = {base.free_symbols.pop() for base in self._radicands if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
         """The combinations of the variable parts of the elliptic arguments with parameter ``m``."""
-        return self._combinations("moving", m, self._moving)
+        return self._combined.get((True, m), NOTHING)
 
     def fixed(self, m: sp.Expr) -> IntegerCombinations:
         """Those of the constant parts."""
-        return self._combinations("fixed", m, self._fixed)
+        return self._combined.get((False, m), NOTHING)
 
     def parts(self, argument: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         """``argument`` as a sum of a variable and a constant part."""
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
-
-    def _combinations(
-        self, kind: str, m: sp.Expr, found: defaultdict[sp.Expr, dict[sp.Expr, None]]
-    ) -> IntegerCombinations:
-        if (kind, m) not in self._combined:
-            self._combined[kind, m] = IntegerCombinations(found[m])
-        return self._combined[kind, m]
 
     def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
         for inner in node.args:
@@ -232,29 +222,24 @@ class Arguments:
         elif isinstance(node, TRIGONOMETRIC):
             self._exponents[sp.I * node.args[0]] = None
         elif isinstance(node, JacobiFunction):
-            self._elliptic(*node.args)
+            argument, m = node.args
+            for moves, part in zip((True, False), self.parts(argument), strict=True):
+                if part != 0:
+                    self._parts[moves, m][part] = None
         elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
-            self._root(node.base, int(node.exp.q))
+            self._radicands[node.base] = None
         elif node is sp.E:
             self._exponents[sp.S.One] = None
 
-    def _elliptic(self, argument: sp.Expr, m: sp.Expr) -> None:
-        variable, constant = self.parts(argument)
-        if variable != 0:
-            self._moving[m][variable] = None
-        if constant != 0:
-            self._fixed[m][constant] = None
+    def _closes(self, base: sp.Expr) -> bool:
+        """Whether a radicand is 1 - s**2, s no variable, and the only sum with s among them."""
+        square = 1 - base
+        if not (square.is_Pow and square.exp == 2 and square.base.is_Symbol):
+            return False
+        sums = [
+            other for other in self._radicands if not other.is_Symbol and other.has(square.base)
+        ]
+        return sums == [base] and square.base not in self.dependence.variables
 
-    def _root(self, base: sp.Expr, degree: int) -> None:
-        self.degrees[base] = lcm(degree, self.degrees.get(base, 1))
-        rest = 1 - base
-        is_square = rest.is_Pow and rest.exp == 2 and rest.base.is_Symbol
-        if is_square and rest.base not in self.dependence.variables:
-            self.circles.add(rest.base)
 
-    def _close_circles(self) -> None:
-        """Without another root of a sum with s: its relation with sqrt(1 - s**2) would be lost."""
-        for symbol in list(self.circles):
-            sums = [base for base in self.degrees if not base.is_Symbol and base.has(symbol)]
-            if sums != [1 - symbol**2]:
-                self.circles.remove(symbol)
+NOTHING = IntegerCombinations(())

@@ -22,8 +22,8 @@ import sympy as sp
 from derive import mkdv_normal_form, mkdv_reduction
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
+from solutions.exact import shown
 from solutions.forms.rational import rational, rational_tau
-from solutions.parameter import Bound
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict
 
@@ -32,7 +32,7 @@ from .certificate_writer import NodeTable
 from .checker import CertificateError, same_statement
 from .checker import check_certificate as check_content
 from .domains import Domain
-from .problem import EqualityProblem, SolutionProblem, equality_problem, solution_problem
+from .problem import Problem, equality_problem, solution_problem
 from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
 
@@ -41,7 +41,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
 
     The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
-    generators of `lab.lab_frame`, one to one.
+    generators of `lab_frame`, one to one.
 
     >>> from solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
@@ -51,14 +51,25 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     return decide(lab_problem(form), start)
 
 
-def lab_problem(form: ClosedForm) -> SolutionProblem:
+def lab_problem(form: ClosedForm) -> Problem:
     """The statement that ``form`` solves the equation in the lab variables."""
+    domains = form_domains(form)
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
+    unknown = sp.Function("U")(X, T)
     expression = form.expression.xreplace(variables)
     return solution_problem(
-        LabEquation(frame), expression, name=form.name, stated=form_domains(form)
+        frame.residual(unknown),
+        expression,
+        name=form.name,
+        equation_name=f"mKdV in X, T, K4 {'>' if frame.s > 0 else '<'} 0",
+        stated=domains,
     )
+
+
+def own_problem(form: ClosedForm) -> Problem:
+    """The statement that ``form`` solves its equation in its own variables."""
+    return solution_problem(form.equation, form.expression, stated=form_domains(form))
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -72,29 +83,42 @@ def prove_stable(form: ClosedForm) -> ProofVerdict:
     return decide(stable_problem(form), start)
 
 
-def stable_problem(form: ClosedForm) -> EqualityProblem:
+def stable_problem(form: ClosedForm) -> Problem:
     """The statement that the evaluation form of ``form`` is its canonical one."""
+    domains = form_domains(form)
     return equality_problem(
         form.expression,
         form.stable,
         (form.equation.xi, form.equation.tau),
         name=form.name,
         equation_name="stable form = canonical form",
-        stated=form_domains(form),
+        stated=domains,
     )
 
 
 def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     """The domains of the parameters of a closed form, from its record.
 
+    Raises TypeError for what is no closed form.
+
     >>> from solutions import closed_form
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """
-    return {
-        parameter.symbol: _between(parameter.lower, parameter.upper)
-        for parameter in form.parameters
-    }
+    if not isinstance(form, ClosedForm):
+        raise TypeError(
+            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
+        )
+    domains = {}
+    for parameter in form.parameters:
+        low, high = parameter.lower, parameter.upper
+        domains[parameter.symbol] = Domain(
+            -sp.oo if low is None else low.value,
+            sp.oo if high is None else high.value,
+            low is None or low.is_open,
+            high is None or high.is_open,
+        )
+    return domains
 
 
 def check_certificate(data: Any) -> str:
@@ -120,19 +144,9 @@ def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
-    own = solution_problem(form.equation, form.expression, stated=form_domains(form))
-    for problem in (lab_problem(form), own, stable_problem(form)):
+    for made in (lab_problem, own_problem, stable_problem):
         table = NodeTable()
-        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
-
-
-def _between(lower: Bound | None, upper: Bound | None) -> Domain:
-    return Domain(
-        -sp.oo if lower is None else lower.value,
-        sp.oo if upper is None else upper.value,
-        lower is None or lower.is_open,
-        upper is None or upper.is_open,
-    )
+        yield {"statement": statement_data(made(form), table), "nodes": table.nodes}
 
 
 a = sp.Symbol("a", positive=True)
@@ -140,7 +154,10 @@ a = sp.Symbol("a", positive=True)
 
 @dataclass(frozen=True)
 class LabFrame:
-    """K2, K4, xi and tau as rational functions of X, T, a and c, for K4 of the sign ``s``."""
+    """The reduced equation in X and T, K2, K4, xi and tau being rational in X, T, a and c.
+
+    ``s`` is the sign of K4.
+    """
 
     s: int
     K2: sp.Expr
@@ -148,14 +165,16 @@ class LabFrame:
     xi: sp.Expr
     tau: sp.Expr
 
-    @property
-    def generators(self) -> tuple[sp.Symbol, sp.Symbol]:
-        """The symbols that stand for K2 and K4."""
-        return (c, a)
-
     def constants(self) -> dict[sp.Symbol, sp.Expr]:
         """The lattice constants in the generators."""
         return {K2: self.K2, K4: self.K4}
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``, as derived."""
+        pde, constants = mkdv_reduction().pde, self.constants()
+        nonlinear = pde.nonlinear_coefficient.subs(constants)
+        dispersive = pde.dispersive_coefficient.subs(constants)
+        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
 
 
 @functools.cache
@@ -167,35 +186,6 @@ def lab_frame(s: int) -> LabFrame:
     cubic = sp.solve(record.a**2 - a**2, size)[0].subs(K2, stiffness)
     rate = record.b.subs({size: cubic, K2: stiffness})
     return LabFrame(s, stiffness, s * cubic, a * X, rate * T)
-
-
-@dataclass(frozen=True)
-class LabEquation:
-    """The reduced equation in X and T with the derivation's coefficients, in the generators."""
-
-    frame: LabFrame
-
-    @property
-    def name(self) -> str:
-        """The name of the equation."""
-        return f"mKdV in X, T, K4 {'>' if self.frame.s > 0 else '<'} 0"
-
-    @property
-    def xi(self) -> sp.Symbol:
-        """The space variable X."""
-        return X
-
-    @property
-    def tau(self) -> sp.Symbol:
-        """The time variable T."""
-        return T
-
-    def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side ``Y_T + beta Y^2 Y_X + delta Y_XXX`` at ``U``."""
-        pde, constants = mkdv_reduction().pde, self.frame.constants()
-        nonlinear = pde.nonlinear_coefficient.subs(constants)
-        dispersive = pde.dispersive_coefficient.subs(constants)
-        return sp.diff(U, T) + nonlinear * U**2 * sp.diff(U, X) + dispersive * sp.diff(U, X, 3)
 
 
 HIGHER_ORDERS = range(4, 10)

@@ -35,7 +35,7 @@ from .domain_signs import Signs
 from .domains import Domains, Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
-from .problem import EqualityProblem, Problem
+from .problem import Problem
 from .simplification import Rewriting
 
 LEMMA_BITS = 320
@@ -63,7 +63,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         found = rewriting.found
         return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
 
-    whole = search(problem.expressions, moving=problem.has_derivatives)
+    whole = search(problem.expressions, moving=problem.right is None)
     for pair in parts:
         proof = search(pair, moving=False).proof(point)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
@@ -121,7 +121,7 @@ def _domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
 
 def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
     """Equal parts to prove first, if there may be any, and none."""
-    if isinstance(problem, EqualityProblem):
+    if problem.right is not None:
         sides = problem.formula, problem.right
         lemmas = find_lemmas(*sides, problem.variables, regular_point(problem))
         if lemmas:

@@ -140,6 +140,12 @@ class ProofWriter:
             self.registered.add(place)
             self.generators.append([*(rest or ("atom", place))])
 
+    def name(self, place: int, value: sp.Expr) -> None:
+        """Say what the root or function at ``place`` is, unless it is that node."""
+        found = self.table.place(value)
+        if found != place:
+            self.hints["values"][place] = found
+
     def data(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         return {

@@ -201,14 +201,14 @@ class Signs:
         if argument is None or parameter is None:
             return None
         if isinstance(node, jacobi_epsilon | jacobi_zeta):
-            return REAL if _inside(parameter) else None
+            return REAL if _is_below_one(parameter) else None
         if isinstance(node, jacobi_dn | jacobi_theta):
-            return POSITIVE if _inside(parameter) else REAL
-        return UNIT if parameter.is_nonnegative and _inside(parameter) else REAL
+            return POSITIVE if _is_below_one(parameter) else REAL
+        return UNIT if parameter.is_nonnegative and _is_below_one(parameter) else REAL
 
 
-def _inside(parameter: Range) -> bool:
-    return parameter.upper < 1 or (parameter.upper == 1 and parameter.upper_open)
+def _is_below_one(inner: Range) -> bool:
+    return inner.upper < 1 or (inner.upper == 1 and inner.upper_open)
 
 
 def _fractional(base: Range, exponent: sp.Rational) -> Range:
@@ -239,29 +239,6 @@ def _logarithm(inner: Range) -> Range | None:
     return _signed(inner + Range(-ONE, -ONE))
 
 
-def _square_root_side(inner: Range) -> Range | None:
-    """acosh, real where its argument is at least 1."""
-    return NONNEGATIVE if inner.lower >= 1 else None
-
-
-def _within_one(inner: Range) -> Range | None:
-    """asin, real where its argument is between -1 and 1; its values below 2."""
-    return _signed(inner, Fraction(2)) if inner.lower >= -1 and inner.upper <= 1 else None
-
-
-def _inverse_cosine(inner: Range) -> Range | None:
-    return Range(ZERO, Fraction(4)) if inner.lower >= -1 and inner.upper <= 1 else None
-
-
-def _inverse_tanh(inner: Range) -> Range | None:
-    inside = (inner + Range(ONE, ONE)).is_positive and (-inner + Range(ONE, ONE)).is_positive
-    return _signed(inner) if inside else None
-
-
-def _complete(inner: Range) -> Range | None:
-    return POSITIVE if _inside(inner) else None
-
-
 def _sign(inner: Range) -> Range:
     low = ONE if inner.is_positive else ZERO if inner.is_nonnegative else -ONE
     high = -ONE if inner.is_negative else ZERO if inner.is_nonpositive else ONE
@@ -287,19 +264,20 @@ RULES: dict[type, Callable[[Range], Range | None]] = {
     sp.cosh: lambda _: Range(ONE),
     sp.tanh: lambda inner: _signed(inner, ONE),
     sp.sech: lambda _: Range(ZERO, ONE, True),
-    sp.coth: lambda inner: _signed(inner),
-    sp.csch: lambda inner: _signed(inner),
+    sp.coth: _signed,
+    sp.csch: _signed,
     sp.sin: lambda inner: _half_wave(inner + Range(-BELOW_PI / 2, -BELOW_PI / 2)),
     sp.cos: _half_wave,
     **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
     sp.atan: lambda inner: _signed(inner, Fraction(2)),
     sp.asinh: _signed,
-    sp.acosh: _square_root_side,
-    sp.asin: _within_one,
-    sp.acos: _inverse_cosine,
-    sp.atanh: _inverse_tanh,
-    sp.elliptic_k: _complete,
-    sp.elliptic_e: _complete,
+    sp.acosh: lambda inner: NONNEGATIVE if inner.lower >= 1 else None,
+    sp.asin: lambda inner: _signed(inner, Fraction(2)) if inner.absolute().upper <= 1 else None,
+    sp.acos: lambda inner: Range(ZERO, Fraction(4)) if inner.absolute().upper <= 1 else None,
+    sp.atanh: lambda inner: _signed(inner) if _is_below_one(inner.absolute()) else None,
+    **dict.fromkeys(
+        (sp.elliptic_k, sp.elliptic_e), lambda inner: POSITIVE if _is_below_one(inner) else None
+    ),
 }
 
 
@@ -349,22 +327,21 @@ def _lines(node: sp.Expr, signs: Signs) -> list[str]:
         lines.append(f"pole where {_short(POLES[node.func](node.args[0]))} = 0")
     if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
         lines.append(f"pole where {_short(sp.sinh(node.args[0]))} = 0")
-    if isinstance(node, sp.asin | sp.acos | sp.atanh | sp.acosh) and not _is_inside(node, signs):
+    if isinstance(node, sp.asin | sp.acos | sp.atanh | sp.acosh) and not _is_off_cuts(node, signs):
         lines.append(f"branch point of {_short(node)}")
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
     return lines
 
 
-def _is_inside(node: sp.Expr, signs: Signs) -> bool:
+def _is_off_cuts(node: sp.Expr, signs: Signs) -> bool:
     """Whether the argument is shown to be off the ends of the cuts."""
     inner = signs.range(node.args[0])
     if inner is None:
         return False
-    one = signs.range(sp.S.One) or Range()
     if isinstance(node, sp.acosh):
-        return (inner + -one).is_positive
-    return (one + inner).is_positive and (one + -inner).is_positive
+        return (inner + Range(-ONE, -ONE)).is_positive
+    return _is_below_one(inner.absolute())
 
 
 def _short(expression: sp.Expr) -> str:

@@ -137,6 +137,11 @@ def settled_domains(
     domain of a symbol that is not among them or occurs in a cycle of ends, and for a domain
     without an inner point.
     """
+    if not isinstance(stated, Mapping):
+        raise TypeError(
+            f"domains must map symbols to intervals, got {shown(stated)} "
+            "({x: sympy.Interval.open(0, 1)})"
+        )
     everything = set(symbols)
     for symbol in (*everything, *stated):
         if not isinstance(symbol, sp.Symbol):

@@ -40,17 +40,21 @@ class EllipticSearch:
         moving: bool,
         epsilon: bool,
     ) -> None:
-        self._writer, self._table, self._arguments = writer, writer.table, arguments
+        self._writer, self._arguments = writer, arguments
+        self._place, self._made = writer.table.place, writer.table.made
         self._need, self._begin_forms = need, begin_forms
         self._moving, self._epsilon = moving, epsilon
 
     def below_one(self, m: sp.Expr) -> None:
         """Offer the factors of 1 - m as witness of its sign."""
-        one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
-        rest = self._table.made("Add", one, self._table.made("Mul", minus, self._table.place(m)))
-        other = self._table.place(sp.factor(1 - m))
+        rest, other = self._complement(m), self._place(sp.factor(1 - m))
         if other != rest:
             self._writer.signs[rest] = other
+
+    def _complement(self, m: sp.Expr) -> int:
+        """1 - m as the checker writes it."""
+        one, minus = (self._place(sp.Integer(n)) for n in (1, -1))
+        return self._made("Add", one, self._made("Mul", minus, self._place(m)))
 
     def provide(self, node: sp.Expr) -> None:
         """Provide for the image of a Jacobi function."""
@@ -61,7 +65,7 @@ class EllipticSearch:
         if isinstance(node, jacobi_theta):
             self._theta(z, m)
         elif isinstance(node, jacobi_eta):
-            self._root_of_parameter(m, sp.sqrt(sp.sqrt(m)), "1/4")
+            self._root(self._place(m), "1/4", sp.sqrt(sp.sqrt(m)))
             self._need(jacobi_sn(z, m))
             self._need(jacobi_theta(z, m))
         elif isinstance(node, jacobi_zeta) and self._epsilon:
@@ -70,13 +74,10 @@ class EllipticSearch:
         else:
             self._station(z, m, node.func if node.func not in TRIPLE else None)
 
-    def _root_of_parameter(self, base: sp.Expr, root: sp.Expr, exponent: str) -> None:
+    def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
         """The root as SymPy writes it, of a node as the checker writes it."""
-        self._need(base)
         self._need(root)
-        place = self._table.made("Pow", self._table.place(base), exponent)
-        if place != self._table.place(root):
-            self._writer.hints["values"][place] = self._table.place(root)
+        self._writer.name(self._made("Pow", base, exponent), root)
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
         """The Jacobi functions of the arguments whose combination is ``z``."""
@@ -92,30 +93,25 @@ class EllipticSearch:
                 if n:
                     side = -1 if u.could_extract_minus_sign() else 1
                     self._argument(side * u, m, second)
-                    found.append([str(side * n), self._table.place(side * u)])
-        place = self._table.place(z)
+                    found.append([str(side * n), self._place(side * u)])
+        place = self._place(z)
         if found != [["1", place]]:
-            sine = self._table.made("jacobi_sn", place, self._table.place(m))
+            sine = self._made("jacobi_sn", place, self._place(m))
             self._writer.hints["sums"][sine] = found
 
     def _argument(self, u: sp.Expr, m: sp.Expr, second: type | None) -> None:
         self._need(u)
-        place, parameter = self._table.place(u), self._table.place(m)
+        place, parameter = self._place(u), self._place(m)
         if u == sp.elliptic_k(m):
-            one, minus = (self._table.place(sp.Integer(n)) for n in (1, -1))
-            rest = self._table.made("Add", one, self._table.made("Mul", minus, parameter))
-            self._need(sp.sqrt(1 - m))
-            node = self._table.made("Pow", rest, "1/2")
-            if node != self._table.place(sp.sqrt(1 - m)):
-                self._writer.hints["values"][node] = self._table.place(sp.sqrt(1 - m))
+            self._root(self._complement(m), "1/2", sp.sqrt(1 - m))
             if second is jacobi_epsilon:
                 self._need(sp.elliptic_e(m))
             return
         modulus = sp.sqrt(m)
         for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
-            own = self._table.made(function.__name__, place, parameter)
+            own = self._made(function.__name__, place, parameter)
             if modulus.is_Symbol and function is not jacobi_dn:
-                self._writer.atom(own, "scaled", own, self._table.place(modulus))
+                self._writer.atom(own, "scaled", own, self._place(modulus))
             else:
                 self._writer.atom(own)
         if second is not None:
@@ -126,7 +122,7 @@ class EllipticSearch:
         if kind is jacobi_zeta and self._moves(u):
             self._need(sp.elliptic_e(m))
             self._need(sp.elliptic_k(m))
-        own = self._table.made(kind.__name__, self._table.place(u), self._table.place(m))
+        own = self._made(kind.__name__, self._place(u), self._place(m))
         if kind is jacobi_epsilon:
             self._begin_forms(sp.Tuple(u, m))
         self._writer.atom(own)
@@ -137,15 +133,16 @@ class EllipticSearch:
     def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
         variable, constant = self._arguments.parts(z)
         if variable == 0:
-            self._writer.atom(self._table.place(jacobi_theta(constant, m)))
+            self._writer.atom(self._place(jacobi_theta(constant, m)))
             return
         basis = self._arguments.moving(m).basis
         if -variable in basis:
             variable, constant = -variable, -constant
         if variable not in basis:
             raise ValueError(f"theta of a multiple of another argument: theta({z})")
-        here = self._table.place(jacobi_theta(variable, m))
-        self._slope_of_theta(variable, m)
+        here = self._place(jacobi_theta(variable, m))
+        if self._moves(variable):
+            self._need(jacobi_zeta(variable, m))
         self._writer.atom(here)
         if constant == 0:
             return
@@ -153,24 +150,20 @@ class EllipticSearch:
         self._quotient(variable, shift, m, here)
         if shift != constant:
             for part in (jacobi_theta(shift, m), jacobi_theta(0, m)):
-                self._writer.atom(self._table.place(part))
+                self._writer.atom(self._place(part))
             for argument in (variable, shift):
                 self._need(argument)
                 self._station(argument, m, None)
-            ends = [self._table.place(variable), self._table.place(shift)]
+            ends = [self._place(variable), self._place(shift)]
             if sp.expand(z - variable + shift) != 0:
                 ends.reverse()
             pair = [["1", ends[0]], ["-1", ends[1]]]
-            node = self._table.made("jacobi_theta", self._table.place(z), self._table.place(m))
+            node = self._made("jacobi_theta", self._place(z), self._place(m))
             self._writer.hints["sums"][node] = pair
 
-    def _slope_of_theta(self, u: sp.Expr, m: sp.Expr) -> None:
-        if self._moves(u):
-            self._need(jacobi_zeta(u, m))
-
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
-        total = self._table.made("Add", self._table.place(u), self._table.place(d))
-        ahead = self._table.made("jacobi_theta", total, self._table.place(m))
+        total = self._made("Add", self._place(u), self._place(d))
+        ahead = self._made("jacobi_theta", total, self._place(m))
         if ahead in self._writer.registered:
             return
         self._need(u)
@@ -178,7 +171,7 @@ class EllipticSearch:
         if self._moves(u):
             self._station(u, m, jacobi_zeta)
             self._station(d, m, jacobi_zeta)
-            pair = [["1", self._table.place(u)], ["1", self._table.place(d)]]
-            sine = self._table.made("jacobi_sn", total, self._table.place(m))
+            pair = [["1", self._place(u)], ["1", self._place(d)]]
+            sine = self._made("jacobi_sn", total, self._place(m))
             self._writer.hints["sums"][sine] = pair
         self._writer.atom(ahead, "quotient", ahead, here)

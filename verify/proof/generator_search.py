@@ -32,13 +32,13 @@ class GeneratorSearch:
         table: NodeTable,
         expressions: Sequence[sp.Expr],
         variables: Sequence[sp.Symbol],
-        values: Mapping[sp.Expr, sp.Expr] | None = None,
+        values: Mapping[sp.Expr, sp.Expr],
         *,
-        moving: bool = True,
+        moving: bool,
     ) -> None:
-        self._table, self._writer = table, ProofWriter(table)
+        self._writer, self._place, self._made = ProofWriter(table), table.place, table.made
         self._variables, self._expressions = tuple(variables), list(expressions)
-        self._values, self._moving = dict(values or {}), moving
+        self._values, self._moving = values, moving
         self._done: set[sp.Expr] = set()
         self._has_epsilon = any(
             isinstance(node, jacobi_epsilon) for e in expressions for node in distinct_nodes(e)
@@ -47,7 +47,7 @@ class GeneratorSearch:
     def equal_part(self, left: sp.Expr, right: sp.Expr, proof: Data) -> None:
         """Take one generator for two formulas that ``proof`` shows to be equal."""
         place = len(self._writer.parts)
-        self._writer.parts.append([self._table.place(left), self._table.place(right), proof])
+        self._writer.parts.append([self._place(left), self._place(right), proof])
         self._writer.generators.append(["part", place, place])
         self._done |= {left, right}
 
@@ -88,7 +88,7 @@ class GeneratorSearch:
             return
         if node in self._values and not _follows_from_others(node):
             value = self._values[node]
-            self._writer.hints["values"][self._table.place(node)] = self._table.place(value)
+            self._writer.name(self._place(node), value)
             self.need(value)
             self.need(node.args[0])
             return
@@ -102,7 +102,7 @@ class GeneratorSearch:
         elif node.is_Symbol or node in (sp.I, sp.pi):
             self._primitive(node)
         elif node is sp.E:
-            self._exponential(sp.S.One, self._table.place(sp.S.One))
+            self._exponential(sp.S.One, self._place(sp.S.One))
         else:
             self._function(node)
 
@@ -111,9 +111,9 @@ class GeneratorSearch:
         if self._begin_forms(node):
             return
         if node in self._arguments.circles:
-            other = self._table.place(sp.sqrt(1 - node**2))
-            self._writer.atom(other, "circle", other, self._table.place(node))
-        self._writer.atom(self._table.place(node))
+            other = self._place(sp.sqrt(1 - node**2))
+            self._writer.atom(other, "circle", other, self._place(node))
+        self._writer.atom(self._place(node))
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
         """Register the linear forms at the first of their primitives that is needed."""
@@ -127,7 +127,7 @@ class GeneratorSearch:
             for part in (*factors, shift):
                 self.need(part)
                 self._show_sign_of_roots(part)
-            rows.append([[self._table.place(f) for f in factors], self._table.place(shift)])
+            rows.append([[self._place(f) for f in factors], self._place(shift)])
         for pivot in pivots:
             if isinstance(pivot, sp.Tuple):
                 self.need(pivot[1])
@@ -139,8 +139,8 @@ class GeneratorSearch:
 
     def _primitive_place(self, primitive: sp.Basic) -> int:
         if isinstance(primitive, sp.Tuple):
-            return self._table.made("jacobi_epsilon", *map(self._table.place, primitive))
-        return self._table.place(primitive)
+            return self._made("jacobi_epsilon", *map(self._place, primitive))
+        return self._place(primitive)
 
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp
@@ -155,9 +155,9 @@ class GeneratorSearch:
         root = sp.Pow(base, sp.Rational(1, exponent.q))
         if root != node and (root in self._values or not root.is_Pow or root.base != base):
             self.need(root)
-        place = self._table.made("Pow", self._table.place(base), f"1/{exponent.q}")
+        place = self._made("Pow", self._place(base), f"1/{exponent.q}")
         if not root.is_Pow or root.base != base:
-            self._writer.hints["values"][place] = self._table.place(root)
+            self._writer.name(place, root)
         elif root not in self._values:
             self._writer.atom(place)
 
@@ -170,7 +170,7 @@ class GeneratorSearch:
         """Offer the factors of ``node`` as witness of its sign."""
         other = sp.factor(node)
         if other != node:
-            self._writer.signs[self._table.place(node)] = self._table.place(other)
+            self._writer.signs[self._place(node)] = self._place(other)
 
     def _function(self, node: sp.Expr) -> None:
         if isinstance(node, JacobiFunction):
@@ -179,28 +179,28 @@ class GeneratorSearch:
         (z,) = node.args
         self.need(z)
         if isinstance(node, (sp.exp, *HYPERBOLIC)):
-            self._exponential(z, self._table.place(z))
+            self._exponential(z, self._place(z))
         elif isinstance(node, TRIGONOMETRIC):
             self.need(sp.I)
-            place = self._table.made("Mul", self._table.place(sp.I), self._table.place(z))
+            place = self._made("Mul", self._place(sp.I), self._place(z))
             self._exponential(sp.I * z, place)
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
-            self._writer.atom(self._table.place(node))
+            self._writer.atom(self._place(node))
         elif isinstance(node, sp.log):
-            self._writer.atom(self._table.place(node))
+            self._writer.atom(self._place(node))
         elif isinstance(node, sp.atan):
             if isinstance(z, sp.tan):
-                self._writer.hints["values"][self._table.place(node)] = self._table.place(z.args[0])
+                self._writer.name(self._place(node), z.args[0])
                 self.need(z.args[0])
             else:
-                self._writer.atom(self._table.place(node))
+                self._writer.atom(self._place(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
         elif isinstance(node, sp.Abs):
-            self._writer.atom(self._table.place(node))
+            self._writer.atom(self._place(node))
         elif isinstance(node, sp.sign):
             self.need(sp.Abs(z))
         else:
@@ -216,8 +216,8 @@ class GeneratorSearch:
             q = q if isinstance(rest, sp.log) else sp.S.One
             self.need(rest)
             self.need(sp.Pow(factor, q))
-            found.append([str(q), self._table.place(factor)])
-        self._writer.hints["logs"][self._table.place(node)] = found
+            found.append([str(q), self._place(factor)])
+        self._writer.hints["logs"][self._place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = without_logarithms(z)
@@ -226,14 +226,14 @@ class GeneratorSearch:
         for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):
             if n:
                 self.need(basis)
-                self._writer.atom(self._table.made("exp", self._table.place(basis)))
-                found.append([str(n), self._table.place(basis)])
+                self._writer.atom(self._made("exp", self._place(basis)))
+                found.append([str(n), self._place(basis)])
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
             self.need(logarithm)
-            found.append([str(q), self._table.place(logarithm)])
-        self._writer.hints["sums"][self._table.made("exp", place)] = found
+            found.append([str(q), self._place(logarithm)])
+        self._writer.hints["sums"][self._made("exp", place)] = found
 
 
 def _follows_from_others(node: sp.Expr) -> bool:

@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from verify.terms import FieldEquation
+from solutions.record import Equation
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
@@ -33,7 +33,7 @@ SHOWN_DIGITS = 6
 
 
 def prove(
-    equation: FieldEquation | sp.Expr,
+    equation: Equation | sp.Expr,
     expression: sp.Expr,
     *,
     name: str = "expression",
@@ -44,7 +44,7 @@ def prove(
 
     ``equation`` is an object with a residual (as `solutions.record.Equation`) or the left-hand
     side of an equation "= 0", a polynomial in one undefined function and its derivatives.
-    ``domains`` states intervals (`domain.Domain` or `sympy.Interval`) of variables and parameters
+    ``domains`` states intervals (`domains.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
     points of the domains to look for a witness at, besides sampled ones.  PROVED means that
     `checker.check_certificate` has accepted the certificate that the verdict carries.
@@ -61,7 +61,7 @@ def prove(
     <Outcome.REFUTED: 'REFUTED'>
     """
     start = time.perf_counter()
-    return decide(solution_problem(equation, expression, points, name, domains), start)
+    return decide(solution_problem(equation, expression, points, name, stated=domains), start)
 
 
 def prove_equal(

@@ -13,7 +13,7 @@ line; it stops at a root or logarithm of what may be negative.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import sympy as sp
 
@@ -245,15 +245,20 @@ def _evidently_signed(total: sp.Expr) -> sp.Expr:
     return total if found is None else found
 
 
+def _quadratics(base: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr, sp.Expr]]:
+    """a, b and c for which ``base`` is a + b sqrt(c)."""
+    made = Quotients(base)
+    for atom, square in made.square_roots:
+        parts = made.linear_in(atom)
+        if parts is not None and made.below.is_constant():
+            a, b = (part / int(made.below.leading_coefficient()) for part in parts)
+            yield a, b, square
+
+
 def _denested(base: sp.Expr) -> sp.Expr | None:
     """The square root of a + b sqrt(c) as a sum of two, if a**2 - b**2 c is a square."""
     try:
-        made = Quotients(base)
-        for atom, square in made.square_roots:
-            parts = made.linear_in(atom)
-            if parts is None or not made.below.is_constant():
-                continue
-            a, b = (part / int(made.below.leading_coefficient()) for part in parts)
+        for a, b, square in _quadratics(base):
             unit, powers = factored(a**2 - b**2 * square)
             size = sp.sqrt(unit)
             if not size.is_Rational or any(power % 2 for _, power in powers):
@@ -262,7 +267,7 @@ def _denested(base: sp.Expr) -> sp.Expr | None:
             high, low = sp.expand(a / 2 + half), sp.expand(a / 2 - half)
             return _joined_roots(high, low, b, square)
     except TooLong:
-        return None
+        pass
     return None
 
 
@@ -281,12 +286,9 @@ def _root_of(low: sp.Expr, square: sp.Expr) -> sp.Expr:
 
 def _cube_root(base: sp.Expr, exponent: sp.Rational) -> sp.Expr | None:
     """The cube root a + b sqrt(c) of a number of that kind."""
-    made = Quotients(base)
-    for atom, square in made.square_roots:
-        parts = made.linear_in(atom)
-        if parts is None or not square.is_Rational or square < 0:
+    for p, q, square in _quadratics(base):
+        if not square.is_Rational or square < 0:
             continue
-        p, q = (part / int(made.below.leading_coefficient()) for part in parts)
         norm, value = sp.real_root(p**2 - q**2 * square, 3), sp.N(base, DIGITS) ** (sp.S.One / 3)
         if not norm.is_Rational:
             continue

@@ -11,20 +11,18 @@ import math
 import re
 import time
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from verify.comparison.run import run
 from verify.comparison.scene import ENGINES, Scene
-from verify.processes import OutOfTime, time_limit
+from verify.comparison.scene_run import run
+from verify.processes import Job, Key, OutOfTime, time_limit
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import RandomScene, random_scene
-
-__all__ = ["VERDICTS", "EstimateRow", "Judged", "judge", "judge_scene", "rows", "warm_up"]
 
 Array = NDArray[np.float64]
 
@@ -278,19 +276,25 @@ class EstimateRow:
 
     name: str
     count: int
-    verdicts: tuple[int, ...]
-    quantiles: tuple[float, ...]
+    verdicts: Mapping[str, int]
+    quantiles: Mapping[float, float]
     seconds: float
 
+
+SCENES, SEED = 240, 3
+"""Random scenes that are judged for the report; other ones than those of the tests."""
 
 QUANTILES = (0.05, 0.5, 0.95, 1.0)
 """The quantiles of a row."""
 
 
-def rows(found: Iterable[Judged]) -> list[EstimateRow]:
-    """One row a wave, one for each engine, asked for and chosen, and one for all."""
+def estimate_rows(found: Iterable[Judged]) -> list[EstimateRow]:
+    """One row a wave, one for each engine, asked for and chosen, and one for all scenes."""
     judged = list(found)
-    groups = {wave: [one for one in judged if one.wave == wave] for wave in _names(judged)}
+    if not judged:
+        return []
+    waves = sorted({one.wave for one in judged})
+    groups = {wave: [one for one in judged if one.wave == wave] for wave in waves}
     for engine in sorted({one.engine for one in judged} - {""}):
         for how, asked in (("by name", engine), ("chosen", "")):
             title = f"{engine}, {how}"
@@ -299,17 +303,18 @@ def rows(found: Iterable[Judged]) -> list[EstimateRow]:
     return [_row(name, group) for name, group in groups.items()]
 
 
-def _names(judged: Sequence[Judged]) -> list[str]:
-    return sorted({one.wave for one in judged})
-
-
 def _row(name: str, group: Sequence[Judged]) -> EstimateRow:
     ratios = [one.ratio for one in group if one.verdict == "dishonest" or one.told]
     quantiles = np.quantile(ratios, QUANTILES, method="lower") if ratios else [math.nan] * 4
     return EstimateRow(
         name,
         len(group),
-        tuple(sum(one.verdict == verdict for one in group) for verdict in VERDICTS),
-        tuple(float(quantile) for quantile in quantiles),
+        {verdict: sum(one.verdict == verdict for one in group) for verdict in VERDICTS},
+        {share: float(found) for share, found in zip(QUANTILES, quantiles, strict=True)},
         sum(one.seconds + one.reference_seconds for one in group),
     )
+
+
+def estimate_jobs() -> dict[Key, Job]:
+    """The scenes that are judged for the report."""
+    return {("estimate", index): Job(judge, (SEED, index), 0.8) for index in range(SCENES)}

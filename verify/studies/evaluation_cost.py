@@ -18,13 +18,13 @@ import numpy as np
 import sympy as sp
 from flint import acb, ctx
 
+from solutions import CATALOGUE
 from solutions.compile.straight_line import StraightLine
 from solutions.functions.multiprecision import mp_module
 from solutions.symbols import tau, xi
+from verify.processes import Job, Key
 from verify.proof.balls import BallEvaluator, Shape
 from verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
-
-__all__ = ["ARITHMETICS", "Arithmetic", "EvaluationCost", "evaluation_costs", "ordinary_case"]
 
 PLACES: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
 """X (or xi) of the points: doubles, and so the same in every arithmetic."""
@@ -67,15 +67,6 @@ class EvaluationCost:
     seconds: float
 
 
-@dataclass(frozen=True)
-class Arithmetic:
-    """A way to evaluate: its family, its name, and how its errors and seconds are measured."""
-
-    family: str
-    name: str
-    measure: Measure
-
-
 def ordinary_case(name: str) -> WaveCase:
     """The wave with ordinary rational parameters.
 
@@ -92,9 +83,9 @@ def evaluation_costs(name: str) -> list[EvaluationCost]:
     """Every arithmetic on one wave."""
     case = ordinary_case(name)
     found = []
-    for arithmetic in ARITHMETICS:
-        errors, seconds = arithmetic.measure(case)
-        found.append(EvaluationCost(name, arithmetic.name, correct_digits(errors), seconds))
+    for arithmetic, measure in ARITHMETICS.items():
+        errors, seconds = measure(case)
+        found.append(EvaluationCost(name, arithmetic, correct_digits(errors), seconds))
     return found
 
 
@@ -204,14 +195,14 @@ def _errors(found: Sequence[Sequence[Any]], exact: Sequence[Row]) -> list[float]
     return [float(abs(context.fsum(map(context.mpf, v)) - e) / max(1, abs(e))) for v, e in pairs]
 
 
-ARITHMETICS: tuple[Arithmetic, ...] = (
-    Arithmetic("double-double", "double-double", measure_array),
-    *(
-        Arithmetic("balls", f"balls, {digits} digits", partial(measure_balls, digits))
-        for digits in (20, 40, 80)
-    ),
-    *(
-        Arithmetic("mpmath", f"mpmath, {digits} digits", partial(measure_mpmath, digits))
-        for digits in (15, 30, 60)
-    ),
-)
+ARITHMETICS: Mapping[str, Measure] = {
+    "double-double": measure_array,
+    **{f"balls, {digits} digits": partial(measure_balls, digits) for digits in (20, 40, 80)},
+    **{f"mpmath, {digits} digits": partial(measure_mpmath, digits) for digits in (15, 30, 60)},
+}
+"""How the errors and seconds of each arithmetic are measured; before the comma its family."""
+
+
+def evaluation_cost_jobs() -> dict[Key, Job]:
+    """Every closed form of the catalogue."""
+    return {("cost", form.name): Job(evaluation_costs, (form.name,), 1.0) for form in CATALOGUE}

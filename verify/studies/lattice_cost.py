@@ -8,9 +8,10 @@ told beside. The error of the reduction itself is that of Y_j at its peak agains
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -26,7 +27,10 @@ from verify.comparison import (
     run,
     stability_limit,
 )
+from verify.comparison.scene import Tolerance
+from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.comparison.spectral_data import RingPlace, ring_data
+from verify.processes import Job, Key
 
 Array = NDArray[np.float64]
 
@@ -55,30 +59,18 @@ class CostPoint:
     data_seconds: float = 0.0
 
 
-def smooth() -> Scene:
-    """Y2 long before its peak: a weak, wide wave."""
-    return _ring("rational_2_eps_0.05", -10000.0, -9750.0)
-
-
-def crest() -> Scene:
-    """Y2 through its peak."""
-    return _ring("rational_2_eps_0.05", -125.0, 125.0)
-
-
-def periodic() -> Scene:
-    """The cn rogue wave through its peak."""
-    return _ring("rogue_cn_k_0.5", -400.0, 400.0)
-
-
-PROBLEMS: Mapping[str, Callable[[], Scene]] = {
-    "smooth": smooth,
-    "crest": crest,
-    "periodic": periodic,
+PROBLEMS = {
+    "smooth": ("rational_2_eps_0.05", -10000.0, -9750.0),
+    "crest": ("rational_2_eps_0.05", -125.0, 125.0),
+    "periodic": ("rogue_cn_k_0.5", -400.0, 400.0),
 }
+"""Y2 long before its peak, a weak, wide wave, and through it; the cn rogue wave through its peak:
+the shipped scene, and the times between which it is run."""
 
 
-def _ring(name: str, t0: float, end: float) -> Scene:
-    """The shipped scene between two times, on a ring whose seam no compared site hears of."""
+def problem_scene(problem: str) -> Scene:
+    """One of the problems on a ring whose seam no compared site hears of."""
+    name, t0, end = PROBLEMS[problem]
     return load_scene(name).changed(
         t0=t0,
         snapshots=(end,),
@@ -91,28 +83,21 @@ def _ring(name: str, t0: float, end: float) -> Scene:
 
 def work_precision(problem: str) -> list[CostPoint]:
     """All schemes and the spectral engine on one problem."""
-    scene = PROBLEMS[problem]()
+    scene = problem_scene(problem)
     by_stencil = _strain(_timed(by_scheme(scene, "kahan_li_8", FINEST_SHARE)))
     by_ring = _strain(_timed(spectral(scene, FINEST_TOLERANCE)))
     points = []
-    for series, variants in (*_stencils(scene), (SPECTRAL, _rings(scene))):
-        reference = by_stencil if series == SPECTRAL else by_ring
+    series = {s.name: [by_scheme(scene, s.name, share) for share in SHARES] for s in SCHEMES}
+    series[SPECTRAL] = [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
+    for name, variants in series.items():
+        reference = by_stencil if name == SPECTRAL else by_ring
         for variant in variants:
             found = _timed(variant)
             error = float(np.max(np.abs(_strain(found) - reference))) / scene.eps
             whole = float(found.attrs["seconds"])
-            march = march_seconds(variant, found) if series == SPECTRAL else whole
-            points.append(CostPoint(problem, series, error, march, max(0.0, whole - march)))
+            march = march_seconds(variant, found) if name == SPECTRAL else whole
+            points.append(CostPoint(problem, name, error, march, max(0.0, whole - march)))
     return points
-
-
-def _stencils(scene: Scene) -> Iterator[tuple[str, list[Scene]]]:
-    for scheme in SCHEMES:
-        yield scheme.name, [by_scheme(scene, scheme.name, share) for share in SHARES]
-
-
-def _rings(scene: Scene) -> list[Scene]:
-    return [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
 
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
@@ -124,26 +109,13 @@ def by_scheme(scene: Scene, name: str, share: float) -> Scene:
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
     """The scene by the spectral engine, which finds its own step, sampling and circumference."""
-    return Scene.of(
-        name=scene.name,
-        wave=scene.wave,
-        eps=scene.eps,
-        t0=scene.t0,
-        snapshots=scene.snapshots,
-        K2=scene.K2,
-        K4=scene.K4,
-        compared=scene.compared,
-        parameters=scene.parameters,
-        observables=("strain",),
-        tolerance=tolerance,
-        engine="spectral",
-    )
+    return replace(scene, numerics=Tolerance(tolerance, "spectral"), observables=("strain",))
 
 
 @cache
 def warmed(scheme: str) -> None:
     """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
-    scene = smooth()
+    scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
 
@@ -183,6 +155,9 @@ COMPARED_X = 10.0
 WINDOW_X = 200.0
 """Half-width compared, and width of a window, in X."""
 
+FITTED = 3
+"""Points at the small-eps end through which a law is fitted."""
+
 REDUCTION, TRUE_ERROR = "error of the reduction", "error of the spectral run"
 
 
@@ -215,6 +190,18 @@ def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
         np.log([point.x for point in points]), np.log([point.value for point in points]), 1
     )
     return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+
+
+def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
+    """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
+    series: dict[str, list[ScalingPoint]] = {}
+    for point in points:
+        if point.series != TRUE_ERROR:
+            series.setdefault(point.series, []).append(point)
+    return {
+        name: fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
+        for name, found in series.items()
+    }
 
 
 def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
@@ -311,9 +298,6 @@ PEAK_TOLERANCES = {2: 1e-4, 3: 2e-4, 4: 1e-3, 5: 2e-3}
 RESOLVED = 0.1
 """Most of a value that its discretisation error may be."""
 
-FITTED_PEAKS = 3
-"""Points at the small-eps end through which the law is fitted."""
-
 
 @dataclass(frozen=True)
 class PeakError:
@@ -375,4 +359,30 @@ def _law(points: Sequence[PeakError]) -> PowerLaw | None:
     sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
     if len(sound) < 2:
         return None
-    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED_PEAKS]])
+    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED]])
+
+
+EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)
+RK4_STEPS, MORE_RK4_STEPS = (0.4, 0.25, 0.125), (0.0625,)
+WINDOWS, MORE_WINDOWS = (2048, 4096, 8192), (16384, 32768)
+"""What the short report shows, and what the full one adds."""
+
+PEAK_SECONDS, WIDE_PEAK_SECONDS = {2: 5.0, 3: 20.0, 4: 45.0, 5: 75.0}, 3.0
+"""About what a member of the family takes: by its order below ``NARROW``, and from there on."""
+
+NARROW = 0.02
+
+
+def lattice_cost_jobs(full: bool) -> dict[Key, Job]:
+    """Work and precision, scaling, RK4's share, windows; the error of the reduction if ``full``."""
+    jobs: dict[Key, Job] = {}
+    for problem in PROBLEMS:
+        jobs["precision", problem] = Job(work_precision, (problem,), 5.0)
+    for eps in EPSILONS + MORE_EPSILONS * full:
+        jobs["scaling", eps] = Job(at_eps, (eps, full), 3.0)
+    jobs["rk4", ""] = Job(rk4_share, (RK4_STEPS + MORE_RK4_STEPS * full,), 10.0)
+    jobs["windows", ""] = Job(window_error, (WINDOWS + MORE_WINDOWS * full,), 7.0)
+    for order, eps in product(ORDERS, EPS) if full else ():
+        seconds = PEAK_SECONDS[order] if eps < NARROW else WIDE_PEAK_SECONDS
+        jobs["peak", (order, eps)] = Job(peak_error, (order, eps), seconds)
+    return jobs

@@ -5,7 +5,9 @@ seam reaches a compared site. So its domain makes no error, and that of its step
 second run with a shorter one.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import xarray as xr
 
@@ -14,8 +16,11 @@ from verify.comparison.recording import Progress
 from verify.comparison.saved_run import scene_of
 from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
 from verify.comparison.wave_bounds import find_bounds
+from verify.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
+
+SPLIT_SCENE = "split_rational_3"
 
 SHARES = (0.6, 0.45)
 """Steps of the runs site by site, in units of the longest tried; the second run is the judge."""
@@ -71,3 +76,23 @@ def site_by_site(scene: Scene, share: float) -> Scene:
     step = share * longest_step(scene.constants, scheme, bounds)
     sites = least_sites(moving, "ring", bounds)
     return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
+
+
+def long_run_jobs() -> dict[Key, Job]:
+    """The long runs on both engines, and the run of the split wave."""
+    jobs: dict[Key, Job] = {}
+    jobs["split", SPLIT_SCENE] = Job(run, (load_scene(SPLIT_SCENE),), 4.0, tells=True)
+    for name in LONG_SCENES:
+        jobs["ring", name] = Job(by_ring, (name,), 5.0, tells=True)
+        for share in SHARES:
+            jobs["sites", (name, share)] = Job(by_sites, (name, share), 1.5 / share, tells=True)
+    return jobs
+
+
+def long_runs(found: Mapping[Key, Any]) -> dict[str, LongRun]:
+    """The long runs among the results of jobs."""
+    return {
+        name: LongRun(found["ring", name], *(found["sites", (name, share)] for share in SHARES))
+        for name in LONG_SCENES
+        if ("ring", name) in found
+    }

@@ -7,13 +7,20 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from verify.comparison import Scene, load_scene, shipped_scenes
+from verify.comparison import Scene, load_scene, run, shipped_scenes
+from verify.processes import Job
 
 RK4_STEP = 0.25
 """A time step at which the paper's scheme is stable and yet part of the error shown."""
 
 SPLIT = "rational_2_eps_0.05"
 """The run whose error is split."""
+
+SITE_SECONDS = 4e-10
+"""About the time of one force evaluation on one site, with what is seen of the run."""
+
+START_SECONDS = 0.5
+"""About the time that any run takes."""
 
 PARTS = ("position", "amplitude", "shape")
 
@@ -112,3 +119,12 @@ def report_scenes() -> dict[str, Scene]:
 def rk4_name(order: int) -> str:
     """Return the name of the RK4 variant of the scene of the rational solution of that order."""
     return f"rational_{order}_eps_0.05_rk4"
+
+
+def scene_job(scene: Scene) -> Job:
+    """The run of a scene; its weight counts force evaluations."""
+    stated = scene.discretisation
+    evaluations = (scene.end - scene.t0) / stated.step * stated.table.stages * stated.sites
+    refined = 1 + 2 * sum(name.endswith("_error") for name in scene.observables)
+    weight = START_SECONDS + evaluations * refined * SITE_SECONDS
+    return Job(run, (scene,), weight, tells=True)

@@ -1,44 +1,37 @@
-"""What the proofs cost: verdict, certificate, seconds to prove and to check, mutants."""
+"""What the proofs cost: verdict, certificate, seconds to prove and to check; and the evidence."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
+from solutions.catalogue import CATALOGUE, closed_form
 from verify.evidence.mutations import MutationCount, count_mutants
+from verify.evidence.residual import check_residual
+from verify.processes import Job, Key
 from verify.proof import CertificateError, check_certificate
-from verify.proof.catalogue_proofs import NAMES, named_form, prove_named
-from verify.verdict import Outcome
+from verify.proof.catalogue_proofs import NAMES, prove_named
+from verify.verdict import Outcome, Verdict
 
 
 @dataclass(frozen=True)
 class ProofRecord:
     """One form's proof.  Sizes in bytes of JSON; None where there is no certificate.
 
-    ``accepted`` is the separate checker's answer; ``mutations`` is None if they were not asked for.
+    ``accepted`` is the separate checker's answer.
     """
 
     name: str
-    equation: str
     method: str
     outcome: Outcome
-    detail: str
     prove_seconds: float
     certificate_bytes: int | None
     check_seconds: float | None
     accepted: bool | None
-    mutations: MutationCount | None
-
-    def json(self) -> dict[str, Any]:
-        """The record as plain data."""
-        mutations = None if self.mutations is None else self.mutations.json()
-        return asdict(self) | {"mutations": mutations}
 
 
-def proof_record(name: str, *, mutations: bool = False) -> ProofRecord:
+def proof_record(name: str) -> ProofRecord:
     """Prove the form called ``name`` and check its certificate; raises ValueError as `prove_named`.
 
     >>> record = proof_record("kink")
@@ -49,25 +42,14 @@ def proof_record(name: str, *, mutations: bool = False) -> ProofRecord:
     text = verdict.certificate_text()
     accepted, seconds = (None, None) if text is None else _checked(text)
     return ProofRecord(
-        name=verdict.name,
-        equation=verdict.equation,
-        method=verdict.method,
-        outcome=verdict.outcome,
-        detail=verdict.detail,
-        prove_seconds=verdict.seconds,
-        certificate_bytes=verdict.certificate_bytes,
-        check_seconds=seconds,
-        accepted=accepted,
-        mutations=count_mutants(named_form(name)) if mutations else None,
+        verdict.name,
+        verdict.method,
+        verdict.outcome,
+        verdict.seconds,
+        verdict.certificate_bytes,
+        seconds,
+        accepted,
     )
-
-
-def proof_records(
-    names: Iterable[str] = NAMES, *, mutations: bool = False
-) -> Iterator[ProofRecord]:
-    """The records of the forms called ``names``, one after the other as they are made."""
-    for name in names:
-        yield proof_record(name, mutations=mutations)
 
 
 def _checked(certificate: str) -> tuple[bool, float]:
@@ -78,3 +60,20 @@ def _checked(certificate: str) -> tuple[bool, float]:
     except CertificateError:
         return False, time.perf_counter() - start
     return True, time.perf_counter() - start
+
+
+def proof_jobs() -> dict[Key, Job]:
+    """Every proof; and of the catalogue's forms the residual and the misprints."""
+    jobs: dict[Key, Job] = {("proof", name): Job(proof_record, (name,), 0.5) for name in NAMES}
+    for form in CATALOGUE:
+        jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
+        jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
+    return jobs
+
+
+def _residual(name: str) -> Verdict:
+    return check_residual(closed_form(name))
+
+
+def _mutants(name: str) -> MutationCount:
+    return count_mutants(closed_form(name))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene, run
-from verify.comparison.run import choose_engine
+from verify.comparison.scene_run import choose_engine
 from verify.studies.estimate_scenes import RandomScene
 from verify.studies.estimates import judge_scene
 

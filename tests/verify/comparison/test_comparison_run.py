@@ -12,8 +12,7 @@ from scipy.integrate import solve_ivp
 from lattice.state import BlowUp
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import SiteRing
-from verify.comparison.recording import build_domain
-from verify.comparison.stated_run import refined
+from verify.comparison.stated_run import build_domain, refined
 from verify.comparison.view import View
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))

@@ -13,7 +13,7 @@ from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import ring_data
-from verify.comparison.spectral_search import spectral_run
+from verify.comparison.spectral_search import solve_on_rings
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),
@@ -52,7 +52,7 @@ def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
 
 def _check(name: str, tolerance: float, end: float = 80.0) -> None:
     moving = _moving(name, end)
-    run = spectral_run(moving, tolerance)
+    run = solve_on_rings(moving, tolerance)
     error = max(
         float(np.abs(run.strain(i) / moving.eps - _stencil(name, i, end)).max()) for i in (0, 1)
     )
@@ -106,7 +106,7 @@ def test_cost_does_not_depend_on_eps() -> None:
         times = (-0.3 / eps**3, 0.0)
         times = (times[0], *times)
         moving = MovingWave(wave, Model(4.0, 0.0, 1.0), eps, times, round(10 / eps))
-        work.append(spectral_run(moving, 1e-3).cost.work)
+        work.append(solve_on_rings(moving, 1e-3).cost.work)
     assert work[1] < 2.5 * work[0]
 
 
@@ -116,7 +116,7 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, 1), k=k)
     times = tuple(np.linspace(-1e4, 1e4, 11))
     moving = MovingWave(wave, Model(1.0, 0.0, 1.0), 0.05, (-1e4, *times), 400)
-    run = spectral_run(moving, 1e-4)
+    run = solve_on_rings(moving, 1e-4)
     assert run.estimate.total <= 1e-4
     data = ring_data(moving, 1e-4)
     points = 2 * round(run.cost.points * data.causal.circumference / run.cost.circumference / 2)
@@ -128,7 +128,7 @@ def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
 
 def test_progress_ends_at_one() -> None:
     seen: list[float] = []
-    spectral_run(_moving("wave_cn"), 1e-2, seen.append)
+    solve_on_rings(_moving("wave_cn"), 1e-2, seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
 
@@ -138,4 +138,4 @@ def test_bad_input() -> None:
     with pytest.raises(ValueError, match="times must increase"):
         replace(good, times=(-60.0, -90.0))
     with pytest.raises(ValueError, match="tolerance must satisfy"):
-        spectral_run(good, 0.0)
+        solve_on_rings(good, 0.0)

@@ -8,10 +8,16 @@ import pytest
 from numpy.typing import NDArray
 
 from lattice.spectral.evolution import SpectralRing
-from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
-from verify.comparison import spectral_search as spectral_run
-from verify.comparison.run import choose_engine
+from verify.comparison import (
+    Scene,
+    load_scene,
+    run,
+    shipped_scenes,
+    spectral_search,
+    with_tolerance,
+)
 from verify.comparison.scene_catalogue import rational_family_scenes
+from verify.comparison.scene_run import choose_engine
 from verify.comparison.spectral_data import ring_data
 
 Array = NDArray[np.float64]
@@ -244,7 +250,7 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
     ring_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Catches: the share of it that the engine asks of itself."""
-    monkeypatch.setattr(spectral_run, "MOST_POINTS", 100)
+    monkeypatch.setattr(spectral_search, "MOST_POINTS", 100)
     scene = with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
     with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
         run(scene)

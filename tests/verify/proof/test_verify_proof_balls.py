@@ -14,7 +14,7 @@ from solutions.functions import (
 )
 from verify.proof.balls import ball_value, residual_ball
 from verify.proof.domains import settled_domains
-from verify.proof.problem import sample
+from verify.proof.samples import sample
 
 x, t, m = sp.symbols("x t m", real=True)
 

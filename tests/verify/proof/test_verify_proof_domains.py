@@ -11,7 +11,7 @@ from solutions.functions import jacobi_dn
 from solutions.parameter import Bound
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domains import settled_domains
-from verify.proof.problem import sample
+from verify.proof.samples import sample
 from verify.verdict import Outcome
 
 x, t, a, b = sp.symbols("x t a b", real=True)

@@ -6,12 +6,12 @@ import pytest
 import sympy as sp
 
 from derive import mkdv_normal_form, mkdv_reduction
-from derive.symbols import K2, K4, c
+from derive.symbols import K2, K4, T, X, c
 from solutions import closed_form, rational
 from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import tau, xi
 from verify.proof import prove_form
-from verify.proof.catalogue_proofs import LabEquation, a, lab_frame
+from verify.proof.catalogue_proofs import a, lab_frame
 from verify.verdict import Outcome
 
 PRINTED = ["rational_1", "rational_2", "rational_3"]
@@ -37,7 +37,7 @@ def test_the_witness_of_a_refutation_leaves_a_residual() -> None:
     verdict = prove_form(wrong)
     frame = lab_frame(1)
     lab = wrong.expression.xreplace({xi: frame.xi, tau: frame.tau})
-    residual = LabEquation(frame).residual(lab)
+    residual = frame.residual(lab)
     assert verdict.witness is not None
     point = {symbol: sp.Rational(verdict.witness[str(symbol)]) for symbol in residual.free_symbols}
     value = residual.xreplace(point)
@@ -49,7 +49,6 @@ def test_the_witness_of_a_refutation_leaves_a_residual() -> None:
 def test_the_parametrisation_is_the_normal_form_record(s: int) -> None:
     frame = lab_frame(s)
     record = mkdv_normal_form(frame.K2, frame.K4)
-    X, T = LabEquation(frame).xi, LabEquation(frame).tau
     assert sp.simplify(record.a * X - frame.xi) == 0
     assert sp.simplify(record.b * T - frame.tau) == 0
     assert sp.simplify(record.c - c) == 0
@@ -62,7 +61,6 @@ def test_the_papers_letters_are_the_normal_form_variables() -> None:
     at = frame.constants()
     beta, gamma_3 = pde.nonlinear_coefficient.subs(at), -pde.dispersive_coefficient.subs(at)
     b = sp.sqrt(-2 * beta / (3 * gamma_3))
-    X, T = LabEquation(frame).xi, LabEquation(frame).tau
     assert sp.simplify(b * X - 2 * frame.xi) == 0
     assert sp.simplify(b**3 * gamma_3 / 4 * T + 2 * frame.tau) == 0
     assert sp.simplify(-3 * b**3 * gamma_3 * T - 24 * frame.tau) == 0

@@ -7,13 +7,13 @@ by an axiom whose premises are checked here, by exact arithmetic on images.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
 from .derivations import Slopes
-from .functions import Jacobi, absolute_value, arctangent, exponential, logarithm, root
+from .functions import Functions
 from .images import Form, Generator, Hints, Images
 from .limits import CertificateError
 from .nodes import Balls, Nodes, children, value_at
@@ -60,7 +60,7 @@ class Field(Images):
     ) -> None:
         super().__init__(nodes, count, variables, positive, hints)
         self._circles: dict[int, int] = {}
-        self._jacobi, self._slopes = Jacobi(self), Slopes(self, self._circles)
+        self._functions, self._slopes = Functions(self), Slopes(self, self._circles)
 
     def register(self, node: int) -> None:
         """The next generator stands for ``node``, a function or a symbol.
@@ -85,11 +85,11 @@ class Field(Images):
             case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m):
                 self._register_jacobi(node, z, m)
             case (str(name), z, m) if name in FREE_JACOBI:
-                self._jacobi.need_parameter(name, m)
+                self._functions.need_parameter(name, m)
                 self._add(node, self._next, Generator(node))
             case (str(name), *_) if name in FREE:
                 if name in ("elliptic_k", "elliptic_e"):
-                    self._jacobi.need_parameter(name, self.nodes.all[node][1])
+                    self._functions.need_parameter(name, self.nodes.all[node][1])
                 self._add(node, self._next, Generator(node))
             case (name, *_):
                 raise CertificateError(f"{name} is no generator")
@@ -119,7 +119,7 @@ class Field(Images):
         for theta in (node, below):
             if self.nodes.all[theta][0] != "jacobi_theta":
                 raise CertificateError("a quotient must be of theta functions")
-            self._jacobi.need_parameter("jacobi_theta", self.nodes.all[theta][2])
+            self._functions.need_parameter("jacobi_theta", self.nodes.all[theta][2])
         self._add(node, self._next * self.image(below), Generator(node, below=below))
 
     def register_forms(self, primitives: Sequence[int], rows: Sequence[Form]) -> None:
@@ -132,7 +132,7 @@ class Field(Images):
             if node in self._images or (name not in FREE and name not in FREE_JACOBI):
                 raise CertificateError(f"a {name} cannot be in a linear form, or is known")
             if name in FREE_JACOBI or name in BELOW_ONE:
-                self._jacobi.need_parameter(name, self.nodes.all[node][-1])
+                self._functions.need_parameter(name, self.nodes.all[node][-1])
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, (factors, shift) in zip(places, rows, strict=True):
@@ -209,7 +209,7 @@ class Field(Images):
             self._add(node, self._next / Element(self.ring, scale), Generator(node, scale=scale))
 
     def _register_jacobi(self, node: int, z: int, m: int, scale: Element | None = None) -> None:
-        self._jacobi.need_parameter(self.nodes.all[node][0], m)
+        self._functions.need_parameter(self.nodes.all[node][0], m)
         name = self.nodes.all[node][0].removeprefix("jacobi_")
         for other in ("sn", "cn", "dn"):
             companion = self._images.get(self.nodes.made(f"jacobi_{other}", z, m))
@@ -219,43 +219,8 @@ class Field(Images):
                 return
         self._add_scaled(node, _whole(scale or self.one))
 
-    def _root(self, node: int, base: int, q: int) -> Element:
-        return root(self, node, base, q)
-
-    def _function(self, node: int, name: str, arguments: Sequence[int]) -> Element:
-        known = self.known(node)
-        if known is not None:
-            return known
-        first = arguments[0]
-        if name in axioms.HYPERBOLIC:
-            return axioms.HYPERBOLIC[name](self.made("exp", first), self.one)
-        if name in axioms.TRIGONOMETRIC:
-            i = self.nodes.made("I")
-            e = self.made("exp", self.nodes.made("Mul", i, first))
-            return axioms.TRIGONOMETRIC[name](e, self.one, self.image(i))
-        rules: dict[str, Callable[[], Element]] = {
-            "exp": lambda: exponential(self, first),
-            "log": lambda: logarithm(self, node, first),
-            "atan": lambda: arctangent(self, node, first),
-            "Abs": lambda: absolute_value(self, node, first),
-            "sign": lambda: self.image(first) / self.made("Abs", first),
-            "conjugate": lambda: self.image(self.signs.conjugate(first)),
-            "re": lambda: self._half(first, +1) * self.ring.number(fmpq(1, 2)),
-            "im": lambda: (
-                self._half(first, -1)
-                / self.image(self.nodes.made("I"))
-                * self.ring.number(fmpq(1, 2))
-            ),
-        }
-        if name in rules:
-            return rules[name]()
-        if name.startswith("jacobi_"):
-            return self._jacobi.value(name.removeprefix("jacobi_"), *arguments)
-        raise CertificateError(f"there is no generator for a {name}")
-
-    def _half(self, inner: int, sign: int) -> Element:
-        other = self.image(self.signs.conjugate(inner))
-        return self.image(inner) + other if sign > 0 else self.image(inner) - other
+    def _function(self, node: int) -> Element:
+        return self._functions.value(node)
 
 
 def _whole(element: Element) -> fmpq_mpoly:

@@ -17,10 +17,7 @@ from .signs import BELOW_ONE, HALF_PI
 
 
 def root(images: Images, node: int, base: int, q: int) -> Element:
-    """base**(1/q): a generator, or a value whose power and whose branch are checked."""
-    known = images.known(node)
-    if known is not None:
-        return known
+    """base**(1/q): a value whose power and whose branch are checked."""
     value = images.named(node)
     if not (images.image(value) ** q - images.image(base)).is_zero:
         raise CertificateError(f"the power {q} of what a root is said to be is another")
@@ -132,8 +129,8 @@ def arctangent(images: Images, node: int, inner: int) -> Element:
     return images.image(value)
 
 
-class Jacobi:
-    """Images of Jacobi functions that follow from those of others."""
+class Functions:
+    """Images of roots and functions, of generators or of what follows from them."""
 
     def __init__(self, images: Images) -> None:
         self._images = images
@@ -149,8 +146,45 @@ class Jacobi:
         if name in ("jacobi_theta", "jacobi_eta") and not images.signs.positive(m):
             raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
 
-    def value(self, name: str, z: int, m: int) -> Element:
-        """The image of a Jacobi function, by the addition theorems."""
+    def value(self, node: int) -> Element:
+        """The image of a root or function; raises CertificateError where it does not follow."""
+        images = self._images
+        known = images.known(node)
+        if known is not None:
+            return known
+        half = images.ring.number(fmpq(1, 2))
+        match images.nodes.all[node]:
+            case ("Pow", base, exponent):
+                return root(images, node, base, int(exponent.q))
+            case ("exp", z):
+                return exponential(images, z)
+            case ("log", f):
+                return logarithm(images, node, f)
+            case ("atan", f):
+                return arctangent(images, node, f)
+            case ("Abs", f):
+                return absolute_value(images, node, f)
+            case ("sign", f):
+                return images.image(f) / images.made("Abs", f)
+            case ("conjugate", f):
+                return images.image(images.signs.conjugate(f))
+            case ("re", f):
+                return (images.image(f) + images.image(images.signs.conjugate(f))) * half
+            case ("im", f):
+                other = images.image(images.signs.conjugate(f))
+                return (images.image(f) - other) / images.made("I") * half
+            case (name, z) if name in axioms.HYPERBOLIC:
+                return axioms.HYPERBOLIC[name](images.made("exp", z), images.one)
+            case (name, z) if name in axioms.TRIGONOMETRIC:
+                i = images.nodes.made("I")
+                e = images.made("exp", images.nodes.made("Mul", i, z))
+                return axioms.TRIGONOMETRIC[name](e, images.one, images.image(i))
+            case (name, z, m) if name.startswith("jacobi_"):
+                return self._jacobi(name.removeprefix("jacobi_"), z, m)
+        raise CertificateError(f"there is no generator for a {images.nodes.all[node][0]}")
+
+    def _jacobi(self, name: str, z: int, m: int) -> Element:
+        """A Jacobi function, by the addition theorems."""
         images = self._images
         self.need_parameter(f"jacobi_{name}", m)
         if name == "theta":

@@ -177,11 +177,9 @@ class Images(ABC):
                 return self._power(node, base, int(exponent.p), int(exponent.q))
             case ("symbol", name, _):
                 raise CertificateError(f"there is no generator for the symbol {name}")
-            case (name, *arguments) if arguments:
-                return self._function(node, name, arguments)
             case (name,):
                 raise CertificateError(f"there is no generator for {name}")
-        raise CertificateError("a node has no image")
+        return self._function(node)
 
     def _polynomial(
         self, terms: Sequence[tuple[fmpq, tuple[int, ...]]], values: list[Element]
@@ -196,7 +194,7 @@ class Images(ABC):
         if q != 1:
             if p != 1:
                 return self.image(self.nodes.made("Pow", base, fmpq(1, q))) ** p
-            return self._root(node, base, q)
+            return self._function(node)
         inner = self.nodes.all[base]
         if inner[0] == "Abs" and p % 2 == 0:
             return self.squared(inner[1]) ** (p // 2)
@@ -207,12 +205,8 @@ class Images(ABC):
         """The derivative of a generator."""
 
     @abstractmethod
-    def _root(self, node: int, base: int, q: int) -> Element:
-        """The image of base**(1/q)."""
-
-    @abstractmethod
-    def _function(self, node: int, name: str, arguments: Sequence[int]) -> Element:
-        """The image of a function of ``arguments`` that is neither a sum, product nor power."""
+    def _function(self, node: int) -> Element:
+        """The image of a root or function, which is no sum, product or integer power."""
 
 
 def integer_of(value: fmpq) -> int:

@@ -110,11 +110,9 @@ def _check_unknowns(equations: Sequence[Sequence[Term]], names: Sequence[str]) -
         raise CertificateError("the statement has no equation")
     seen: set[int] = set()
     for terms in equations:
-        merged: Counter[Any] = Counter()
-        for value, known, jets in terms:
-            if value == 0 or (key := (tuple(sorted(known)), tuple(sorted(jets)))) in merged:
-                raise CertificateError("the terms of an equation must differ and not be 0")
-            merged[key] += 1
+        products = {(tuple(sorted(known)), tuple(sorted(jets))) for _, known, jets in terms}
+        if len(products) < len(terms) or any(value == 0 for value, _, _ in terms):
+            raise CertificateError("the terms of an equation must differ and not be 0")
         found = {jet[0] for _, _, jets in terms for jet in jets}
         if not found:
             raise CertificateError("an equation does not contain the unknown")

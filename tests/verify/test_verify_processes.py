@@ -5,8 +5,9 @@ from math import sqrt
 
 import pytest
 
-from reports.work import Job, run_jobs, scene_job
 from verify.comparison import Scene, load_scene, run
+from verify.processes import Job, run_jobs
+from verify.studies.measured_runs import scene_job
 
 SHORT = replace(
     load_scene("rational_2_eps_0.05"),

@@ -4,12 +4,11 @@ Nothing of the rooms is imported before a command runs, so help and completion a
 """
 
 import json
-from collections.abc import Callable
-from typing import Any, TypeVar
 
 import click
 from click.shell_completion import get_completion_class
 
+from derive.__main__ import derive
 from derive.command_line import Words, called_by, example, json_option
 from reports.__main__ import report
 from verify.cli.commands import complete_scenes, prove, run, verify
@@ -17,12 +16,9 @@ from verify.cli.commands import complete_scenes, prove, run, verify
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-CONSTANTS = ("K2", "K3", "K4")
 KINDS = ("lattices", "waves", "schemes", "scenes", "observables")
 PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
 SHELLS = ("bash", "zsh", "fish")
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
@@ -69,33 +65,7 @@ def longwave() -> None:
     """
 
 
-def _constants(function: Function) -> Function:
-    for name in reversed(CONSTANTS):
-        said = f"Value of {name} for the coefficients (integer, decimal or ratio)."
-        option = click.option(f"--{name.lower()}", name, metavar="P/Q", help=said)
-        function = option(function)
-    return function
-
-
-@longwave.command(epilog=example("longwave derive --k2 1 --k4 1/3"))
-@click.option("--latex", is_flag=True, help="Print LaTeX (an aligned block).")
-@click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
-@click.option("--orders", metavar="N", help="Highest power of eps.")
-@_constants
-def derive(latex: bool, json_wanted: bool, orders: str | None, **constants: str | None) -> int:
-    """Derive the reduced equation and its coefficients."""
-    if latex and json_wanted:
-        raise click.UsageError("--json must not be given with --latex, got both (leave one)")
-    from derive.__main__ import print_reduction
-    from derive.multiscale import DEFAULT_ORDERS
-
-    wanted = str(DEFAULT_ORDERS) if orders is None else orders
-    return print_reduction(
-        constants, wanted, "json" if json_wanted else "latex" if latex else "text"
-    )
-
-
-for word in (prove, verify, run):
+for word in (derive, prove, verify, run):
     longwave.add_command(word)
 
 

@@ -1,0 +1,256 @@
+"""Catches: an estimate below the error, a time that is missed, a blow-up that is passed over."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import lattice
+from lattice import Composition, Model, State, Trajectory, integrate, ring_energy
+from lattice.model import Array
+from lattice.schemes.catalogue import KAHAN_LI_8, RK4, SCHEMES
+from verify.studies.doubledouble_ring import advance_doubled, doubled
+
+
+def reference(model: Model, state: State, times: Array, largest: float) -> Array:
+    """Strains at the times, by double-double steps that are a twentieth of the stable ones."""
+    strains = np.linspace(-largest, largest, 101)
+    highest = 2.0 * math.sqrt(max(float(np.abs(model.stiffness(strains)).max()), model.K2))
+    y, s, t, rows = doubled(state.y), doubled(state.s), state.t, []
+    for end in times:
+        steps = max(1, math.ceil((end - t) * highest / 0.12))
+        advance_doubled(KAHAN_LI_8, y, s, (end - t) / steps, steps, model)
+        rows.append(y.sum(axis=-1))
+        t = end
+    return np.array(rows)
+
+
+def random_case(seed: int) -> tuple[Model, State, Array, float]:
+    """A model, a state of either amplitude, times and a tolerance, over their whole ranges."""
+    random = np.random.default_rng(seed)
+    K2, a = 10.0 ** random.uniform(-2, 2), 10.0 ** random.uniform(-2, 1)
+    K3 = random.choice([0, 1, 1]) * random.uniform(-1, 1) * K2 / a
+    K4 = random.choice([0, 1, 1]) * random.uniform(-1, 1) * K2 / a**2
+    highest, size = 2.0 * math.sqrt(K2), int(random.choice([3, 4, 7, 16, 33, 64, 128, 200]))
+    y = a * random.choice([0, 0.1, 0.3, 0.5]) * random.standard_normal(size)
+    s = a * random.choice([0, 0.1, 0.3, 0.5]) * random.standard_normal(size) * highest
+    t0, duration = random.choice([0.0, -3.7, 1000.0]), 10.0 ** random.uniform(-1, 2) / highest
+    times = t0 + np.sort(random.uniform(0, duration, random.choice([1, 2, 5])))
+    tolerance = 10.0 ** random.uniform(-9, -3) * random.choice([a, 1.0])
+    return Model(float(K2), float(K3), float(K4)), State(t0, 0, y, s), times, float(tolerance)
+
+
+def shortfall(seed: int) -> float | None:
+    """The true error in units of the estimate; None where the run is refused."""
+    model, state, times, tolerance = random_case(seed)
+    try:
+        run = integrate(model, state, times, tolerance)
+    except ValueError as refusal:
+        if not str(refusal).startswith(("times must end", "tolerance must satisfy")):
+            raise
+        return None
+    assert run.error_estimate <= tolerance
+    largest = max(np.abs(run.strain).max(), np.abs(state.y).max())
+    error = np.abs(run.strain - reference(model, state, times, float(largest))).max()
+    return float(error) / max(run.error_estimate, 1e-300)
+
+
+def test_estimates_bound_the_error_on_random_models_and_states() -> None:
+    found = [shortfall(seed) for seed in range(150)]
+    told = [ratio for ratio in found if ratio is not None]
+    assert len(told) > 110
+    assert max(told) <= 1.0
+
+
+@pytest.mark.slow
+def test_estimates_bound_the_error_at_length() -> None:
+    found = [shortfall(seed) for seed in range(1000, 4000)]
+    told = [ratio for ratio in found if ratio is not None]
+    assert len(told) > 2000
+    assert max(told) <= 1.0
+
+
+def modes(state: State, K2: float, t: float) -> tuple[Array, Array]:
+    """The linear ring at the time ``t``, by its normal modes."""
+    y, s = np.fft.fft(state.y), np.fft.fft(state.s)
+    w = 2.0 * math.sqrt(K2) * np.abs(np.sin(np.pi * np.arange(state.size) / state.size))
+    turn = w * (t - state.t)
+    held = np.where(w > 0.0, np.sin(turn) / np.where(w > 0.0, w, 1.0), t - state.t)
+    return np.fft.ifft(y * np.cos(turn) + s * held).real, np.fft.ifft(
+        s * np.cos(turn) - y * w * np.sin(turn)
+    ).real
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@pytest.mark.parametrize("size", [3, 64])
+def test_a_linear_chain_follows_its_normal_modes(scheme: lattice.Scheme, size: int) -> None:
+    random = np.random.default_rng(size)
+    state = State(2.0, 0, random.standard_normal(size), random.standard_normal(size))
+    times, tolerance = [2.0, 5.5, 20.0], 1e-4 if scheme.order < 6 else 1e-8
+    run = integrate(Model(1.7, 0.0, 0.0), state, times, tolerance, scheme=scheme)
+    for place, t in enumerate(times):
+        y, s = modes(state, 1.7, t)
+        assert np.abs(run.strain[place] - y).max() <= run.error_estimate <= tolerance
+        assert np.abs(run.velocity[place] - s).max() <= 10.0 * tolerance
+    np.testing.assert_array_equal(run.strain[0], state.y)
+
+
+ROUGH = State(0.0, 0, *0.4 * np.random.default_rng(8).standard_normal((2, 64)))
+ROUGH.s -= ROUGH.s.mean()
+MODEL = Model(1.0, 0.3, 1.0)
+
+
+def test_the_energy_is_kept_as_well_as_the_strain() -> None:
+    run = integrate(MODEL, ROUGH, [10.0, 30.0], 1e-9)
+    before = ring_energy(ROUGH, MODEL)
+    for y, s in zip(run.strain, run.velocity, strict=True):
+        assert ring_energy(State(0.0, 0, y, s), MODEL) == pytest.approx(before, rel=1e-8)
+
+
+def test_the_way_back_leads_to_the_start() -> None:
+    there = integrate(MODEL, ROUGH, [12.0], 1e-10)
+    turned = State(0.0, 0, there.strain[0], -there.velocity[0])
+    back = integrate(MODEL, turned, [12.0], 1e-10)
+    np.testing.assert_allclose(back.strain[0], ROUGH.y, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(back.velocity[0], -ROUGH.s, rtol=0, atol=1e-7)
+
+
+def test_tighter_tolerances_agree_within_what_they_say() -> None:
+    runs = [integrate(MODEL, ROUGH, [5.0, 15.0], 10.0**-k) for k in (3, 5, 7, 9)]
+    for coarse, fine in pairwise(runs):
+        change = np.abs(coarse.strain - fine.strain).max()
+        assert change <= coarse.error_estimate + fine.error_estimate
+        assert coarse.cost.force_evaluations < fine.cost.force_evaluations
+
+
+def test_a_ring_that_begins_elsewhere_is_the_same_ring() -> None:
+    """Sites are stored at n mod size: a state that begins at 10 gives its sites in their order."""
+    moved = State(0.0, 10, np.roll(ROUGH.y, 10), np.roll(ROUGH.s, 10))
+    plain, other = (integrate(MODEL, state, [3.0], 1e-8) for state in (ROUGH, moved))
+    np.testing.assert_allclose(other.strain, plain.strain, rtol=0, atol=2e-8)
+
+
+def test_the_state_is_left_alone_and_need_not_be_of_floats() -> None:
+    state = State(0.0, 0, np.array([0, 1, 0, -1]), np.zeros(4, dtype=int))
+    integrate(MODEL, state, 1.0, 1e-6)
+    assert state.y.tolist() == [0, 1, 0, -1]
+
+
+def stated(**settings: object) -> Trajectory:
+    return integrate(MODEL, ROUGH, [10.0], **settings)  # type: ignore[arg-type]
+
+
+def test_a_stated_step_is_taken_and_its_error_is_measured() -> None:
+    exact = integrate(MODEL, ROUGH, [10.0], 1e-10).strain
+    for scheme, step in ((RK4, 0.05), (KAHAN_LI_8, 0.4)):
+        run = stated(scheme=scheme, step=step)
+        error = np.abs(run.strain - exact).max()
+        assert 0.1 * run.error_estimate < error <= run.error_estimate
+        assert (run.scheme, run.step, run.cost.steps) == (scheme.name, step, round(10 / step))
+        bare = stated(scheme=scheme, step=step, measure_error=False)
+        assert math.isnan(bare.error_estimate)
+        np.testing.assert_array_equal(bare.strain, run.strain)
+
+
+def test_a_blow_up_is_told_with_its_time() -> None:
+    """y'' = D(y - y^3) from beyond the barrier reaches infinity soon."""
+    soft, state = (
+        Model(1.0, 0.0, -1.0),
+        State(0.0, 0, np.array([3.0, -3.0, 3.0, -3.0]), np.zeros(4)),
+    )
+    told = r"times must end before the lattice blows up, got 5 \(blow-up: .* at t = 0\.\d+, site"
+    with pytest.raises(ValueError, match=told):
+        integrate(soft, state, [0.1, 5.0], 1e-6)
+    with pytest.raises(ValueError, match=told):
+        integrate(soft, state, [0.1, 5.0], step=0.01)
+    before = integrate(soft, state, [0.1], 1e-6)
+    assert before.error_estimate <= 1e-6
+
+
+def test_strains_without_waves_are_no_blow_up() -> None:
+    """V'' < 0 somewhere: disturbances grow there, and the ring goes on."""
+    model, state = Model(1.0, 0.0, 1.0), replace(ROUGH, y=1.5 * ROUGH.y)
+    soft = Model(1.0, 2.5, 1.7)
+    assert soft.stiffness(state.y).min() < 0.0
+    assert integrate(soft, state, [2.0], 1e-7).error_estimate <= 1e-7
+    assert integrate(model, state, [2.0], 1e-7).error_estimate <= 1e-7
+
+
+def test_a_tolerance_below_rounding_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"tolerance must satisfy tolerance >= .* got 1e-16"):
+        integrate(MODEL, ROUGH, [10.0], 1e-16)
+
+
+WRONG = {
+    "either tolerance or step must be given, got tolerance None and step None": {},
+    "either tolerance or step must be given, got tolerance 0.1 and step 0.1": {
+        "tolerance": 0.1,
+        "step": 0.1,
+    },
+    "tolerance must satisfy 0 < tolerance < inf, got -1": {"tolerance": -1.0},
+    "tolerance must satisfy 0 < tolerance < inf, got nan": {"tolerance": math.nan},
+    "step must satisfy 0 < step < inf, got 0": {"step": 0.0},
+    "step must satisfy 0 < step < inf, got '0.1'": {"step": "0.1"},
+    "step must satisfy step <= ": {"step": 5.0},
+    "wrong must satisfy the conditions of order 4": {
+        "tolerance": 0.1,
+        "scheme": Composition("wrong", 4, ("1",), ""),
+    },
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_what_cannot_be_run_is_refused_in_one_line(message: str) -> None:
+    with pytest.raises(ValueError, match=message) as caught:
+        stated(**WRONG[message])
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ([], "times must be one or more finite numbers"),
+        ("soon", "times must be one or more finite numbers, got 'soon'"),
+        ([[1.0]], "times must be one or more finite numbers"),
+        ([1.0, math.inf], "times must be one or more finite numbers"),
+        ([-1.0, 2.0], r"times must increase from state.t = 0 on, got -1 at place 0"),
+        ([1.0, 3.0, 2.0], r"times must increase from state.t = 0 on, got 2 at place 2"),
+        ([1.0, 1.0], r"times must increase from state.t = 0 on, got 1 at place 1"),
+    ],
+)
+def test_wrong_times_are_refused(times: list[float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        integrate(MODEL, ROUGH, times, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("y", "s", "message"),
+    [
+        (np.zeros(2), np.zeros(2), r"state.y must hold one number for each of at least 3 sites"),
+        (np.zeros(8), np.zeros(7), r"state.s must hold one number .* got the shape \(7,\)"),
+        (np.zeros((4, 4)), np.zeros(16), r"state.y must hold one number .* \(4, 4\)"),
+        (
+            np.array([0.0, math.nan, 1.0]),
+            np.zeros(3),
+            r"state.y must be finite, got nan at place 1",
+        ),
+        (np.zeros(3), np.array([0.0, 1.0, -math.inf]), r"state.s must be finite, got -inf at pl"),
+    ],
+)
+def test_wrong_states_are_refused(y: Array, s: Array, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        integrate(MODEL, State(0.0, 0, y, s), [1.0], 1e-3)
+
+
+def test_a_ring_at_rest_stays() -> None:
+    run = integrate(MODEL, State(0.0, 0, np.zeros(16), np.zeros(16)), [1.0, 1e3], 1e-9)
+    assert not run.strain.any()
+    assert not run.velocity.any()
+
+
+def test_the_face_knows_its_nouns() -> None:
+    assert all(getattr(lattice, noun) is not None for noun in lattice.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'waves'"):
+        _ = lattice.waves

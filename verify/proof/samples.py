@@ -1,0 +1,117 @@
+"""Rational points of a whole domain: both signs, every size, near the ends; the same for a seed."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+
+import sympy as sp
+
+from .domains import Domain, Domains, Point, in_order
+
+DENOMINATORS = (1009, 2147483647, 65537, 1009)
+"""Primes, so that no drawn value is a common fraction, and no one multiple of all is whole."""
+
+SIZES = (1, 1, 1, 4, 4, sp.Rational(1, 30), 30, sp.Rational(1, 1000), 1000)
+"""Scales of what is drawn from a domain without end; most are moderate, where balls stay narrow."""
+
+MARGINS = (sp.Rational(1, 20),) * 3 + (sp.Rational(1, 1000), sp.Rational(1, 10**6))
+"""Shares of a bounded domain that are left out at its ends."""
+
+SLIVER, EVERY = sp.Rational(1, 10**31), 4
+"""Every so manieth point lies that near to an end of one symbol's domain."""
+
+REJECTIONS = 1000
+"""Points in a row outside the domains, after which these are taken to be empty."""
+
+SIGN_PATTERNS = 5
+"""Symbols whose signs are combined in all ways before they are drawn."""
+
+
+def sample(domains: Domains, count: int, seed: int = 0) -> tuple[Point, ...]:
+    """``count`` points of the domains; the first ones combine the signs that the symbols can have.
+
+    The first point has moderate values; the signs come before the sizes.  Raises ValueError if no
+    points are found in the domains.
+    """
+    draw = random.Random(seed)
+    ordered = in_order(domains)
+    signed = [s for s in ordered if _has_both_signs(domains[s])][:SIGN_PATTERNS]
+    found: list[Point] = []
+    number = rejected = 0
+    while len(found) < count and rejected < REJECTIONS:
+        signs = {s: -1 if number >> place & 1 else 1 for place, s in enumerate(signed)}
+        early = number < 2 ** len(signed)
+        point: dict[sp.Symbol, sp.Rational] = {}
+        edges = ordered if not early and number % EVERY == 0 else []
+        edge = edges[number // EVERY % len(edges)] if edges else None
+        for symbol in ordered:
+            size = sp.S.One if early else draw.choice(SIZES)
+            margin = MARGINS[0] if early else draw.choice(MARGINS)
+            sign = signs.get(symbol, 1) if early else draw.choice((1, -1))
+            if symbol == edge:
+                size, margin, sign = SLIVER, SLIVER, 1
+            point[symbol] = _value(domains[symbol], point, size * sign, margin, draw)
+        number += 1
+        rejected += 1
+        if all(domains[s].contains(value, point) for s, value in point.items()):
+            rejected = 0
+            found.append(point)
+    if len(found) < count:
+        words = ", ".join(domain.text(symbol) for symbol, domain in domains.items())
+        raise ValueError(f"domains must hold rational points, got {words} (none was found)")
+    return tuple(found)
+
+
+def _has_both_signs(domain: Domain) -> bool:
+    return bool(domain.lower == -sp.oo and (domain.upper == sp.oo or domain.upper.is_positive)) or (
+        bool(domain.upper == sp.oo and domain.lower.is_negative)
+    )
+
+
+def _value(
+    domain: Domain,
+    known: Mapping[sp.Symbol, sp.Rational],
+    size: sp.Rational,
+    margin: sp.Rational,
+    draw: random.Random,
+) -> sp.Rational:
+    """A value of the domain: a share of a bounded one, a length from the end of another."""
+    lower, upper = (_rational(end) for end in domain.ends(known))
+    prime = draw.choice(DENOMINATORS)
+    share = sp.Rational(draw.randint(1, prime - 1), prime)
+    if lower is None:
+        value = size * share if upper is None else upper - _length(-upper, size) * share
+    elif upper is None:
+        value = lower + _length(lower, size) * share
+    else:
+        edge = margin * (upper - lower)
+        value = lower + edge + (upper - lower - 2 * edge) * share
+        if margin < MARGINS[0]:
+            near = edge * (1 + share)
+            value = draw.choice((value, lower + near, upper - near))
+    if not domain.integer:
+        return sp.Rational(value)
+    return sp.Integer(draw.randint(-9, 9) + int(value) if abs(value) <= 9 else int(value))
+
+
+def _length(end: sp.Rational, size: sp.Rational) -> sp.Rational:
+    """How far to go from an end; twice as far as 0 where that is inside and for both signs."""
+    return abs(size) if size > 0 or end >= 0 else -2 * end
+
+
+def _rational(end: sp.Expr) -> sp.Rational | None:
+    """A rational number close to a finite end; the margin covers the difference.
+
+    Raises ValueError for an end that is not real.
+    """
+    if end in (sp.oo, -sp.oo):
+        return None
+    if end.is_Rational:
+        return end
+    number = sp.N(end, 20)
+    if not number.is_Float:
+        raise ValueError(
+            f"ends of domains must be real, got {end} (state where what it contains makes it so)"
+        )
+    return sp.Rational(str(number))
