@@ -5,7 +5,7 @@ row r, lane l (dimension-lifted transposition; Henretty et al., CC 2011), and ro
 end repeat those at its beginning with the lanes moved by one. All stages of a few steps are done in
 one passage over the rows: a front of blocks goes up, and in each block stage k stops one row short
 of stage k - 1 (time skewing; Wonnacott, IPDPS 2000), for it needs the row above. A letter says in
-which block a stage is done on a row, here with 16 rows, 5 stages and 4 rows a block:
+which block a stage is done on a row, here with 16 rows, 5 stages and 4 rows a block::
 
     row 15 | D
         14 | D  D
