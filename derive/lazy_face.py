@@ -26,4 +26,4 @@ def lazy_face(
         setattr(sys.modules[room], noun, value)
         return value
 
-    return get, lambda: sorted({*vars(sys.modules[room]), *module_of})
+    return get, lambda: sorted({*vars(sys.modules[room]), *sys.modules[room].__all__})

@@ -8,42 +8,31 @@ here under one name; each is imported when it is first asked for, so `import lon
 1
 """
 
-from importlib import import_module
 from typing import Any
 
 from longwave.rooms import claim_rooms
 
 claim_rooms()
 
+from derive.lazy_face import lazy_face  # noqa: E402  (the room, not a file of that name)
+
 __version__: str
 
-_ROOMS: dict[str, tuple[str, ...]] = {
-    "derive": (
-        "LATTICES",
-        "Lattice",
-        "NormalForm",
-        "Reduction",
-        "Scaling",
-        "mkdv_normal_form",
-        "reduce",
-    ),
-    "solutions": ("CATALOGUE", "ClosedForm", "Equation", "Parameter", "Wave", "closed_form"),
-    "verify.proof": ("check_certificate", "prove", "prove_equal"),
-    "verify.verdict": ("Verdict",),
-    "longwave.plotting": ("plot",),
-    "verify.comparison": (
-        "Discretisation",
-        "Scene",
-        "Tolerance",
-        "load_scene",
-        "relative_sup_error",
-        "run",
-        "shipped_scenes",
-    ),
+_NOUNS = {
+    "derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
+    "mkdv_normal_form reduce",
+    "solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
+    "verify.proof": "check_certificate prove_equal",
+    "verify.proof.statement_verdict": "prove",
+    "verify.verdict": "Verdict",
+    "longwave.plotting": "plot",
+    "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "
+    "shipped_scenes",
 }
-_ROOM_OF = {noun: room for room, nouns in _ROOMS.items() for noun in nouns}
 
-__all__ = ["__version__", *sorted(_ROOM_OF)]
+__all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]
+
+_noun, __dir__ = lazy_face(__name__, _NOUNS)
 
 
 def __getattr__(name: str) -> Any:
@@ -52,11 +41,4 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("longwave")
-    if name not in _ROOM_OF:
-        raise AttributeError(f"longwave has no noun {name!r}; it has {', '.join(sorted(_ROOM_OF))}")
-    return getattr(import_module(_ROOM_OF[name]), name)
-
-
-def __dir__() -> list[str]:
-    """List the nouns."""
-    return sorted(__all__)
+    return _noun(name)

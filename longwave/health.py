@@ -88,6 +88,11 @@ def _vector() -> Finding:
     """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
+    from lattice.kernels.vector import WHY_PLAIN
+
+    if WHY_PLAIN:
+        cost = f"the lattice's kernels take three times as long: {WHY_PLAIN}"
+        return Finding("vectors", "plain loops", "costs", cost)
     try:
         features = binding.get_host_cpu_features()
     except RuntimeError:  # LLVM does not know the processor

@@ -1,18 +1,134 @@
-"""Building the report: the work, the figures, the source, the PDF."""
+"""Building the report: the work, figures, tables, the LaTeX source, the PDF."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from derive.command_line import fail, interrupted
-from reports.assemble import STUDY_FIGURES, STUDY_TABLES, TABLES, write_figures, write_source
+from derive.command_line import announce, fail, interrupted
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
-from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.work import find
+from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
+from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
+from reports.latex import render, write
+from reports.paper import SOURCES
+from reports.sections import costs, runs, theory
+from reports.work import Findings, Studies, find, studies, study_jobs
+from verify.comparison import Scene
+from verify.processes import run_jobs
+from verify.studies.claims import all_claims
+from verify.studies.estimates import estimate_rows
 from verify.studies.measured_runs import report_scenes
+
+SOURCE = "longwave.tex"
+
+STUDY_FIGURES = 3
+"""How many figures the studies have, at least."""
+
+TABLES: Mapping[str, Callable[[Findings], str]] = {
+    "solution_table": lambda _: theory.solution_table(),
+    "proof_table": lambda found: theory.proof_table(found.proofs, found.residuals),
+    "mutation_table": lambda found: theory.mutation_table(found.mutations),
+    "survivor_table": lambda found: theory.survivor_table(found.mutations),
+    "accuracy_table": lambda found: costs.accuracy_table(found.accuracy),
+    "run_table": lambda found: runs.run_table(found.evidence),
+    "claim_table": lambda found: runs.claim_table(all_claims(found.evidence)),
+}
+"""The tables of proofs, waves and runs under the names that the templates give them."""
+
+STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
+    "cost_table": lambda found: costs.cost_table(found.evaluation),
+    "precision_table": lambda found: costs.precision_table(found.precision),
+    "scaling_table": lambda found: costs.scaling_table(found.scaling),
+    "rk4_table": lambda found: costs.rk4_table(found.rk4),
+    "window_table": lambda found: costs.window_table(found.windows),
+    "hard_case_table": lambda found: costs.hard_case_table(found.hard_cases),
+    "message_table": lambda found: costs.message_table(found.hard_cases),
+    "peak_table": lambda found: runs.peak_table(found.peaks) if found.peaks else "",
+    "split_table": lambda found: runs.split_table(found.split),
+    "long_table": lambda found: runs.long_table(found.long_runs),
+    "estimate_table": lambda found: costs.estimate_table(estimate_rows(found.estimates)),
+    "estimate_reasons": lambda found: costs.reason_table(found.estimates),
+}
+"""The tables of the studies."""
+
+
+def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) -> str:
+    """Return the report's LaTeX source; `content` holds the tables."""
+    return render(
+        "report.tex.j2",
+        version=version("longwave"),
+        full=full,
+        alone=False,
+        formulas=theory.formulas(),
+        equations=theory.equations(),
+        figures=runs.figure_entries(scenes),
+        sources=sorted(SOURCES.items()),
+        **theory.derivation(),
+        **content,
+    )
+
+
+def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
+    """Draw every figure below the folder, yielding each path when it is written."""
+    yield from draw_all(found.evidence.runs, found.evidence.scenes, folder / "figures")
+    yield from write_study_figures(found.studies, folder)
+
+
+def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
+    """Draw the figures of the studies, yielding each path when it is written."""
+    digits = CostAxes("seconds a point", "digits", digits=(0, 30, 60, 90))
+    error = CostAxes("seconds", r"error of $y/\epsilon$")
+    scaling = CostAxes(r"$1/\epsilon$", "seconds", x_ticks=(10, 20, 40, 80, 160))
+    figures = {
+        "evaluation_costs": (costs.cost_panels(found.evaluation), digits, 4, 1.35),
+        "work_precision": (costs.precision_panels(found.precision), error, 2, 2.7),
+        "cost_scaling": (costs.scaling_panels(found.scaling), scaling, 1, 2.8),
+    }
+    if found.peaks:
+        peaks = runs.peak_panels(found.peaks)
+        reduction = CostAxes(r"$\epsilon$", r"$L^\infty_\epsilon$")
+        figures["reduction_error"] = (peaks, reduction, 1, 2.8)
+    with styled():
+        for name, (panels, axes, across, height) in figures.items():
+            figure = cost_figure(panels, axes, across, height)
+            yield save(figure, folder / "figures" / f"{name}.pdf")
+        if found.split:
+            rows = runs.split_rows(found.split)
+            yield save(snapshot_figure(rows), folder / "figures" / "split.pdf")
+
+
+def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:
+    """Write every table below the folder, yielding its name and LaTeX when it is written."""
+    for name, make in TABLES.items():
+        yield name, write_table(name, make(found), folder)
+    yield from write_study_tables(found.studies, folder)
+
+
+def write_study_tables(found: Studies, folder: Path) -> Iterator[tuple[str, str]]:
+    """Write the studies' tables, yielding each one's name and LaTeX when it is written."""
+    for name, make in STUDY_TABLES.items():
+        yield name, write_table(name, make(found), folder)
+
+
+def write_table(name: str, text: str, folder: Path) -> str:
+    """Write one table; return its LaTeX."""
+    write(folder / "tables" / f"{name}.tex", text)
+    return text
+
+
+def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], None]) -> Path:
+    """Write the tables and the LaTeX source below the folder; return the source's path."""
+    content = {}
+    for name, text in write_tables(found, folder):
+        content[name] = text
+        wrote()
+    return write(folder / SOURCE, source(content, found.evidence.scenes, full))
 
 
 def write_report(output: Path, full: bool, workers: int, program: str) -> int:
@@ -20,7 +136,7 @@ def write_report(output: Path, full: bool, workers: int, program: str) -> int:
 
     Returns 0, 1 if a check, a run or LaTeX failed, 2 for bad input, 130 after Ctrl-C.
     """
-    console = Console(highlight=False, markup=False, emoji=False)
+    console = plain_console()
     try:
         output.mkdir(parents=True, exist_ok=True)
         tex, sound = build(output, full, workers, console)
@@ -43,8 +159,7 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
     Returns the source's path, and whether every form stands and every run came to its end.
     """
     figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES
-    columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=console) as bar:
+    with progress_bar(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         found = find(
             report_scenes(), full, workers, lambda share: bar.update(working, completed=share)
@@ -62,3 +177,40 @@ def shown(path: Path) -> str:
     with suppress(ValueError):
         return str(path.resolve().relative_to(Path.cwd()))
     return str(path)
+
+
+def write_bench(output: Path, short: bool, program: str) -> int:
+    """Run every study in a process of its own, nothing beside it; write its tables and figures.
+
+    Returns 0, 1 if a study fails, 2 for bad input, 130 after Ctrl-C, which ``program`` tells.
+    """
+    console = plain_console()
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        return fail(f"--output must be a folder that can be written, got {output}: {error}")
+    jobs = study_jobs(full=not short)
+    announce("the studies", sum(job.weight for job in jobs.values()))
+    try:
+        with progress_bar(console) as bar:
+            task = bar.add_task("measuring", total=1.0)
+            found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
+            for name, text in write_study_tables(found, output):
+                if text:
+                    console.print(output / "tables" / f"{name}.tex", soft_wrap=True)
+            for path in write_study_figures(found, output):
+                console.print(path, soft_wrap=True)
+    except KeyboardInterrupt:
+        return interrupted(program, "nothing was written of unfinished studies")
+    return 0 if found.sound else 1
+
+
+def plain_console() -> Console:
+    """A console that prints text as it is."""
+    return Console(highlight=False, markup=False, emoji=False)
+
+
+def progress_bar(console: Console) -> Progress:
+    """Bars with their names and the time that has gone."""
+    columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
+    return Progress(*columns, console=console)

@@ -85,9 +85,9 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
     >>> [parameter.name for parameter in closed_form("rational_4", ["tau_5"]).parameters]
     ['tau_5']
     """
-    match = _RATIONAL.fullmatch(name)
+    match = _RATIONAL.fullmatch(name) if isinstance(name, str) else None
     shifts = [int(found[1]) for text in parameters if (found := _SHIFT.fullmatch(text))]
-    is_printed = name in _MODULES
+    is_printed = isinstance(name, str) and name in _MODULES
     if match and int(match[1]) <= LARGEST_ORDER and (shifts or not is_printed):
         from solutions.forms.rational import rational
 

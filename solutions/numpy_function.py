@@ -1,7 +1,7 @@
 """A closed form as a plain NumPy function, and the Jacobi functions as `lambdify` finds them.
 
-The functions take (z, m), m alone, and 1 - m loses digits near m = 1: what must be exact there
-takes an `EllipticParameter` (`solutions.run.jacobi_pairs`).
+The functions take (z, m), m alone, and their arguments are doubles: phases that are large or near
+k = 1 are a `Wave`'s matter.
 
 >>> jacobi_sn([0.0, 1.0], 0.25).tolist()
 [0.0, 0.8226355781298...]
@@ -10,9 +10,10 @@ takes an `EllipticParameter` (`solutions.run.jacobi_pairs`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
@@ -20,58 +21,43 @@ from numpy.typing import ArrayLike
 from solutions.compile.straight_line import StraightLine
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import Array
-from solutions.run.elliptic_parameter import elliptic_parameter
-from solutions.run.jacobi_pairs import JacobiPairs, evaluate_pairs
+from solutions.run.jacobi import jacobi_program
 from solutions.symbols import tau, xi
 
+__all__ = ["numpy_function", "numpy_module"]
 
-def _values(z: ArrayLike, m: float) -> JacobiPairs:
-    """sn, cn, dn, epsilon and zeta at z, and Theta where it exists."""
-    return evaluate_pairs(elliptic_parameter(m, 1 - m), z, theta=m < 1)
-
-
-def jacobi_sn(z: ArrayLike, m: float) -> Array:
-    """Return sn(z | m)."""
-    return _values(z, m).sn[0]
+_CONTEXT = mpmath.MPContext()
 
 
-def jacobi_cn(z: ArrayLike, m: float) -> Array:
-    """Return cn(z | m)."""
-    return _values(z, m).cn[0]
+def _jacobi(place: int, z: ArrayLike, m: float) -> Array:
+    """sn, cn, dn, zeta or Theta (``place`` 0 to 4) at z.
+
+    Raises ValueError for m outside [0, 1], and for Theta at m = 1, where the nome is 1.
+    """
+    if not 0 <= m <= 1:
+        raise ValueError(f"m must satisfy 0 <= m <= 1, got {m} (m = k*k for a modulus k <= 1)")
+    arguments = np.asarray(z, dtype=float)
+    phase = np.zeros((4, arguments.size))
+    phase[0] = arguments.ravel()
+    with _CONTEXT.workprec(1200):  # 1 - m is exact
+        exact = _CONTEXT.mpf(m)
+        program = jacobi_program(exact, 1 - exact, tuple(place == other for other in range(5)))
+    return program(phase)[place, 0].reshape(arguments.shape)
 
 
-def jacobi_dn(z: ArrayLike, m: float) -> Array:
-    """Return dn(z | m)."""
-    return _values(z, m).dn[0]
+jacobi_sn, jacobi_cn, jacobi_dn, jacobi_zeta, jacobi_theta = (
+    partial(_jacobi, place) for place in range(5)
+)
 
 
 def jacobi_epsilon(z: ArrayLike, m: float) -> Array:
-    """Return epsilon(z | m)."""
-    return _values(z, m).epsilon[0]
-
-
-def jacobi_zeta(z: ArrayLike, m: float) -> Array:
-    """Return Z(z | m)."""
-    return _values(z, m).zeta[0]
-
-
-def jacobi_theta(z: ArrayLike, m: float) -> Array:
-    """Return Theta(z | m) = theta_4(pi z / (2K), q).
-
-    Raises:
-        ValueError: at m = 1, where the nome is 1.
-    """
-    theta = evaluate_pairs(elliptic_parameter(m, 1 - m), z, theta=True).theta
-    assert theta is not None
-    return theta[0]
+    """Return epsilon(z | m) = Z(z | m) + z E/K."""
+    slope = float(_CONTEXT.ellipe(m) / _CONTEXT.ellipk(m)) if m < 1 else 0.0
+    return jacobi_zeta(z, m) + slope * np.asarray(z)
 
 
 def jacobi_eta(z: ArrayLike, m: float) -> Array:
-    """Return H(z | m) = m^(1/4) sn Theta.
-
-    Raises:
-        ValueError: at m = 1, where the nome is 1.
-    """
+    """Return H(z | m) = m^(1/4) sn Theta."""
     return np.sqrt(np.sqrt(m)) * jacobi_sn(z, m) * jacobi_theta(z, m)
 
 
@@ -84,23 +70,17 @@ def numpy_module() -> dict[str, Callable[..., Any]]:
     >>> round(f(0.5), 12)
     1.467462209339
     """
-    functions = (
-        jacobi_sn,
-        jacobi_cn,
-        jacobi_dn,
-        jacobi_epsilon,
-        jacobi_zeta,
-        jacobi_eta,
-        jacobi_theta,
-    )
-    integrals = {
-        "elliptic_k": lambda m: elliptic_parameter(m, 1 - m).K[0],
-        "elliptic_e": lambda m: elliptic_parameter(m, 1 - m).E[0],
+    return {
+        "jacobi_sn": jacobi_sn,
+        "jacobi_cn": jacobi_cn,
+        "jacobi_dn": jacobi_dn,
+        "jacobi_epsilon": jacobi_epsilon,
+        "jacobi_zeta": jacobi_zeta,
+        "jacobi_eta": jacobi_eta,
+        "jacobi_theta": jacobi_theta,
+        "elliptic_k": lambda m: float(_CONTEXT.ellipk(m)),
+        "elliptic_e": lambda m: float(_CONTEXT.ellipe(m)),
     }
-    return {f.__name__: f for f in functions} | integrals
-
-
-__all__ = ["numpy_function"]
 
 
 @lru_cache(maxsize=64)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.algebra.exact_numbers import instance
 from solutions.exact import exact_number
 
 __all__ = ["Bound", "Parameter"]
@@ -44,6 +45,9 @@ class Parameter:
     lower: Bound | None = None
     upper: Bound | None = None
     default: sp.Expr | None = None
+
+    def __post_init__(self) -> None:
+        instance("symbol", self.symbol, sp.Symbol, "solutions.symbols holds k, A, ...")
 
     @property
     def name(self) -> str:

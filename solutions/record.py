@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from derive.algebra.exact_numbers import instance, shown
 from solutions.parameter import Parameter
 from solutions.symbols import tau, xi
 
@@ -35,6 +36,11 @@ class Equation:
     s: int
     xi: sp.Symbol = xi
     tau: sp.Symbol = tau
+
+    def __post_init__(self) -> None:
+        instance("name", self.name, str, "such as 'focusing mKdV'")
+        if self.s not in (1, -1):
+            raise ValueError(f"s must be 1 or -1, got {shown(self.s)} (1 is the focusing equation)")
 
     def residual(self, U: sp.Expr) -> sp.Expr:
         """The left-hand side of the equation at ``U``, unsimplified."""
@@ -107,6 +113,13 @@ class ClosedForm:
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )
+
+    def __post_init__(self) -> None:
+        for name in ("name", "title"):
+            instance(name, getattr(self, name), str, "such as 'kink'")
+        instance("equation", self.equation, Equation, "FOCUSING_MKDV is one")
+        for parameter in self.parameters:
+            instance("each of parameters", parameter, Parameter, "Parameter(solutions.symbols.k)")
 
     def __repr__(self) -> str:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)

@@ -8,6 +8,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
+from derive.algebra.exact_numbers import instance
 from derive.normal_form import NormalForm
 from solutions.compile.program import Variables, long_number
 from solutions.exact import exact_number
@@ -67,7 +68,14 @@ class Wave:
         normal_form: NormalForm,
         **parameters: object,
     ) -> None:
-        if int(normal_form.s) != form.equation.s:
+        instance("form", form, ClosedForm, "closed_form('kink') is one")
+        instance("normal_form", normal_form, NormalForm, "mkdv_normal_form(K2=1, K4=1) is one")
+        for name in ("a", "b", "s"):
+            if not (value := getattr(normal_form, name)).is_number:
+                raise ValueError(
+                    f"{name} of normal_form must be a number, got {value} (give K2 and K4 values)"
+                )
+        if normal_form.s != form.equation.s:
             needed, got = (">", "<") if form.equation.s > 0 else ("<", ">")
             raise ValueError(
                 f"K4 must satisfy K4 {needed} 0 for {form.name}, got K4 {got} 0 "

@@ -4,8 +4,29 @@ The sites are laid out in rows of ``LANES``: site ``l R + r`` of a ring of ``8 R
 row r, lane l (dimension-lifted transposition; Henretty et al., CC 2011), and rows past the ring's
 end repeat those at its beginning with the lanes moved by one. All stages of a few steps are done in
 one passage over the rows: a front of blocks goes up, and in each block stage k stops one row short
-of stage k - 1 (time skewing; Wonnacott, IPDPS 2000). Nothing is computed twice except the rows
-about the seam, and nothing is copied except those.
+of stage k - 1 (time skewing; Wonnacott, IPDPS 2000), for it needs the row above. A letter says in
+which block a stage is done on a row, here with 16 rows, 5 stages and 4 rows a block::
+
+    row 15 | D
+        14 | D  D
+        13 | D  D  D
+        12 | D  D  D  D
+        11 | C  D  D  D  D
+        10 | C  C  D  D  D        block D: stage 0 on rows 12 .. 15, stage 1 on 11 .. 14, and so on;
+         9 | C  C  C  D  D        these rows are in the cache for all five stages
+         8 | C  C  C  C  D
+         7 | B  C  C  C  C
+         6 | B  B  C  C  C
+         5 | B  B  B  C  C        each stage leaves one more row at either end untrue; at the end
+         4 | B  B  B  B           the ring's own rows, here 6 .. 10, are true: 2 stages + 1 rows
+         3 | A  B  B              are repeated beside them
+         2 | A  A
+         1 | A
+         0 |
+           +---------------
+     stage   0  1  2  3  4
+
+Nothing is computed twice except the rows about the seam, and nothing is copied except those.
 
 A ring whose size is not divisible by ``LANES``, or that is too short for one step's stages, is left
 to `plain.advance_plain`; `fits` tells.
@@ -29,10 +50,11 @@ from solutions.run.jit import njit
 Array = NDArray[np.float64]
 
 ROWS = 256
-"""Rows by which a block moves up (measured: 96 to 256 cost the same to 5 %)."""
+"""Rows by which a block moves up (64 to 512 cost the same to 5 %: `benchmarks/lattice_constants.py`,
+which has the other constants of this room as well)."""
 
 STAGES = 28
-"""Stages done in a passage, at most (at least one step's)."""
+"""Stages done in a passage, at most, and at least one step's (13 to 52 cost the same to 5 %)."""
 
 ALIGNMENT = 8
 """Doubles in a line of the cache."""
@@ -87,14 +109,7 @@ def _repeat(rows: Array, first: int, height: int) -> None:
 
 @_jit
 def _pass(
-    y: Array,
-    s: Array,
-    forces: Array,
-    drifts: Array,
-    kicks: Array,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    y: Array, s: Array, forces: Array, drifts: Array, kicks: Array, *constants: float | None
 ) -> None:
     """All stages once over the rows; each leaves one more row at either end untrue."""
     total, stages = y.size // LANES, kicks.size
@@ -105,21 +120,14 @@ def _pass(
             first, past = max(low - k, k + 1), high - k
             both = max(first, k + 3) if k + 1 < stages else past
             if first < min(both, past):
-                stage(y, s, forces, drifts, kicks, k, first, min(both, past), K2, K3, K4)  # type: ignore[call-arg]
+                stage(y, s, forces, drifts, kicks, k, first, min(both, past), *constants)
             if both < past:
-                pair(y, s, forces, drifts, kicks, k, both, past, K2, K3, K4)  # type: ignore[call-arg]
+                pair(y, s, forces, drifts, kicks, k, both, past, *constants)
 
 
 @_jit
 def advance_blocked(
-    ring_y: Array,
-    ring_s: Array,
-    drifts: Array,
-    kicks: Array,
-    steps: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    ring_y: Array, ring_s: Array, drifts: Array, kicks: Array, steps: int, *constants: float | None
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps of a drift-kick splitting.
 
@@ -147,7 +155,7 @@ def advance_blocked(
         _repeat(y, first, height)
         _repeat(s, first, height)
         used = LANES * (height + 2 * block + 1)
-        _pass(y[:used], s[:used], forces, a[:block], b[:block], K2, K3, K4)
+        _pass(y[:used], s[:used], forces, a[:block], b[:block], *constants)
         first = block + 1
         done += block // stages
     for rows, ring in ((y, ring_y), (s, ring_s)):
@@ -160,7 +168,8 @@ Ring = tuple[Array, Array]
 Work = tuple[Array, Array, int, float, float | None, float | None]
 
 LEAST_SITES = 16_384
-"""Sites from which on the second core pays (measured: 1.5 to 1.8 times as fast up to 65 536)."""
+"""Sites from which on the second core pays: 1.5 to 1.8 times as fast up to 65 536, on idle cores
+(`benchmarks/lattice_constants.py`)."""
 
 MEETING = 64
 """Most steps between two meetings."""

@@ -39,13 +39,11 @@ def force(y: float, K2: float, K3: float | None, K4: float | None) -> float:
 
 
 @_jit
-def _drift_force(
-    y: Array, s: Array, f: Array, a: float, K2: float, K3: float | None, K4: float | None
-) -> None:
+def _drift_force(y: Array, s: Array, f: Array, a: float, *constants: float | None) -> None:
     for i in range(y.size):
         moved = y[i] + a * s[i]
         y[i] = moved
-        f[i] = force(moved, K2, K3, K4)
+        f[i] = force(moved, *constants)
 
 
 @_jit
@@ -55,14 +53,12 @@ def _kick(s: Array, left: Array, middle: Array, right: Array, b: float) -> None:
 
 
 @_jit
-def _drift_kick(
-    y: Array, s: Array, f: Array, a: float, b: float, K2: float, K3: float | None, K4: float | None
-) -> None:
+def _drift_kick(y: Array, s: Array, f: Array, a: float, b: float, *constants: float | None) -> None:
     """One drift y += a s and one kick s += b D V'(y) in a single pass over the ring."""
     size = y.size
     for low in range(0, size, BLOCK):
         high = min(low + BLOCK, size)
-        _drift_force(y[low:high], s[low:high], f[low:high], a, K2, K3, K4)
+        _drift_force(y[low:high], s[low:high], f[low:high], a, *constants)
         start = max(low - 1, 1)
         stop = high - 1
         if stop > start:
@@ -79,14 +75,7 @@ def _drift_kick(
 
 @_jit
 def advance_plain(
-    y: Array,
-    s: Array,
-    drifts: Array,
-    kicks: Array,
-    steps: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    y: Array, s: Array, drifts: Array, kicks: Array, steps: int, *constants: float | None
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps of a drift-kick composition.
 
@@ -99,19 +88,17 @@ def advance_plain(
     for step in range(steps):
         for i in range(stages):
             a = joint if i == 0 and step > 0 else drifts[i]
-            _drift_kick(y, s, f, a, kicks[i], K2, K3, K4)
+            _drift_kick(y, s, f, a, kicks[i], *constants)
     if steps > 0:
         for i in range(y.size):
             y[i] += drifts[stages] * s[i]
 
 
 @_jit
-def _acceleration(
-    y: Array, f: Array, g: Array, K2: float, K3: float | None, K4: float | None
-) -> None:
+def _acceleration(y: Array, f: Array, g: Array, *constants: float | None) -> None:
     size = y.size
     for i in range(size):
-        f[i] = force(y[i], K2, K3, K4)
+        f[i] = force(y[i], *constants)
     for i in range(size - 2):
         g[i + 1] = f[i] - 2.0 * f[i + 1] + f[i + 2]
     g[0] = f[size - 1] - 2.0 * f[0] + f[1]
@@ -135,9 +122,7 @@ def advance_nystroem(
     weights: Array,
     h: float,
     steps: int,
-    K2: float,
-    K3: float | None,
-    K4: float | None,
+    *constants: float | None,
 ) -> None:
     """Advance the ring (y, s) in place by ``steps`` steps h of an explicit Nystroem method.
 
@@ -154,7 +139,7 @@ def advance_nystroem(
             _accumulate(stage, nodes[i] * h, s)
             for j in range(i):
                 _accumulate(stage, inner[i, j] * h * h, g[j])
-            _acceleration(stage, f, g[i], K2, K3, K4)
+            _acceleration(stage, f, g[i], *constants)
         _accumulate(y, h, s)
         for i in range(stages):
             _accumulate(y, outer[i] * h * h, g[i])

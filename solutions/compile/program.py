@@ -14,11 +14,12 @@ from typing import Any, NamedTuple
 import mpmath
 import sympy as sp
 
-from solutions.compile.assembler import Assembler, Bytecode
+from solutions.compile.assembler import Assembler
 from solutions.compile.lowering import JacobiCall, Lowering, Phase
 from solutions.compile.tape import tape_of
 from solutions.functions.multiprecision import mp_module
 from solutions.run.linear_phase import LinearPhase
+from solutions.run.machine import Bytecode
 
 __all__ = ["Numbers", "Program", "Variables", "compile_program", "constant_context", "long_number"]
 
@@ -54,13 +55,14 @@ class Program:
     """Value, xi derivative and tau derivative as a function of phases, Jacobi values, constants.
 
     The bytecode's inputs are the phases in the order of ``phases``, then sn, cn, dn, zeta, theta
-    of each of ``calls``. ``fixed`` takes the parameter values as mpf and returns the bytecode's
-    constants, then p, q, r of each phase, then m of each call.
+    of each of ``calls``; ``wanted`` says which of these it reads. ``fixed`` takes the parameter
+    values as mpf and returns the bytecode's constants, then p, q, r of each phase, then m of each
+    call.
     """
 
     phases: tuple[Phase, ...]
     calls: tuple[JacobiCall, ...]
-    uses_theta: tuple[bool, ...]
+    wanted: tuple[tuple[bool, ...], ...]
     bytecode: Bytecode
     fixed: Callable[..., Sequence[Any]]
 
@@ -107,7 +109,7 @@ def compile_program(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> P
     return Program(
         phases=phases,
         calls=calls,
-        uses_theta=tuple(call.theta in used for call in calls),
+        wanted=tuple(tuple(s in used for s in call.symbols) for call in calls),
         bytecode=bytecode,
         fixed=_in_mpmath(
             parameters,

@@ -3,29 +3,23 @@
 A number is (hi, lo, bound): the true one differs from hi + lo by at most the bound, which an
 operation makes of its operands' bounds and of its own rounding. An infinite or NaN bound says that
 nothing is known.
-
->>> third, error = reciprocal((3.0, 0.0, 3e-20))[::2]
->>> third == 1 / 3, 3e-21 < error < 4e-21
-(True, True)
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from solutions.run import doubledouble
-from solutions.run.block_functions import BLOCK
-from solutions.run.doubledouble import Pair, add_loosely
+from solutions.run.doubledouble import Array, Pair, add_loosely
 from solutions.run.jit import njit
 
-Array = NDArray[np.float64]
 Bounded = tuple[float, float, float]
 
 PARTS = 3
 """Numbers are stored as high part, low part and bound."""
+
+BLOCK = 128
+"""Numbers in a block: an array of as many high parts, then low parts, then bounds."""
 
 UNIT = 2.0**-99
 """Bound of the relative error of every operation, and of the rounding of a constant besides."""
@@ -34,70 +28,82 @@ TINY = 2.0**-960
 """Bound of what underflow of a low part or of an exponential loses."""
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def load(block: Array, i: int) -> Bounded:
     """Return the i-th number of a block of high parts, low parts and bounds."""
     return block[i], block[i + BLOCK], block[i + 2 * BLOCK]
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def store(block: Array, i: int, value: Bounded) -> None:
     """Set the i-th number of a block."""
     block[i], block[i + BLOCK], block[i + 2 * BLOCK] = value
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
+def load_pair(block: Array, i: int) -> Pair:
+    """Return the i-th number of a block without its bound."""
+    return block[i], block[i + BLOCK]
+
+
+@njit(inner=True, error_model="numpy")
+def store_pair(block: Array, i: int, value: Pair) -> None:
+    """Set the i-th number of a block, its bound left as it is."""
+    block[i], block[i + BLOCK] = value
+
+
+@njit(inner=True, error_model="numpy")
 def rounded(value: Pair, error: float) -> Bounded:
     """Return the result of an operation whose operands' errors amount to `error`."""
     return value[0], value[1], error + (UNIT * abs(value[0]) + TINY)
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def add(a: Bounded, b: Bounded) -> Bounded:
     """Return a + b."""
     high, low = add_loosely((a[0], a[1]), (b[0], b[1]))
     return high, low, a[2] + b[2] + UNIT * (abs(a[0]) + abs(b[0]))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def negate(a: Bounded) -> Bounded:
     """Return -a."""
     return -a[0], -a[1], a[2]
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def subtract(a: Bounded, b: Bounded) -> Bounded:
     """Return a - b."""
     return add(a, negate(b))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def multiply(a: Bounded, b: Bounded) -> Bounded:
     """Return a b."""
     error = abs(a[0]) * b[2] + (abs(b[0]) + b[2]) * a[2]
     return rounded(doubledouble.multiply((a[0], a[1]), (b[0], b[1])), error)
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def scale(a: Bounded, c: float) -> Bounded:
     """Return a c for a power of two c, or minus one."""
     return a[0] * c, a[1] * c, a[2] * abs(c) + TINY
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def relative_error(d: float) -> float:
     """Return d / (1 - d), infinite for d > 1/2: that of a quotient whose divisor has d."""
     return d / (1.0 - d) if d <= 0.5 else math.inf
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def reciprocal(a: Bounded) -> Bounded:
     """Return 1 / a."""
     high, low = doubledouble.reciprocal((a[0], a[1]))
     return rounded((high, low), abs(high) * relative_error(a[2] * abs(high)))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def square_root(a: Bounded) -> Bounded:
     """Return the square root of a > 0."""
     high, low = doubledouble.square_root((a[0], a[1]))

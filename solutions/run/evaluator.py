@@ -1,7 +1,7 @@
 """One expression with numbers in: value and derivatives at arrays of (x, t)."""
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import sympy as sp
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from solutions.compile.program import Variables, compile_program
 from solutions.run.bounded import PARTS
 from solutions.run.doubledouble import check_range, split
-from solutions.run.elliptic_parameter import EllipticParameter, exact_parameter
-from solutions.run.jacobi_pairs import evaluate_pairs
+from solutions.run.jacobi import jacobi_program
 from solutions.run.linear_phase import LinearPhase, as_pairs
 from solutions.run.machine import run_pairs
 
@@ -48,7 +47,10 @@ class Evaluator:
             -1, 2
         )
         self._coefficients = numbers.coefficients
-        self._moduli = [_elliptic_parameter(m) for m in numbers.moduli]
+        self._functions = [
+            jacobi_program(check_range(m), check_range(1 - m), wanted)
+            for m, wanted in zip(numbers.moduli, self._program.wanted, strict=True)
+        ]
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
         """The program's phases in the caller's variables."""
@@ -59,19 +61,12 @@ class Evaluator:
         program = self._program
         found = [phase(x, t) for phase in phases]
         arguments = dict(zip((ph.symbol for ph in program.phases), found, strict=True))
-        rows = [as_pairs(phase) for phase in found]
-        for call, modulus, thetas in zip(
-            program.calls, self._moduli, program.uses_theta, strict=True
-        ):
-            *parts, bound = arguments[call.phase]
-            values = evaluate_pairs(modulus, *parts, bound=bound, theta=thetas)
-            theta = values.dn if values.theta is None else values.theta
-            rows += [values.sn, values.cn, values.dn, values.zeta, theta]
+        rows = [as_pairs(phase)[None] for phase in found]
+        rows += [
+            functions(arguments[call.phase])
+            for call, functions in zip(program.calls, self._functions, strict=True)
+        ]
         out = np.empty((3, PARTS, x.size))
-        inputs = np.array(rows).reshape(len(rows), PARTS, x.size)
+        inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, x.size))
         run_pairs(program.bytecode, self._constants, inputs, out)
         return out
-
-
-def _elliptic_parameter(m: Any) -> EllipticParameter:
-    return exact_parameter(check_range(m), check_range(1 - m))

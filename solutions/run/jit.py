@@ -37,6 +37,7 @@ from numba.core.caching import (
     NullCache,
     _CacheLocator,
 )
+from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
@@ -48,8 +49,13 @@ KEPT = 8
 """Versions of a module's kernels that a cache keeps; the least lately used ones go first."""
 
 
-def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+def njit(
+    *, cache: bool = False, inner: bool = False, **options: Any
+) -> Callable[[Callable[..., Any]], Any]:
     """``numba.njit(**options)``; with ``cache``, machine code is kept from one process to the next.
+
+    An ``inner`` function is called from other compiled ones alone: without an entry for Python it
+    compiles in half the time.
 
     >>> @njit(error_model="numpy")
     ... def half(x):
@@ -58,13 +64,25 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
     1.5
     """
 
+    if inner:
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
     def compiled(function: Callable[..., Any]) -> Any:
         kernel = numba.njit(**options)(function)
+        if inner and isinstance(kernel, CPUDispatcher):
+            kernel.__class__ = _Inner
         if cache and hasattr(kernel, "_cache"):  # numba returns the function where it is disabled
             kernel._cache = KernelCache(function)
         return kernel
 
     return compiled
+
+
+class _Inner(CPUDispatcher):
+    def __call__(self, *_: Any, **__: Any) -> Any:
+        raise TypeError(
+            f"{self.py_func.__name__} must be called from compiled code (it has no other entry)"
+        )
 
 
 class KernelCache(NullCache):

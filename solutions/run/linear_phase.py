@@ -21,7 +21,7 @@ OF_TERMS = 2.0**-150
 """Bound of the error relative to the largest term."""
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _three(c: Three, x: float) -> Three:
     """``c x`` as three floats."""
     high, e = two_prod(c[0], x)
@@ -30,7 +30,7 @@ def _three(c: Three, x: float) -> Three:
     return high, middle, c[2] * x + (e + f)
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _plus(a: Three, b: Three) -> Three:
     high, e = two_sum(a[0], b[0])
     middle, f = two_sum(a[1], b[1])

@@ -3,14 +3,18 @@
 A register is a block of ``solutions.run.bounded``.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.compile.assembler import Bytecode, Operation
-from solutions.run.block_functions import BLOCK
 from solutions.run.bounded import (
+    BLOCK,
     PARTS,
     UNIT,
     Bounded,
@@ -23,28 +27,75 @@ from solutions.run.bounded import (
     square_root,
     store,
 )
-from solutions.run.bounded_functions import SCRATCH, exponential, logarithm, sech, tanh
-from solutions.run.doubledouble import Pair
+from solutions.run.doubledouble import Array, Pair
+from solutions.run.elementary import (
+    SCRATCH,
+    decay_of,
+    exponential,
+    logarithm,
+    sech,
+    sine_or_cosine,
+    start_logarithm,
+    tanh,
+)
 from solutions.run.jit import njit
 
-__all__ = ["run_pairs", "scale_rows"]
-
-Array = NDArray[np.float64]
-
-_ADD, _MULTIPLY = int(Operation.ADD), int(Operation.MULTIPLY)
-_ADD_CONSTANT, _FROM_CONSTANT = int(Operation.ADD_CONSTANT), int(Operation.FROM_CONSTANT)
-_MULTIPLY_CONSTANT, _SCALE = int(Operation.MULTIPLY_CONSTANT), int(Operation.SCALE)
-_CONSTANT, _RECIPROCAL = int(Operation.CONSTANT), int(Operation.RECIPROCAL)
-_SQUARE_ROOT, _LOGARITHM = int(Operation.SQUARE_ROOT), int(Operation.LOGARITHM)
-_EXPONENTIAL, _TANH = int(Operation.EXPONENTIAL), int(Operation.TANH)
+__all__ = ["WITH_CONSTANT", "Bytecode", "Operation", "run_pairs", "scale_rows"]
 
 
-@njit(error_model="numpy")
+class Operation(IntEnum):
+    """What an instruction does with registers ``a``, ``b`` and the constant ``c``."""
+
+    ADD = 0  # a + b
+    SUBTRACT = 1  # a - b
+    MULTIPLY = 2  # a b
+    CHOOSE = 3  # a where register c is 1, b where it is 0
+    ADD_CONSTANT = 4  # a + c
+    FROM_CONSTANT = 5  # c - a
+    MULTIPLY_CONSTANT = 6  # a c
+    SCALE = 7  # a c for a power of two c, or minus one
+    CONSTANT = 8  # c
+    RECIPROCAL = 9  # 1/a
+    SQUARE_ROOT = 10
+    LOGARITHM = 11
+    EXPONENTIAL = 12
+    TANH = 13
+    SECH = 14
+    SINE = 15  # of |a| <= 0.79
+    COSINE = 16  # of |a| <= 0.79
+
+
+WITH_CONSTANT = (
+    Operation.ADD_CONSTANT,
+    Operation.FROM_CONSTANT,
+    Operation.MULTIPLY_CONSTANT,
+    Operation.SCALE,
+    Operation.CONSTANT,
+)
+
+
+@dataclass(frozen=True)
+class Bytecode:
+    """Instructions ``(operation, target, a, b, c)``, one a row.
+
+    ``a`` and ``b`` are registers, ``c`` is a constant or, of CHOOSE, a register. The inputs are in
+    registers ``0 .. inputs - 1`` at the start; ``outputs`` are the registers of the results.
+    ``pool`` holds the constants: exact numbers, or expressions of which they will be made.
+    """
+
+    code: NDArray[np.int64]
+    registers: int
+    inputs: int
+    outputs: tuple[int, ...]
+    pool: tuple[Any, ...]
+
+
+@njit(inner=True, error_model="numpy")
 def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
-    if operation == _MULTIPLY:
+    if operation == Operation.MULTIPLY:
         for i in range(BLOCK):
             store(z, i, multiply(load(x, i), load(y, i)))
-    elif operation == _ADD:
+    elif operation == Operation.ADD:
         for i in range(BLOCK):
             store(z, i, add(load(x, i), load(y, i)))
     else:
@@ -52,18 +103,26 @@ def _binary(operation: int, x: Array, y: Array, z: Array) -> None:
             store(z, i, add(load(x, i), negate(load(y, i))))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
+def _choose(chosen: Array, x: Array, y: Array, z: Array) -> None:
+    for part in range(PARTS):
+        for i in range(BLOCK):
+            place = part * BLOCK + i
+            z[place] = x[place] if chosen[i] == 1.0 else y[place]
+
+
+@njit(inner=True, error_model="numpy")
 def _with_constant(operation: int, x: Array, c: Bounded, z: Array) -> None:
-    if operation == _MULTIPLY_CONSTANT:
+    if operation == Operation.MULTIPLY_CONSTANT:
         for i in range(BLOCK):
             store(z, i, multiply(load(x, i), c))
-    elif operation == _SCALE:
+    elif operation == Operation.SCALE:
         for i in range(BLOCK):
             store(z, i, scale(load(x, i), c[0]))
-    elif operation == _ADD_CONSTANT:
+    elif operation == Operation.ADD_CONSTANT:
         for i in range(BLOCK):
             store(z, i, add(load(x, i), c))
-    elif operation == _FROM_CONSTANT:
+    elif operation == Operation.FROM_CONSTANT:
         for i in range(BLOCK):
             store(z, i, add(c, negate(load(x, i))))
     else:
@@ -71,22 +130,36 @@ def _with_constant(operation: int, x: Array, c: Bounded, z: Array) -> None:
             store(z, i, c)
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _unary(operation: int, x: Array, z: Array, scratch: Array) -> None:
-    if operation == _RECIPROCAL:
+    if operation == Operation.RECIPROCAL:
         for i in range(BLOCK):
             store(z, i, reciprocal(load(x, i)))
-    elif operation == _SQUARE_ROOT:
+    elif operation == Operation.SQUARE_ROOT:
         for i in range(BLOCK):
             store(z, i, square_root(load(x, i)))
-    elif operation == _LOGARITHM:
-        logarithm(x, z, scratch)
-    elif operation == _EXPONENTIAL:
-        exponential(x, z, scratch)
-    elif operation == _TANH:
-        tanh(x, z, scratch)
+    elif operation in (Operation.SINE, Operation.COSINE):
+        sine_or_cosine(x, operation == Operation.SINE, z, scratch)
     else:
+        _exponential(operation, x, z, scratch)
+
+
+@njit(inner=True, error_model="numpy")
+def _exponential(operation: int, x: Array, z: Array, scratch: Array) -> None:
+    """What is made from exp(-|x|); a logarithm from exp of its negative in double."""
+    source, power = x, z
+    if operation == Operation.LOGARITHM:
+        source, power = scratch[5], scratch[6]
+        start_logarithm(x, source)
+    decay_of(source, 2.0 if operation == Operation.TANH else 1.0, scratch)
+    if operation == Operation.TANH:
+        tanh(x, z, scratch)
+    elif operation == Operation.SECH:
         sech(x, z, scratch)
+    else:
+        exponential(source, power, scratch)
+    if operation == Operation.LOGARITHM:
+        logarithm(x, source, power, z)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -110,10 +183,12 @@ def _run(
                     registers[row, part * BLOCK + i] = inputs[row, part, place]
         for line in range(code.shape[0]):
             operation, z, x = code[line, 0], registers[code[line, 1]], registers[code[line, 2]]
-            if operation <= _MULTIPLY:
+            if operation <= Operation.MULTIPLY:
                 _binary(operation, x, registers[code[line, 3]], z)
-            elif operation <= _CONSTANT:
-                c = constants[code[line, 3]]
+            elif operation == Operation.CHOOSE:
+                _choose(registers[code[line, 4]], x, registers[code[line, 3]], z)
+            elif operation <= Operation.CONSTANT:
+                c = constants[code[line, 4]]
                 _with_constant(operation, x, (c[0], c[1], c[2]), z)
             else:
                 _unary(operation, x, z, scratch)

@@ -30,8 +30,8 @@ class RationalEvaluator:
         degree = family.order * (family.order + 1) // 2
         numbers = [shifts[symbol] for symbol in family.symbols[2:]]
         tables = [_coefficients(part, numbers) for part in (family.A, family.B)]
-        self._A, self._B = (_pairs(table, degree) for table in tables)
-        self._parities = (_parity(tables[0]), _parity(tables[1]))
+        self._tables = np.stack([_pairs(table, degree) for table in tables])
+        self._parities = np.array([_parity(table) for table in tables])
         self._sign = float((-1) ** family.order)
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
@@ -42,7 +42,7 @@ class RationalEvaluator:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
         place, time = (as_pairs(phase(x, t)) for phase in phases)
         out = np.empty((3, PARTS, x.size))
-        rational_loop(self._A, self._B, self._parities, self._sign, place, time, out)
+        rational_loop(self._tables, self._parities, self._sign, place, time, out)
         return out
 
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solutions.run import bounded
-from solutions.run.block_functions import BLOCK
-from solutions.run.bounded import UNIT, Bounded
+from solutions.run.bounded import BLOCK, UNIT, Bounded
 from solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
 from solutions.run.jit import njit
 
@@ -25,8 +24,11 @@ Array = NDArray[np.float64]
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
 """Rows of a polynomial's workspace: it and its derivatives (_XX is half the second)."""
 
+_STEPS = np.array([[_XX, _X], [_X, _VALUE], [_VALUE, -1], [_XT, _T], [_T, -1]])
+"""What each row takes in a step: another row, or the polynomial in t (-1)."""
 
-@njit(error_model="numpy")
+
+@njit(inner=True, error_model="numpy")
 def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
     """``z = z x + y weight``, the weights being powers of two; the same of the sizes."""
     for i in range(BLOCK):
@@ -36,7 +38,7 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
         z[size] = z[size] * x[size] + y[size] * weight[i]
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _prepare(x: Array, t: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
@@ -55,7 +57,7 @@ def _prepare(x: Array, t: Array, weights: Array) -> None:
             weight *= down
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, Pair]:
     """The row ``sum c[j] t**j`` and its derivative, over j = first, first + step, ..."""
     variable = square if step == 2 else t
@@ -72,7 +74,7 @@ def _row(c: Array, first: int, step: int, t: Pair, square: Pair) -> tuple[Pair, 
     return multiply(value, t), add(value, multiply(slope, t))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _row_sizes(c: Array, t: float) -> tuple[float, float]:
     """The sums of the sizes of a row's terms, and of those of its derivative."""
     value = slope = 0.0
@@ -82,7 +84,7 @@ def _row_sizes(c: Array, t: float) -> tuple[float, float]:
     return value, slope
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None:
     """Fill the lanes of each row; ``c[i, j]`` belongs to x^i t^j.
 
@@ -104,39 +106,40 @@ def _rows(c: Array, parity: int, t: Array, values: Array, slopes: Array) -> None
             slopes[i, lane], slopes[i, low], slopes[i, size] = slope[0], slope[1], sizes[1]
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _polynomial(values: Array, slopes: Array, x: Array, weights: Array, out: Array) -> None:
     """Fill the rows of ``out`` with the polynomial and its derivatives."""
     degree = values.shape[0] - 1
     out[:] = 0.0
     for i in range(degree, -1, -1):
-        _step(out[_XX], x, out[_X], weights[0])
-        _step(out[_X], x, out[_VALUE], weights[0])
-        _step(out[_VALUE], x, values[i], weights[degree - i])
-        _step(out[_XT], x, out[_T], weights[0])
-        _step(out[_T], x, slopes[i], weights[degree - i])
+        for target, source in _STEPS:
+            if source >= 0:
+                _step(out[target], x, out[source], weights[0])
+            else:
+                given = values[i] if target == _VALUE else slopes[i]
+                _step(out[target], x, given, weights[degree - i])
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _cross(A: Bounded, b: Bounded, a: Bounded, B: Bounded) -> Bounded:
     """``A b - a B``."""
     return bounded.subtract(bounded.multiply(A, b), bounded.multiply(a, B))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _dot(A: Bounded, a: Bounded, B: Bounded, b: Bounded) -> Bounded:
     """``A a + B b``."""
     return bounded.add(bounded.multiply(A, a), bounded.multiply(B, b))
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _lane(rows: Array, row: int, i: int, rounding: float) -> Bounded:
     """One lane of a flat workspace."""
     high, low, size = bounded.load(rows[3 * BLOCK * row : 3 * BLOCK * (row + 1)], i)
     return high, low, rounding * size
 
 
-@njit(error_model="numpy")
+@njit(inner=True, error_model="numpy")
 def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array) -> None:
     """U, U_xi, U_tau (flat, as the workspaces are) from the angle of A + i B and its rates.
 
@@ -167,21 +170,20 @@ def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def rational_loop(
-    A: Array, B: Array, parities: tuple[int, int], sign: float, x: Array, t: Array, out: Array
+    tables: Array, parities: NDArray[np.int64], sign: float, x: Array, t: Array, out: Array
 ) -> None:
     """Fill ``out`` (3, 3, points) with U, U_xi, U_tau from ``x`` and ``t`` (3, points).
 
-    The axis of three is high part, low part and bound of the error. ``A`` and ``B`` hold the
-    coefficients (degree + 1, degree // 3 + 1, 2); ``sign`` is the background; ``x`` is
-    ``xi - 6 tau``.
+    The axis of three is high part, low part and bound of the error. ``tables`` holds the
+    coefficients of A and B (2, degree + 1, degree // 3 + 1, 2); ``sign`` is the background; ``x``
+    is ``xi - 6 tau``.
     """
-    degree, points = A.shape[0] - 1, x.shape[1]
+    degree, points = tables.shape[1] - 1, x.shape[1]
     weights = np.empty((degree + 1, BLOCK))
     rounding = 4.0 * (degree + 1.0) * UNIT
     place, time = np.empty(3 * BLOCK), np.empty(3 * BLOCK)
     values, slopes = np.empty((degree + 1, 3 * BLOCK)), np.empty((degree + 1, 3 * BLOCK))
-    rows_A, rows_B = np.empty((5, 3 * BLOCK)), np.empty((5, 3 * BLOCK))
-    found = np.empty((3, 3, BLOCK))
+    rows, found = np.empty((2, 5, 3 * BLOCK)), np.empty((3, 3, BLOCK))
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
         for part in range(3):
@@ -190,10 +192,9 @@ def rational_loop(
                 place[part * BLOCK + i] = x[part, source]
                 time[part * BLOCK + i] = t[part, source]
         _prepare(place, time, weights)
-        _rows(A, parities[0], time, values, slopes)
-        _polynomial(values, slopes, place, weights, rows_A)
-        _rows(B, parities[1], time, values, slopes)
-        _polynomial(values, slopes, place, weights, rows_B)
-        flat_A, flat_B = rows_A.reshape(-1), rows_B.reshape(-1)
-        _wave(flat_A, flat_B, weights[1], rounding, sign, found.reshape(-1))
+        for which in range(2):
+            _rows(tables[which], parities[which], time, values, slopes)
+            _polynomial(values, slopes, place, weights, rows[which])
+        flat = rows.reshape(2, -1)
+        _wave(flat[0], flat[1], weights[1], rounding, sign, found.reshape(-1))
         out[:, :, start : start + count] = found[:, :, :count]

@@ -4,14 +4,19 @@ Catches also: arcs that overlap too little, lose a site, or round otherwise than
 """
 
 import multiprocessing
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from lattice.kernels import blocked, plain
-from lattice.model import Model
+from lattice.kernels import blocked, plain, vector
+from lattice.model import Array, Model
 from lattice.schemes.catalogue import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
@@ -87,6 +92,50 @@ def test_odd_ring_falls_back() -> None:
     BLANES_MOAN_6.advance(y, s, -0.1, 7, constants)
     np.testing.assert_allclose(y, begin[0], atol=1e-13)
     np.testing.assert_allclose(s, begin[1], atol=1e-13)
+
+
+def advanced(size: int, steps: int) -> Iterator[Array]:
+    """Rings advanced by a scheme with an odd number of stages; K3 and K4, or K4 alone."""
+    for model in (Model(1.3, 0.3, -0.7), Model(1.3, 0.0, 0.9)):
+        ring = 0.1 * np.random.default_rng(6).standard_normal((2, size))
+        drifts, kicks = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks
+        blocked.advance_blocked(*ring, drifts, kicks, steps, *model.kernel)
+        yield ring
+
+
+OTHER_WAY = """
+import sys
+import numpy as np
+from lattice.kernels import vector
+from tests.lattice.test_lattice_blocked import advanced
+np.save(sys.argv[1], list(advanced(*map(int, sys.argv[2:]))))
+print(vector.WHY_PLAIN)
+"""
+
+
+@pytest.mark.parametrize(
+    ("setting", "size", "steps", "ulps", "why"),
+    [
+        ("LONGWAVE_PLAIN_KERNELS", 4160, 21, 0, "LONGWAVE_PLAIN_KERNELS is set"),
+        ("NUMBA_DISABLE_JIT", 112, 2, 64, "numba's compiler is switched off"),
+    ],
+)
+def test_plain_loops_take_the_place_of_vector_code(
+    setting: str, size: int, steps: int, ulps: int, why: str, tmp_path: Path
+) -> None:
+    """To the bit, but for multiply-adds without the compiler: they round twice."""
+    assert not vector.WHY_PLAIN
+    file = tmp_path / "rings.npy"
+    done = subprocess.run(
+        [sys.executable, "-c", OTHER_WAY, str(file), str(size), str(steps)],
+        env={**os.environ, setting: "1", "PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == why
+    for ring, other in zip(advanced(size, steps), np.load(file), strict=True):
+        assert np.abs(ring - other).max() <= ulps * np.spacing(0.1)
 
 
 @pytest.mark.parametrize("scheme", [REDUCED_PHASE_6, KAHAN_LI_8, STOERMER_VERLET])

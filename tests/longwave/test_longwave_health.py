@@ -87,3 +87,10 @@ def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> N
     assert "install latexmk" in found("LaTeX").cost
     monkeypatch.setattr(reports.engine, "apt_prefix", list)
     assert "with apt" in found("LaTeX").cost
+
+
+def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lattice.kernels.vector.WHY_PLAIN", "LONGWAVE_PLAIN_KERNELS is set")
+    finding = found("vectors")
+    assert (finding.found, finding.state) == ("plain loops", "costs")
+    assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

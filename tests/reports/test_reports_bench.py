@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from reports import bench
-from reports.assemble import STUDY_TABLES
+from reports import bench, build
+from reports.build import STUDY_TABLES
 from reports.work import Studies
 from verify.studies.hard_cases import HardCaseResult
 from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
@@ -26,9 +26,9 @@ FOUND = Studies(
 
 def measure(found: Studies, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Run the command with these findings and without figures."""
-    monkeypatch.setattr(bench, "run_jobs", lambda *_: {})
-    monkeypatch.setattr(bench, "studies", lambda _: found)
-    monkeypatch.setattr(bench, "write_study_figures", lambda *_: [folder / "figure.pdf"])
+    monkeypatch.setattr(build, "run_jobs", lambda *_: {})
+    monkeypatch.setattr(build, "studies", lambda _: found)
+    monkeypatch.setattr(build, "write_study_figures", lambda *_: [folder / "figure.pdf"])
     return bench.main(["--output", str(folder)])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.assemble import STUDY_TABLES, TABLES, source
+from reports.build import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.paper import SOURCES, cited

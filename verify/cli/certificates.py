@@ -77,7 +77,8 @@ def read_certificates(path: Path) -> list[Any]:
 def checked(certificate: Any) -> dict[str, str]:
     """Name and statement of an accepted certificate; raises CertificateError if it is not."""
     if not isinstance(certificate, Mapping):
-        raise CertificateError(f"a certificate is an object, got {type(certificate).__name__}")
+        got = type(certificate).__name__
+        raise CertificateError(f"certificate must be an object, got {got} (prove writes one)")
     name = ascii(certificate.get("name"))[:60].strip("'")
     try:
         statement = check_certificate(certificate)

@@ -45,21 +45,77 @@ _only = click.option(
 )
 
 
-@click.command(epilog=example("longwave prove rogue_cn --output rogue_cn.json"))
-@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=complete_waves)
+STATEMENT_OPTIONS = ("parameters", "domain", "limit", "latex")
+"""What is said of a statement in text, and of no closed form."""
+
+
+@click.command(
+    epilog=example("longwave prove rogue_cn --output rogue_cn.json")
+    + '\n  longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"'
+)
+@click.argument("names", nargs=-1, metavar="[NAME|FILE.toml]...", shell_complete=complete_waves)
+@click.option("--equation", "equations", multiple=True, metavar="TEXT", help="As u_t + u*u_x = 0.")
+@click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
+@click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
+@click.option("--domain", metavar="TEXT", help="Of x, y, z, t and n, as t > 0.")
+@click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
+@click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
 @click.option(
-    "--certificate", metavar="FILE", type=click.Path(), help="Check the proofs in this file."
+    "--certificate",
+    metavar="FILE",
+    type=click.Path(),
+    help="Write the proofs of statements; without any: check the proofs in this file.",
 )
 @click.option("--output", metavar="FILE", type=click.Path(), help="Write the proofs' certificates.")
 @json_option
-def prove(
+def prove(names: tuple[str, ...], **options: Any) -> int:
+    """Prove a formula of your own or closed forms by name, or check proofs.
+
+    A formula of your own is stated by --equation and --solution, or with others in a FILE.toml of
+    [[problem]] tables. Closed forms are proved for all X and T, all lattice constants and all their
+    parameters; `longwave list waves` shows the names; rational_<j> is there for every order j.
+    """
+    files = [name for name in names if name.endswith(".toml")]
+    if options["equations"] or options["solutions"] or files:
+        return _prove_statements(names, files, options)
+    for option in STATEMENT_OPTIONS:
+        if options[option]:
+            raise click.UsageError(f"--{option} must stand with --equation or FILE.toml, got none")
+    return _prove_names(names, options["certificate"], options["output"], options["json_wanted"])
+
+
+def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[str, Any]) -> int:
+    """Decide statements in text; raises UsageError for options that contradict each other."""
+    texts = bool(options["equations"]), bool(options["solutions"])
+    written = options.pop("output")
+    if any(texts) and (names or not all(texts)):
+        missing = "no --solution" if texts[0] else "no --equation"
+        got = f"{names[0]} as well" if names else missing
+        raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
+    for wrong, option in (
+        (len(files) < len(names), "FILE.toml"),
+        (files and options["parameters"], "--parameters"),
+        (files and options["domain"], "--domain"),
+        (options["json_wanted"] and options["latex"], "--json"),
+        (options["certificate"] and written, "--certificate"),
+    ):
+        if wrong:
+            other = {
+                "--json": "--latex",
+                "--certificate": "--output",
+                "FILE.toml": "names of forms",
+            }.get(option, "a FILE.toml")
+            raise click.UsageError(f"{option} must not be given with {other}, got both")
+    from verify.cli.statements import Options, print_statement_verdicts
+
+    options["certificate"] = options["certificate"] or written
+    return print_statement_verdicts(Options(files=files, **options), called_by())
+
+
+def _prove_names(
     names: tuple[str, ...], certificate: str | None, output: str | None, json_wanted: bool
 ) -> int:
-    """Prove closed forms by name, or check the proofs in a file.
-
-    What is proved holds for all X and T, all lattice constants and all parameters of the form.
-    `longwave list waves` shows the names; rational_<j> is there for every order j.
-    """
+    """Prove closed forms, or check a file; raises UsageError unless it is one of both."""
     if bool(names) == (certificate is not None):
         got = "both" if names else "neither"
         raise click.UsageError(
@@ -67,9 +123,9 @@ def prove(
             "(--output FILE writes certificates)"
         )
     if certificate is None:
-        from verify.cli.verdicts import Options, print_verdicts
+        from verify.cli.verdicts import VerdictOptions, print_verdicts
 
-        options = Options(tuple(dict.fromkeys(names)), json_wanted, output)
+        options = VerdictOptions(tuple(dict.fromkeys(names)), json_wanted, output)
         return print_verdicts(options, called_by())
     if output is not None:
         raise click.UsageError("--output must not be given with --certificate, got both")
@@ -107,9 +163,9 @@ def verify(**options: Any) -> int:
                 f"{subcommand}"
             )
         return 0
-    from verify.cli.verdicts import Options, print_verdicts
+    from verify.cli.verdicts import VerdictOptions, print_verdicts
 
-    return print_verdicts(Options(**options), called_by())
+    return print_verdicts(VerdictOptions(**options), called_by())
 
 
 @verify.command("check-certificate", epilog=example("longwave verify check-certificate c.json"))

@@ -14,12 +14,12 @@ from rich.table import Table
 
 from derive.command_line import announce, fail, interrupted
 from verify.comparison.recording import UnfinishedRun
-from verify.comparison.run import run
 from verify.comparison.saved_run import save_run
 from verify.comparison.scene import Scene, with_tolerance
 from verify.comparison.scene_catalogue import (
     find_scene,
 )
+from verify.comparison.scene_run import run
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 
 Tell = Callable[[float], None]

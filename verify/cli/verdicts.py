@@ -60,7 +60,7 @@ Beyond, they are orders of magnitude."""
 
 
 @dataclass
-class Options:
+class VerdictOptions:
     """What is to be decided, and how; None where nothing is said.
 
     ``only`` are names of forms (all if empty), ``digits`` (precisions with commas between) and the
@@ -77,7 +77,7 @@ class Options:
     seed: int | None = None
 
 
-def print_verdicts(options: Options, program: str) -> int:
+def print_verdicts(options: VerdictOptions, program: str) -> int:
     """Decide the closed forms and print the verdicts; the exit status.
 
     0, 1 if any form does not stand, 2 for bad options, 130 after Ctrl-C, which ``program`` tells.
@@ -105,7 +105,7 @@ def _noun(count: int) -> str:
     return "1 form" if count == 1 else f"{count} forms"
 
 
-def _law(options: Options) -> TimeLaw:
+def _law(options: VerdictOptions) -> TimeLaw:
     """What a form costs with the method and the options chosen."""
     if options.stable:
         return STABLE
@@ -128,7 +128,7 @@ def digits_in(text: str) -> tuple[int, ...]:
         ) from None
 
 
-def _settle_method(options: Options) -> None:
+def _settle_method(options: VerdictOptions) -> None:
     """Residual if an option of it is given; raises ValueError for options of both methods."""
     sampled = [name for name in RESIDUAL_OPTIONS if getattr(options, name) is not None]
     exact = [name for name in PROOF_OPTIONS if getattr(options, name)]
@@ -140,7 +140,7 @@ def _settle_method(options: Options) -> None:
         )
 
 
-def _verdicts(names: Sequence[str], options: Options) -> Iterator[Verdict]:
+def _verdicts(names: Sequence[str], options: VerdictOptions) -> Iterator[Verdict]:
     if options.stable:
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
@@ -158,7 +158,7 @@ def _certificates(verdicts: Sequence[Verdict]) -> str:
     return "[" + ",\n".join(texts) + "]\n"
 
 
-def _print(verdicts: Sequence[Verdict], options: Options) -> None:
+def _print(verdicts: Sequence[Verdict], options: VerdictOptions) -> None:
     if options.json_wanted:
         print(json.dumps([verdict.json() for verdict in verdicts], indent=2))
         return

@@ -6,21 +6,26 @@
 ('breather_sn', 0.05, (-100.0, 0.0, 100.0))
 """
 
-from lattice.model import Model
-from lattice.schemes.catalogue import SCHEMES, scheme_named
-from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
-from lattice.state import BlowUp
-from verify.comparison.observables import OBSERVABLES
-from verify.comparison.run import run
-from verify.comparison.saved_run import load_run, resume, save_run
-from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
-from verify.comparison.scene_catalogue import (
-    further_scenes,
-    load_scene,
-    rational_family_scenes,
-    shipped_scenes,
-)
-from verify.comparison.view import relative_sup_error
+from typing import TYPE_CHECKING
+
+from derive.lazy_face import lazy_face
+
+if TYPE_CHECKING:
+    from lattice.model import Model
+    from lattice.schemes.catalogue import SCHEMES, scheme_named
+    from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
+    from lattice.state import BlowUp
+    from verify.comparison.observables import OBSERVABLES
+    from verify.comparison.saved_run import load_run, resume, save_run
+    from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
+    from verify.comparison.scene_catalogue import (
+        further_scenes,
+        load_scene,
+        rational_family_scenes,
+        shipped_scenes,
+    )
+    from verify.comparison.scene_run import run
+    from verify.comparison.view import relative_sup_error
 
 __all__ = [
     "ENGINES",
@@ -47,3 +52,20 @@ __all__ = [
     "stability_limit",
     "with_tolerance",
 ]
+
+__getattr__, __dir__ = lazy_face(
+    __name__,
+    {
+        "lattice.model": "Model",
+        "lattice.schemes.catalogue": "SCHEMES scheme_named",
+        "lattice.schemes.scheme": "Composition RungeKutta Scheme stability_limit",
+        "lattice.state": "BlowUp",
+        "verify.comparison.observables": "OBSERVABLES",
+        "verify.comparison.scene_run": "run",
+        "verify.comparison.saved_run": "load_run resume save_run",
+        "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance with_tolerance",
+        "verify.comparison.scene_catalogue": "further_scenes load_scene rational_family_scenes "
+        "shipped_scenes",
+        "verify.comparison.view": "relative_sup_error",
+    },
+)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.algebra.exact_numbers import shown
 from lattice.model import Model
 from lattice.state import Sites, State
 from solutions import Wave, WaveValues
@@ -42,6 +43,12 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
     >>> relative_sup_error(np.array([1.0, 4.5]), np.array([1.0, 5.0]), np.array([1.0, 1.0]))
     0.125
     """
+    for array in (numeric, analytic, background):
+        if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
+            raise ValueError(
+                f"compared arrays must be NumPy's, of real numbers, got {shown(array)} "
+                "(np.asarray makes one)"
+            )
     if not numeric.shape == analytic.shape == background.shape:
         shapes = f"{numeric.shape}, {analytic.shape}, {background.shape}"
         raise ValueError(f"compared arrays must have one shape, got {shapes} (take the same sites)")

@@ -41,7 +41,7 @@ FARTHEST = 1e7
 
 
 @dataclass(frozen=True)
-class Shape:
+class WaveShape:
     """A wave's parameters, its largest |U| and wave number in xi, and its drift d xi/d tau.
 
     ``tails``: "short" ones are gone some widths away, those of a "step" to different constants;
@@ -112,7 +112,7 @@ def _scene(draw: Draw, wave: str, name: str) -> tuple[Scene, float]:
     return scene, predicted_seconds(scene, shape, e)
 
 
-def predicted_seconds(scene: Scene, shape: Shape, e: float) -> float:
+def predicted_seconds(scene: Scene, shape: WaveShape, e: float) -> float:
     """About what run and reference take, from the scene alone.
 
     Site by site: sites times time, more for less tolerance. A window needs the compared sites and
@@ -134,7 +134,7 @@ def predicted_seconds(scene: Scene, shape: Shape, e: float) -> float:
     return seconds + work * (window if short else 0.6 * cone)
 
 
-def _ring_seconds(compared: int, way: float, tolerance: float, shape: Shape, e: float) -> float:
+def _ring_seconds(compared: int, way: float, tolerance: float, shape: WaveShape, e: float) -> float:
     """What the spectral rings take: the last one is as long as its tails ask for, or causal."""
     number = e * max(1.0, shape.number / shape.largest)
     turns = way * e**2 * number / 24.0
@@ -209,81 +209,81 @@ def _place(draw: Draw, number: float) -> float:
     return 0.0 if draw.random() < 0.5 else _short(draw.uniform(-8.0, 8.0) / number)
 
 
-def _rational(order: int) -> Callable[[Draw], Shape]:
-    def shape(draw: Draw) -> Shape:
+def _rational(order: int) -> Callable[[Draw], WaveShape]:
+    def shape(draw: Draw) -> WaveShape:
         values = {}
         if order >= 3 and draw.random() < 0.4:
             values["tau_5"] = _short(draw.choice([-1.0, 1.0]) * _power(draw, 0.1, 1e3))
-        return Shape(values, 2.0 * order + 1.0, 6.0, "long")
+        return WaveShape(values, 2.0 * order + 1.0, 6.0, "long")
 
     return shape
 
 
-def _soliton_sech(draw: Draw) -> Shape:
+def _soliton_sech(draw: Draw) -> WaveShape:
     A = _amplitude(draw)
-    return Shape({"A": A}, A, A**2, "short")
+    return WaveShape({"A": A}, A, A**2, "short")
 
 
-def _kink(draw: Draw) -> Shape:
+def _kink(draw: Draw) -> WaveShape:
     A = _amplitude(draw)
-    return Shape({"A": A}, A, -2.0 * A**2, "step")
+    return WaveShape({"A": A}, A, -2.0 * A**2, "step")
 
 
-def _kink_antikink(draw: Draw) -> Shape:
+def _kink_antikink(draw: Draw) -> WaveShape:
     A = _amplitude(draw)
     share = draw.choice([draw.uniform(0.05, 0.95), 1.0 - _power(draw, 1e-8, 0.05)])
     kappa = float(f"{2.0 * A * share:.10g}")
-    return Shape({"A": A, "kappa": kappa}, A, kappa**2 - 6.0 * A**2, "short")
+    return WaveShape({"A": A, "kappa": kappa}, A, kappa**2 - 6.0 * A**2, "short")
 
 
-def _soliton_background(draw: Draw) -> Shape:
+def _soliton_background(draw: Draw) -> WaveShape:
     kappa = _amplitude(draw)
     level = draw.choice([-1.0, 1.0]) * _short(kappa * _power(draw, 0.02, 20.0))
     height = math.sqrt(4.0 * level**2 + kappa**2)
     largest = max(abs(level), height - level)
-    return Shape({"U_0": level, "kappa": kappa}, largest, 6.0 * level**2 + kappa**2, "short")
+    return WaveShape({"U_0": level, "kappa": kappa}, largest, 6.0 * level**2 + kappa**2, "short")
 
 
-def _two_soliton(draw: Draw) -> Shape:
+def _two_soliton(draw: Draw) -> WaveShape:
     A = _amplitude(draw)
     share = draw.choice([draw.uniform(0.1, 0.9), 1.0 - _power(draw, 1e-6, 0.1)])
     second = float(f"{A * share:.10g}")
     values = {"A_1": A, "A_2": second, "X_0": _place(draw, A)}
-    return Shape(values, A + second, draw.choice([A, second]) ** 2, "short")
+    return WaveShape(values, A + second, draw.choice([A, second]) ** 2, "short")
 
 
-def _breather(draw: Draw) -> Shape:
+def _breather(draw: Draw) -> WaveShape:
     q = _amplitude(draw)
     p = _short(q * _power(draw, 0.1, 10.0))
     values = {"p": p, "q": q, "X_0": _place(draw, q)}
-    return Shape(values, 2.0 * q, q**2 - 3.0 * p**2, "short", p)
+    return WaveShape(values, 2.0 * q, q**2 - 3.0 * p**2, "short", p)
 
 
-def _double_pole(draw: Draw) -> Shape:
+def _double_pole(draw: Draw) -> WaveShape:
     A = _amplitude(draw)
-    return Shape({"A": A, "X_0": _place(draw, A)}, 2.0 * A, A**2, "short")
+    return WaveShape({"A": A, "X_0": _place(draw, A)}, 2.0 * A, A**2, "short")
 
 
 def _elliptic(
     largest: Callable[[float], float], drift: Callable[[float], float], number: float = 1.0
-) -> Callable[[Draw], Shape]:
-    def shape(draw: Draw) -> Shape:
+) -> Callable[[Draw], WaveShape]:
+    def shape(draw: Draw) -> WaveShape:
         k = _modulus(draw)
-        return Shape({"k": k}, largest(k), drift(k), "periodic", number)
+        return WaveShape({"k": k}, largest(k), drift(k), "periodic", number)
 
     return shape
 
 
-def _breather_sn(draw: Draw) -> Shape:
+def _breather_sn(draw: Draw) -> WaveShape:
     k = _modulus(draw)
     share = draw.choice([draw.uniform(0.05, 0.95), _power(draw, 1e-4, 0.05)])
     quarter = float(ellipkm1((1.0 - k) * (1.0 + k)))
     alpha = _short(0.999 * quarter * share)
     values = {"k": k, "alpha": alpha, "X_0": _place(draw, 1.0)}
-    return Shape(values, 1.0, draw.choice([-1.0 - k**2, -4.0]), "periodic", 1.0)
+    return WaveShape(values, 1.0, draw.choice([-1.0 - k**2, -4.0]), "periodic", 1.0)
 
 
-WAVES: Mapping[str, Callable[[Draw], Shape]] = {
+WAVES: Mapping[str, Callable[[Draw], WaveShape]] = {
     **{f"rational_{order}": _rational(order) for order in range(1, 6)},
     "breather_sn": _breather_sn,
     "soliton_dn": _elliptic(lambda k: 2.0 + math.sqrt(1.0 - k**2), lambda k: 2.0 - k**2, 2.0),

@@ -19,8 +19,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from verify.comparison.initial_data import build_wave
-from verify.comparison.run import run
 from verify.comparison.scene import ENGINES, Scene
+from verify.comparison.scene_run import run
 from verify.processes import Job, Key, OutOfTime, time_limit
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import RandomScene, random_scene

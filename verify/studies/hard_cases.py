@@ -25,6 +25,18 @@ from verify.processes import Job, Key
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 from verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 
+Array = NDArray[np.float64]
+
+LINEAR, HARD = Model(4.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+NOISE = 1e-12
+
+CN = ("wave_cn", 0.8, 20, 1, 1)
+"""Form, k, period in sites, K2, K4 of the unstable background."""
+
+CN_WAVELENGTHS = 16
+CN_SITES = np.arange(float(CN_WAVELENGTHS * CN[2]))
+CN_STEP = 0.25
+
 
 class Reading(NamedTuple):
     """The number that a hard case is judged by, what else was seen, and what the program said."""
@@ -81,10 +93,6 @@ def hard_case(
         return measure
 
     return declare
-
-
-LINEAR = Model(4.0, 0.0, 0.0)
-NOISE = 1e-12
 
 
 @hard_case(
@@ -191,9 +199,7 @@ def _zone_boundary_noise() -> Reading:
     n = np.arange(float(8 * wave.period))
     alternating = np.where(n % 2 == 0, 1.0, -1.0)
     grown = []
-    for scheme in SCHEMES:
-        if not isinstance(scheme, Composition):
-            continue
+    for scheme in (found for found in SCHEMES if isinstance(found, Composition)):
         y, s = wave.strain(n) + NOISE * alternating, wave.velocity(n)
         h = 0.99 * stability_limit(scheme) / wave.constants.highest_frequency(y)
         for _ in range(20):
@@ -224,15 +230,6 @@ def _wrong_feed() -> Reading:
     return Reading(float(moves + 1) if stopped else math.inf, detail, str(end))
 
 
-Array = NDArray[np.float64]
-
-CN = ("wave_cn", 0.8, 20, 1, 1)
-"""Form, k, period in sites, K2, K4 of the unstable background."""
-
-CN_WAVELENGTHS = 16
-CN_STEP = 0.25
-
-
 def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array) -> Array:
     """sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
     n, t, found = np.arange(float(y.size)), 0.0, []
@@ -249,9 +246,8 @@ def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array)
     0.01,
 )
 def _cn_growth() -> Reading:
-    wave = travelling_wave(*CN)
+    wave, n = travelling_wave(*CN), CN_SITES
     mode = fastest_mode(wave, CN_WAVELENGTHS)
-    n = np.arange(float(CN_WAVELENGTHS * wave.period))
     y, s = (1e-9 * wave.eps * part for part in mode.at(n))
     times = np.linspace(25.0, 5500.0, 220)
     found = deviations(wave, wave.strain(n) + y, wave.velocity(n) + s, CN_STEP, times)
@@ -269,10 +265,9 @@ def _cn_growth() -> Reading:
     slow=True,
 )
 def _cn_horizon() -> Reading:
-    wave = travelling_wave(*CN)
+    wave, n = travelling_wave(*CN), CN_SITES
     rate = fastest_mode(wave, CN_WAVELENGTHS).rate.real
     predicted = horizon(rate, 1e-4, UNIT_ROUNDOFF)
-    n = np.arange(float(CN_WAVELENGTHS * wave.period))
     times = 50.0 * np.arange(1.0, math.ceil(1.6 * predicted / 50.0))
     found = deviations(wave, wave.strain(n), wave.velocity(n), CN_STEP, times)
     passed = np.flatnonzero(found > 1e-4)
@@ -320,9 +315,6 @@ def shape_deviation(wave: TravellingWave, y: Array, t: float) -> tuple[float, fl
         shift += float(slope @ (y - wave.strain(x)) / (slope @ slope))
     missed = y - wave.strain(n - wave.speed * t - shift)
     return float(np.sqrt(np.mean(missed**2))), shift
-
-
-HARD = Model(1.0, 0.0, 1.0)
 
 
 def energy_errors(

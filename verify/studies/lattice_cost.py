@@ -8,7 +8,7 @@ told beside. The error of the reduction itself is that of Y_j at its peak agains
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -28,6 +28,7 @@ from verify.comparison import (
     stability_limit,
 )
 from verify.comparison.initial_data import build_wave
+from verify.comparison.scene import Tolerance
 from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.comparison.spectral_data import RingPlace, ring_data
 from verify.processes import Job, Key
@@ -59,30 +60,18 @@ class CostPoint:
     data_seconds: float = 0.0
 
 
-def smooth() -> Scene:
-    """Y2 long before its peak: a weak, wide wave."""
-    return _ring("rational_2_eps_0.05", -10000.0, -9750.0)
-
-
-def crest() -> Scene:
-    """Y2 through its peak."""
-    return _ring("rational_2_eps_0.05", -125.0, 125.0)
-
-
-def periodic() -> Scene:
-    """The cn rogue wave through its peak."""
-    return _ring("rogue_cn_k_0.5", -400.0, 400.0)
-
-
-PROBLEMS: Mapping[str, Callable[[], Scene]] = {
-    "smooth": smooth,
-    "crest": crest,
-    "periodic": periodic,
+PROBLEMS = {
+    "smooth": ("rational_2_eps_0.05", -10000.0, -9750.0),
+    "crest": ("rational_2_eps_0.05", -125.0, 125.0),
+    "periodic": ("rogue_cn_k_0.5", -400.0, 400.0),
 }
+"""Y2 long before its peak, a weak, wide wave, and through it; the cn rogue wave through its peak:
+the shipped scene, and the times between which it is run."""
 
 
-def _ring(name: str, t0: float, end: float) -> Scene:
-    """The shipped scene between two times, on a ring whose seam no compared site hears of."""
+def problem_scene(problem: str) -> Scene:
+    """One of the problems on a ring whose seam no compared site hears of."""
+    name, t0, end = PROBLEMS[problem]
     return load_scene(name).changed(
         t0=t0,
         snapshots=(end,),
@@ -95,28 +84,21 @@ def _ring(name: str, t0: float, end: float) -> Scene:
 
 def work_precision(problem: str) -> list[CostPoint]:
     """All schemes and the spectral engine on one problem."""
-    scene = PROBLEMS[problem]()
+    scene = problem_scene(problem)
     by_stencil = _strain(_timed(by_scheme(scene, "kahan_li_8", FINEST_SHARE)))
     by_ring = _strain(_timed(spectral(scene, FINEST_TOLERANCE)))
     points = []
-    for series, variants in (*_stencils(scene), (SPECTRAL, _rings(scene))):
-        reference = by_stencil if series == SPECTRAL else by_ring
+    series = {s.name: [by_scheme(scene, s.name, share) for share in SHARES] for s in SCHEMES}
+    series[SPECTRAL] = [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
+    for name, variants in series.items():
+        reference = by_stencil if name == SPECTRAL else by_ring
         for variant in variants:
             found = _timed(variant)
             error = float(np.max(np.abs(_strain(found) - reference))) / scene.eps
             whole = float(found.attrs["seconds"])
-            march = march_seconds(variant, found) if series == SPECTRAL else whole
-            points.append(CostPoint(problem, series, error, march, max(0.0, whole - march)))
+            march = march_seconds(variant, found) if name == SPECTRAL else whole
+            points.append(CostPoint(problem, name, error, march, max(0.0, whole - march)))
     return points
-
-
-def _stencils(scene: Scene) -> Iterator[tuple[str, list[Scene]]]:
-    for scheme in SCHEMES:
-        yield scheme.name, [by_scheme(scene, scheme.name, share) for share in SHARES]
-
-
-def _rings(scene: Scene) -> list[Scene]:
-    return [spectral(scene, tolerance) for tolerance in RING_TOLERANCES]
 
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
@@ -128,26 +110,13 @@ def by_scheme(scene: Scene, name: str, share: float) -> Scene:
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
     """The scene by the spectral engine, which finds its own step, sampling and circumference."""
-    return Scene.of(
-        name=scene.name,
-        wave=scene.wave,
-        eps=scene.eps,
-        t0=scene.t0,
-        snapshots=scene.snapshots,
-        K2=scene.K2,
-        K4=scene.K4,
-        compared=scene.compared,
-        parameters=scene.parameters,
-        observables=("strain",),
-        tolerance=tolerance,
-        engine="spectral",
-    )
+    return replace(scene, numerics=Tolerance(tolerance, "spectral"), observables=("strain",))
 
 
 @cache
 def warmed(scheme: str) -> None:
     """Compile a scheme's kernel (or the ring's), so that no run is charged for it."""
-    scene = smooth()
+    scene = problem_scene("smooth")
     short = replace(scene, snapshots=(scene.t0 + 1.0,))
     run(by_scheme(short, scheme, SHARES[0]) if scheme else spectral(short, RING_TOLERANCES[0]))
 

@@ -19,7 +19,7 @@ from verify.processes import OutOfTime, time_limit
 from verify.proof import prove, prove_equal
 from verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
 from verify.studies.statements.library import statement
-from verify.studies.statements.random_statement import Statement, Truth
+from verify.studies.statements.random_statement import RandomStatement, Truth
 from verify.studies.statements.values import ValueMissing, fails_at, label_fault
 from verify.subexpressions import distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
@@ -57,14 +57,14 @@ class Judgement:
     seconds: float
 
 
-def ask(given: Statement) -> ProofVerdict:
+def ask(given: RandomStatement) -> ProofVerdict:
     """The prover's verdict."""
     if given.unknown is None:
         return prove_equal(given.left, given.right, given.variables, domains=given.domains)
     return prove(given.left, given.right, domains=given.domains)
 
 
-def judge(given: Statement, limit: float = LIMIT) -> Judgement:
+def judge(given: RandomStatement, limit: float = LIMIT) -> Judgement:
     """Ask the prover and compare with the truth; every error is caught and told."""
     start = time.process_time()
     try:
@@ -84,7 +84,7 @@ def judge(given: Statement, limit: float = LIMIT) -> Judgement:
     )
 
 
-def marked(given: Statement, verdict: ProofVerdict) -> tuple[Mark, str]:
+def marked(given: RandomStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
     """Whether a verdict is right, and why not."""
     outcome = verdict.outcome
     if outcome is Outcome.UNDECIDED:
@@ -99,7 +99,7 @@ def marked(given: Statement, verdict: ProofVerdict) -> tuple[Mark, str]:
     return (Mark.RIGHT, "") if fault is None else (Mark.WRONG, fault)
 
 
-def witness_fault(given: Statement, witness: Mapping[str, str]) -> str | None:
+def witness_fault(given: RandomStatement, witness: Mapping[str, str]) -> str | None:
     """What is wrong with a witness against a false statement; None if nothing is."""
     point = {}
     for made in given.ranges:
@@ -115,7 +115,7 @@ def witness_fault(given: Statement, witness: Mapping[str, str]) -> str | None:
     return None if shown else f"witness {dict(witness)} leaves no residual"
 
 
-def is_supported(given: Statement) -> bool:
+def is_supported(given: RandomStatement) -> bool:
     """Whether certificates have a node for every function, and the equation is made of jets."""
     nodes = (node for side in (given.left, given.right) for node in distinct_nodes(side))
     return all(_is_known(node, given.unknown) for node in nodes)
@@ -135,7 +135,7 @@ def _is_known(node: sp.Basic, unknown: sp.Expr | None) -> bool:
     return not of_unknown and node.func.__name__ in FUNCTIONS
 
 
-def _contradiction(given: Statement, words: str) -> str:
+def _contradiction(given: RandomStatement, words: str) -> str:
     """``words``, and what speaks for the verdict and against the statement's label."""
     fault = label_fault(given)
     return words if fault is None else f"{words}; against the label: {fault}"

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-HOUSE = Path(__file__).parents[2]
+from solutions.run.jit import njit
+
+HOUSE = Path(__file__).parents[3]
 
 FILES = {
     "kernel.py": """
@@ -57,9 +59,9 @@ print(kernel(3.0), sum(kernel.stats.cache_hits.values()))
 def house(tmp_path: Path) -> Path:
     """A small project whose kernel is built from five files."""
     room = tmp_path / "house" / "solutions"
-    room.mkdir(parents=True)
-    for name in ("jit.py", "source_digest.py"):
-        shutil.copy(HOUSE / "solutions" / name, room)
+    (room / "run").mkdir(parents=True)
+    for name in ("run/jit.py", "run/source_digest.py"):
+        shutil.copy(HOUSE / "solutions" / name, room / name)
     for name, text in FILES.items():
         (room / name).write_text(text)
     return room.parent
@@ -200,3 +202,18 @@ print(y[30], sum(advance_blocked.stats.cache_hits.values()))
     assert after[1] == "0"
     vector.write_text(text)
     assert call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1") == [before[0], "1"]
+
+
+def test_an_inner_function_is_refused_from_python_and_serves_kernels() -> None:
+    @njit(inner=True)
+    def half(x: float) -> float:
+        return 0.5 * x
+
+    @njit()
+    def quarter(x: float) -> float:
+        value: float = half(half(x))
+        return value
+
+    assert quarter(4.0) == 1.0
+    with pytest.raises(TypeError, match="half must be called from compiled code"):
+        half(4.0)

@@ -12,7 +12,7 @@ import pytest
 
 from verify.comparison import Scene, run
 from verify.comparison.initial_data import build_wave
-from verify.comparison.run import choose_engine
+from verify.comparison.scene_run import choose_engine
 from verify.studies.estimate_scenes import RandomScene
 from verify.studies.estimates import judge_scene
 

@@ -11,8 +11,8 @@ from lattice.spectral.evolution import SpectralRing
 from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
 from verify.comparison import spectral_search as spectral_run
 from verify.comparison.initial_data import build_wave
-from verify.comparison.run import choose_engine
 from verify.comparison.scene_catalogue import rational_family_scenes
+from verify.comparison.scene_run import choose_engine
 from verify.comparison.spectral_data import ring_data
 from verify.comparison.view import compared_sites
 

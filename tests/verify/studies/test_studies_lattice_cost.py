@@ -15,11 +15,10 @@ from verify.studies.lattice_cost import (
     ScalingPoint,
     at_eps,
     by_scheme,
-    crest,
     fit_law,
     march_seconds,
+    problem_scene,
     rk4_share,
-    smooth,
     spectral,
     window_error,
 )
@@ -27,7 +26,7 @@ from verify.studies.lattice_cost import (
 
 def test_stencil_and_ring_agree_on_the_smooth_problem() -> None:
     """Each is the other's reference: catches a reference on other sites or at another time."""
-    scene = smooth()
+    scene = problem_scene("smooth")
     scene = replace(scene, snapshots=(scene.t0 + 50.0,))
     strains = [
         run(variant)["strain"].values[-1]
@@ -38,7 +37,7 @@ def test_stencil_and_ring_agree_on_the_smooth_problem() -> None:
 
 def test_a_share_of_one_is_stable_on_the_crest() -> None:
     """Catches a limit taken at rest: the crest's stiffness is larger."""
-    scene = crest()
+    scene = problem_scene("crest")
     for name in ("rk4", "kahan_li_8"):
         short = replace(by_scheme(scene, name, 0.99), snapshots=(scene.t0 + 20.0,))
         assert run(short).attrs["blow_up"] == ""
@@ -73,7 +72,7 @@ def test_the_rings_march_is_told_apart_from_its_data(monkeypatch: pytest.MonkeyP
 
 
 def test_the_rings_march_can_be_done_again() -> None:
-    scene = crest()
+    scene = problem_scene("crest")
     ring = spectral(replace(scene, snapshots=(scene.t0 + 10.0,)), 1e-2)
     assert march_seconds(ring, run(ring)) > 0.0
 

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from verify.studies.statements.library import KINDS, statement
-from verify.studies.statements.random_statement import Range, Statement, Truth
+from verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
 from verify.studies.statements.values import ValueMissing, Values, fails_at, label_fault
 
 x = sp.Symbol("x", real=True)
@@ -36,8 +36,8 @@ def test_many_labels_are_right(start: int) -> None:
         assert label_fault(made, points=3) is None, made.script()
 
 
-def _equation(truth: Truth, left: sp.Expr, right: sp.Expr, **rest: object) -> Statement:
-    made = Statement("by hand", truth, left, right, (x,), (Range(x),), unknown=u)
+def _equation(truth: Truth, left: sp.Expr, right: sp.Expr, **rest: object) -> RandomStatement:
+    made = RandomStatement("by hand", truth, left, right, (x,), (SymbolRange(x),), unknown=u)
     return replace(made, **rest)  # type: ignore[arg-type]
 
 
@@ -54,13 +54,13 @@ def _equation(truth: Truth, left: sp.Expr, right: sp.Expr, **rest: object) -> St
         (
             replace(
                 _equation(Truth.FALSE, u.diff(x), sp.exp(x), counterexample={x: -sp.S.One}),
-                ranges=(Range(x, sp.S.Zero),),
+                ranges=(SymbolRange(x, sp.S.Zero),),
             ),
             "not in its range",
         ),
     ],
 )
-def test_a_wrong_label_is_seen(wrong: Statement, fault: str) -> None:
+def test_a_wrong_label_is_seen(wrong: RandomStatement, fault: str) -> None:
     assert fault in (label_fault(wrong) or "")
 
 
@@ -83,7 +83,7 @@ def test_a_residual_of_size_exp_minus_22000_is_one_and_rounding_is_none(
     left: sp.Expr, right: sp.Expr, fails: bool
 ) -> None:
     point = {x: sp.Rational(-154001, 7)}
-    made = Statement("by hand", Truth.FALSE, left, right, (x,), (Range(x),))
+    made = RandomStatement("by hand", Truth.FALSE, left, right, (x,), (SymbolRange(x),))
     assert fails_at(made, point) is fails
     assert fails_at(replace(made, left=u - left, unknown=u), point) is fails
 

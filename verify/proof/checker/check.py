@@ -210,7 +210,8 @@ def same_statement(data: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
 
 def _check(data: object) -> str:
     if not isinstance(data, Mapping):
-        raise CertificateError(f"a certificate is an object, got {type(data).__name__}")
+        got = type(data).__name__
+        raise CertificateError(f"certificate must be an object, got {got} (prove writes one)")
     if data["format"] != FORMAT:
         raise CertificateError(f"format must be {FORMAT!r}, got {ascii(data['format'])[:60]}")
     name = data["name"]

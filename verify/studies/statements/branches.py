@@ -12,10 +12,8 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from verify.studies.statements.formulas import constant, formula, number, phase, positive, rewritten
-from verify.studies.statements.perturbed import shown_at
-from verify.studies.statements.random_statement import Setting, Statement, Truth, ranged
-from verify.studies.statements.solvable import true_equality, true_equation
-from verify.studies.statements.values import with_counterexample
+from verify.studies.statements.random_statement import Point, RandomStatement, Setting, Truth
+from verify.studies.statements.values import shown_at, with_counterexample
 
 Sides = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 
@@ -135,7 +133,7 @@ SLIVERS: tuple[
 """Identities between the two ends, and false right beyond either of them."""
 
 
-def by_sign(setting: Setting) -> Statement | None:
+def by_sign(setting: Setting) -> RandomStatement | None:
     """An identity of `BRANCHES` for formulas whose signs are known."""
     name = setting.draw.choice(list(BRANCHES))
     branch = BRANCHES[name]
@@ -145,7 +143,7 @@ def by_sign(setting: Setting) -> Statement | None:
     return _labelled(name, setting, left, right, (sign, other) in branch.signs)
 
 
-def by_interval(setting: Setting) -> Statement | None:
+def by_interval(setting: Setting) -> RandomStatement | None:
     """An identity of `INTERVALS` within its ends, or beyond one of them."""
     draw = setting.draw
     name = draw.choice(list(INTERVALS))
@@ -154,32 +152,24 @@ def by_interval(setting: Setting) -> Statement | None:
     ends = sorted(draw.uniform(low, high) for _ in range(2))
     if not within:
         ends = [ends[0], high + draw.uniform(0.1, 1)] if draw.random() < 0.5 else [low - 1, ends[1]]
-    place = setting.variables[0]
-    made = ranged(place.name, *(sp.Rational(round(end * 1000), 1000) for end in ends))
-    if made.low == made.high:
+    least, largest = (sp.Rational(round(end * 1000), 1000) for end in ends)
+    if least == largest:
         return None
-    del setting.ranges[place]
-    setting.ranges[made.symbol] = made
-    setting.variables = (made.symbol, *setting.variables[1:])
-    left, right = sides(made.symbol)
+    left, right = sides(setting.narrow(least, largest))
     return _labelled(name, setting, left, right, within)
 
 
-def by_sliver(setting: Setting) -> Statement | None:
+def by_sliver(setting: Setting) -> RandomStatement | None:
     """An identity that fails on a part of the domain that no sample meets."""
     draw = setting.draw
     sides, low, high = draw.choice(SLIVERS)
     width = sp.Rational(1, 10 ** draw.choice((12, 30)))
-    place = setting.variables[0]
     above = low is None or (high is not None and draw.random() < 0.5)
     ends = (low, high + width) if above else (low - width, high)
-    made = ranged(place.name, *ends)
-    del setting.ranges[place]
-    setting.ranges[made.symbol] = made
-    setting.variables = (made.symbol, *setting.variables[1:])
-    left, right = sides(made.symbol)
+    symbol = setting.narrow(*ends)
+    left, right = sides(symbol)
     beyond = ends[1] - width / 3 if above else ends[0] + width / 3
-    return _labelled("sliver", setting, left, right, False, {made.symbol: beyond})
+    return _labelled("sliver", setting, left, right, False, {symbol: beyond})
 
 
 def _signed(setting: Setting) -> tuple[sp.Expr, int]:
@@ -209,7 +199,7 @@ def _labelled(
     right: sp.Expr,
     holds: bool,
     beyond: Mapping[sp.Symbol, sp.Rational] | None = None,
-) -> Statement | None:
+) -> RandomStatement | None:
     """The identity as an equality or as an equation; None if a false one shows at no point."""
     draw = setting.draw
     if left == right or (left - right).has(sp.nan, sp.zoo, sp.oo):
@@ -223,14 +213,20 @@ def _labelled(
     factor = draw.choice(
         (sp.S.One, number(setting), 1 + phase(setting) ** 2, sp.exp(phase(setting)))
     )
-    left, right = left * factor, right * factor
-    if draw.random() < 0.5:
-        made = true_equality(f"branch: {name}", setting, left, right)
+    return _stated(f"branch: {name}", setting, left * factor, right * factor, point)
+
+
+def _stated(
+    kind: str, setting: Setting, left: sp.Expr, right: sp.Expr, counterexample: Point | None
+) -> RandomStatement:
+    """The identity as an equality or as an equation, false if it has a counterexample."""
+    if setting.draw.random() < 0.5:
+        made = setting.equality(kind, left, right)
     else:
-        made = true_equation(f"branch: {name}", setting, setting.unknown - left, right)
-    if holds:
+        made = setting.equation(kind, setting.unknown - left, right)
+    if counterexample is None:
         return made
-    return replace(made, truth=Truth.FALSE, counterexample=point)
+    return replace(made, truth=Truth.FALSE, counterexample=counterexample)
 
 
 ComplexSides = Callable[[sp.Expr, sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
@@ -278,7 +274,7 @@ PAIRS: dict[str, tuple[ComplexSides, bool]] = {
 """Two formulas each of a real s, a positive p and a real f, and whether they are equal."""
 
 
-def conjugates(setting: Setting) -> Statement | None:
+def conjugates(setting: Setting) -> RandomStatement | None:
     """An identity of complex-valued formulas, true or false."""
     draw = setting.draw
     name = draw.choice(list(PAIRS))
@@ -289,15 +285,10 @@ def conjugates(setting: Setting) -> Statement | None:
     point = None if holds else shown_at(left - right, setting, 40)
     if not holds and point is None:
         return None
-    kind = f"complex: {name}"
-    if draw.random() < 0.5:
-        made = true_equality(kind, setting, left, right)
-    else:
-        made = true_equation(kind, setting, setting.unknown - left, right)
-    return made if holds else replace(made, truth=Truth.FALSE, counterexample=point)
+    return _stated(f"complex: {name}", setting, left, right, point)
 
 
-def plane_wave(setting: Setting) -> Statement | None:
+def plane_wave(setting: Setting) -> RandomStatement | None:
     """A linear equation with complex coefficients and its plane wave."""
     draw, unknown = setting.draw, setting.unknown
     v, w = draw.choice(setting.variables), setting.variables[-1]
@@ -309,7 +300,7 @@ def plane_wave(setting: Setting) -> Statement | None:
     if v != w:
         left = sp.diff(unknown, w) - sp.diff(unknown, v, n) * sp.I**n * k**n / (sp.I * k) ** n
     holds = draw.random() < 0.6
-    made = true_equation("plane wave", setting, left, rewritten(solution, draw, 1))
+    made = setting.equation("plane wave", left, rewritten(solution, draw, 1))
     if holds:
         return made
     factor = (1 + sp.I) * constant(setting) / 10 ** draw.choice((0, 0, 40))
@@ -349,7 +340,7 @@ def _sum_of_roots(p: sp.Rational, q: sp.Rational, _: sp.Expr) -> tuple[sp.Expr, 
 ROOTS = (_square_root, _cube_root, _gaussian_root, _rationalised, _sum_of_roots)
 
 
-def nested_roots(setting: Setting) -> Statement | None:
+def nested_roots(setting: Setting) -> RandomStatement | None:
     """u_v = value f_v with value f for u, the two values in different words."""
     draw = setting.draw
     p, q = number(setting), number(setting)
@@ -361,7 +352,7 @@ def nested_roots(setting: Setting) -> Statement | None:
     f = f if f.has(v) else f + constant(setting) * v
     slope = f.diff(v)
     equation = setting.unknown.diff(v) - left * slope
-    made = true_equation("nested roots", setting, equation, (right + change) * f)
+    made = setting.equation("nested roots", equation, (right + change) * f)
     if change == 0:
         return made
     point = shown_at(slope, setting, 40)

@@ -85,10 +85,6 @@ def _entire(setting: Setting, depth: int) -> sp.Expr:
     return chosen(argument(setting, depth if chosen in BOUNDED else 0))
 
 
-def _singular(setting: Setting, depth: int) -> sp.Expr:
-    return setting.draw.choice(SINGULAR)(argument(setting, depth))
-
-
 def _root(setting: Setting, depth: int) -> sp.Expr:
     exponent = sp.Rational(setting.draw.choice((1, 1, 1, -1, 3, 2)), 2)
     if exponent.is_Integer:
@@ -96,27 +92,15 @@ def _root(setting: Setting, depth: int) -> sp.Expr:
     return positive(setting) ** exponent
 
 
-def _logarithm(setting: Setting, depth: int) -> sp.Expr:
-    return sp.log(positive(setting))
+def elliptic_phase(setting: Setting) -> sp.Expr:
+    """A phase without a constant; one for all Jacobi functions keeps a statement small."""
+    draw = setting.draw
+    return sp.Add(*(sp.Rational(draw.choice(SMALL)) * v for v in setting.variables[:2]))
 
 
 def _modulus(setting: Setting, depth: int) -> sp.Expr:
     sign = setting.draw.choice((1, -1))
     return setting.draw.choice((sp.Abs, sp.Abs, sp.sign))(sign * positive(setting))
-
-
-def _quotient(setting: Setting, depth: int) -> sp.Expr:
-    return polynomial(setting) / (1 + phase(setting) ** 2)
-
-
-def _polynomial(setting: Setting, depth: int) -> sp.Expr:
-    return polynomial(setting)
-
-
-def elliptic_phase(setting: Setting) -> sp.Expr:
-    """A phase without a constant; one for all Jacobi functions keeps a statement small."""
-    draw = setting.draw
-    return sp.Add(*(sp.Rational(draw.choice(SMALL)) * v for v in setting.variables[:2]))
 
 
 def _elliptic(setting: Setting, depth: int) -> sp.Expr:
@@ -130,12 +114,12 @@ def _second(setting: Setting, depth: int) -> sp.Expr:
 
 
 PIECES: tuple[tuple[Callable[[Setting, int], sp.Expr], float], ...] = (
-    (_polynomial, 4),
-    (_quotient, 2),
+    (lambda setting, _: polynomial(setting), 4),
+    (lambda setting, _: polynomial(setting) / (1 + phase(setting) ** 2), 2),
     (_entire, 8),
-    (_singular, 1),
+    (lambda setting, depth: setting.draw.choice(SINGULAR)(argument(setting, depth)), 1),
     (_root, 3),
-    (_logarithm, 1.5),
+    (lambda setting, _: sp.log(positive(setting)), 1.5),
     (_modulus, 0.7),
     (_elliptic, 1),
     (_second, 0.3),
@@ -222,48 +206,22 @@ def _split(z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return 2 * z, -z
 
 
+def _of_argument(image: Callable[[sp.Expr], sp.Expr]) -> Identity:
+    return lambda node, _: image(node.args[0])
+
+
+def _of_sum(image: Callable[[sp.Expr, sp.Expr], sp.Expr]) -> Identity:
+    """An addition theorem, for two parts of the argument."""
+    return lambda node, _: image(*_split(node.args[0]))
+
+
 def _in_exponentials(node: sp.Expr, _: random.Random) -> sp.Expr:
     return node.rewrite(sp.exp)
-
-
-def _sin_half(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return 2 * sp.sin(node.args[0] / 2) * sp.cos(node.args[0] / 2)
-
-
-def _sin_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
-    a, b = _split(node.args[0])
-    return sp.sin(a) * sp.cos(b) + sp.cos(a) * sp.sin(b)
-
-
-def _cos_half(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return 1 - 2 * sp.sin(node.args[0] / 2) ** 2
-
-
-def _cos_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
-    a, b = _split(node.args[0])
-    return sp.cos(a) * sp.cos(b) - sp.sin(a) * sp.sin(b)
-
-
-def _sinh_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
-    a, b = _split(node.args[0])
-    return sp.sinh(a) * sp.cosh(b) + sp.cosh(a) * sp.sinh(b)
-
-
-def _cosh_half(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return 1 + 2 * sp.sinh(node.args[0] / 2) ** 2
-
-
-def _tan(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return sp.sin(node.args[0]) / sp.cos(node.args[0])
 
 
 def _tanh(node: sp.Expr, draw: random.Random) -> sp.Expr:
     z = node.args[0]
     return draw.choice((sp.sinh(z) / sp.cosh(z), 1 - 2 / (1 + sp.exp(2 * z))))
-
-
-def _sech(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return 2 * sp.exp(node.args[0]) / (1 + sp.exp(2 * node.args[0]))
 
 
 def _exp(node: sp.Expr, draw: random.Random) -> sp.Expr:
@@ -329,15 +287,6 @@ def _jacobi_sum(node: sp.Expr, _: random.Random) -> sp.Expr:
     return above / (1 - m * s**2 * s2**2)
 
 
-def _zeta(node: sp.Expr, _: random.Random) -> sp.Expr:
-    z, m = node.args
-    return jacobi.jacobi_epsilon(z, m) - z * sp.elliptic_e(m) / sp.elliptic_k(m)
-
-
-def _other_modulus(node: sp.Expr, _: random.Random) -> sp.Expr:
-    return sp.sqrt(sp.expand(node.args[0] ** 2)) if node.args[0].is_real else node
-
-
 SQUARES: dict[type, Identity] = {
     sp.sin: lambda base, _: (1 - sp.cos(2 * base.args[0])) / 2,
     sp.cos: lambda base, _: 1 - sp.sin(base.args[0]) ** 2,
@@ -350,22 +299,40 @@ SQUARES: dict[type, Identity] = {
 }
 
 IDENTITIES: dict[type, tuple[Identity, ...]] = {
-    sp.sin: (_in_exponentials, _sin_half, _sin_sum),
-    sp.cos: (_in_exponentials, _cos_half, _cos_sum),
-    sp.tan: (_in_exponentials, _tan),
+    sp.sin: (
+        _in_exponentials,
+        _of_argument(lambda z: 2 * sp.sin(z / 2) * sp.cos(z / 2)),
+        _of_sum(lambda a, b: sp.sin(a) * sp.cos(b) + sp.cos(a) * sp.sin(b)),
+    ),
+    sp.cos: (
+        _in_exponentials,
+        _of_argument(lambda z: 1 - 2 * sp.sin(z / 2) ** 2),
+        _of_sum(lambda a, b: sp.cos(a) * sp.cos(b) - sp.sin(a) * sp.sin(b)),
+    ),
+    sp.tan: (_in_exponentials, _of_argument(lambda z: sp.sin(z) / sp.cos(z))),
     sp.cot: (_in_exponentials,),
-    sp.sinh: (_in_exponentials, _sinh_sum),
-    sp.cosh: (_in_exponentials, _cosh_half),
+    sp.sinh: (
+        _in_exponentials,
+        _of_sum(lambda a, b: sp.sinh(a) * sp.cosh(b) + sp.cosh(a) * sp.sinh(b)),
+    ),
+    sp.cosh: (_in_exponentials, _of_argument(lambda z: 1 + 2 * sp.sinh(z / 2) ** 2)),
     sp.tanh: (_in_exponentials, _tanh),
-    sp.sech: (_in_exponentials, _sech),
+    sp.sech: (_in_exponentials, _of_argument(lambda z: 2 * sp.exp(z) / (1 + sp.exp(2 * z)))),
     sp.coth: (_in_exponentials,),
     sp.exp: (_exp,),
     sp.log: (_log,),
     sp.Pow: (_square,),
     sp.Add: (_difference_of_squares, _over_a_sum),
-    sp.Abs: (_other_modulus,),
+    sp.Abs: (
+        lambda node, _: sp.sqrt(sp.expand(node.args[0] ** 2)) if node.args[0].is_real else node,
+    ),
     jacobi.jacobi_sn: (_jacobi_sum,),
     jacobi.jacobi_cn: (_jacobi_sum,),
     jacobi.jacobi_dn: (_jacobi_sum,),
-    jacobi.jacobi_zeta: (_zeta,),
+    jacobi.jacobi_zeta: (
+        lambda node, _: (
+            jacobi.jacobi_epsilon(*node.args)
+            - node.args[0] * sp.elliptic_e(node.args[1]) / sp.elliptic_k(node.args[1])
+        ),
+    ),
 }

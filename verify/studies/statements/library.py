@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import sympy as sp
 
 from verify.studies.statements import branches, perturbed, solvable
-from verify.studies.statements.random_statement import Setting, Statement, random_setting
+from verify.studies.statements.random_statement import RandomStatement, Setting, random_setting
 from verify.subexpressions import distinct_nodes
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""
 
-Maker = Callable[[Setting], Statement | None]
+Maker = Callable[[Setting], RandomStatement | None]
 
 KINDS: Mapping[str, tuple[Maker, float]] = {
     "source": (solvable.with_source, 14),
@@ -40,7 +41,7 @@ KINDS: Mapping[str, tuple[Maker, float]] = {
 """The makers by name, each with its share."""
 
 
-def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
+def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> RandomStatement:
     """The statement number ``index`` of the search with ``seed``, the same each time.
 
     ``kinds`` restricts it to some makers.
@@ -55,15 +56,15 @@ def statement(seed: int, index: int, kinds: tuple[str, ...] = ()) -> Statement:
         maker, _ = KINDS[name]
         found = maker(random_setting(draw))
         if found is not None and _is_short(found) and _is_plain(found):
-            return found.numbered(seed, index)
+            return replace(found, seed=seed, index=index)
 
 
-def _is_short(found: Statement) -> bool:
+def _is_short(found: RandomStatement) -> bool:
     """Whether a verdict may be expected within a part of a second."""
     return bool(found.left.count_ops() + found.right.count_ops() <= LONGEST)
 
 
-def _is_plain(found: Statement) -> bool:
+def _is_plain(found: RandomStatement) -> bool:
     """Whether SymPy left no derivative of a known function, and none of a sign, behind."""
     undone = (sp.Derivative, sp.Subs, sp.DiracDelta)
     nodes = (node for side in (found.left, found.right) for node in distinct_nodes(side))

@@ -20,27 +20,26 @@ from verify.studies.statements.formulas import (
     polynomial,
     positive,
 )
-from verify.studies.statements.random_statement import Point, Setting, Statement, Truth
+from verify.studies.statements.random_statement import RandomStatement, Setting, Truth
 from verify.studies.statements.solvable import (
     identity,
     logarithmic,
     travelling_wave,
-    true_equality,
-    true_equation,
     with_annihilator,
     with_source,
 )
-from verify.studies.statements.values import ValueMissing, values_at, with_counterexample
+from verify.studies.statements.values import shown_at, with_counterexample
 
 TINY = (20, 60, 200)
 TRUE = (with_source, with_source, with_annihilator, travelling_wave, logarithmic, identity)
-TRIES = 40
 DIGITS = 40
 PRIME = 1009
 SMALLEST = 10**-30
 
 
-def perturbed(kind: str, setting: Setting, statement: Statement, term: sp.Expr) -> Statement | None:
+def perturbed(
+    kind: str, setting: Setting, statement: RandomStatement, term: sp.Expr
+) -> RandomStatement | None:
     """``statement`` with ``term``, free of the unknown, added; None if no point shows it."""
     point = shown_at(term, setting, DIGITS)
     if point is None:
@@ -56,21 +55,7 @@ def perturbed(kind: str, setting: Setting, statement: Statement, term: sp.Expr) 
     )
 
 
-def shown_at(term: sp.Expr, setting: Setting, digits: int) -> Point | None:
-    """An admissible point at which ``term`` is clearly not 0."""
-    values = values_at(digits)
-    for _ in range(TRIES):
-        point = setting.point()
-        try:
-            size = abs(values.value(term, point))
-        except ValueMissing:
-            continue
-        if size > values.context.mpf(10) ** (-digits / 3):
-            return point
-    return None
-
-
-def tiny_change(setting: Setting) -> Statement | None:
+def tiny_change(setting: Setting) -> RandomStatement | None:
     """One coefficient of the equation, or one side, times 1 + 10**-20, -60 or -200."""
     draw = setting.draw
     statement = draw.choice(TRUE)(setting)
@@ -95,7 +80,7 @@ def tiny_change(setting: Setting) -> Statement | None:
     )
 
 
-def hidden_term(setting: Setting) -> Statement | None:
+def hidden_term(setting: Setting) -> RandomStatement | None:
     """A term that vanishes where one may look."""
     draw = setting.draw
     statement = draw.choice(TRUE)(setting)
@@ -190,7 +175,7 @@ def _zero(setting: Setting) -> sp.Expr:
     return found if found != 0 else _zero(setting)
 
 
-def nowhere_defined(setting: Setting) -> Statement | None:
+def nowhere_defined(setting: Setting) -> RandomStatement | None:
     """A formula that is divided by 0 everywhere."""
     draw = setting.draw
     zero = _zero(setting)
@@ -208,16 +193,16 @@ def nowhere_defined(setting: Setting) -> Statement | None:
     )
 
 
-def nearly_nowhere(setting: Setting) -> Statement:
+def nearly_nowhere(setting: Setting) -> RandomStatement:
     """Division by a number that is nearly 0 but is none."""
     draw = setting.draw
     tiny = sp.Rational(1, 10 ** draw.choice((10, 60)))
     below = _zero(setting) + tiny
     f, v = formula(setting, 1), draw.choice(setting.variables)
     left = setting.unknown.diff(v) - f.diff(v) / tiny
-    made = true_equation("nearly nowhere", setting, left, f / below)
+    made = setting.equation("nearly nowhere", left, f / below)
     if draw.random() < 0.5:
-        made = true_equality("nearly nowhere", setting, f / below, f / tiny)
+        made = setting.equality("nearly nowhere", f / below, f / tiny)
     return made
 
 
@@ -243,7 +228,7 @@ READABLE = tuple(WRAPS)[:11]
 """Those that SymPy can differentiate and write out at a formula."""
 
 
-def wrapped(setting: Setting) -> Statement | None:
+def wrapped(setting: Setting) -> RandomStatement | None:
     """w(u) = w(f) for u = f, or w(u) = w(f) read as u = w(f): true and false."""
     draw, unknown = setting.draw, setting.unknown
     name, v = draw.choice(READABLE), draw.choice(setting.variables)
@@ -253,14 +238,14 @@ def wrapped(setting: Setting) -> Statement | None:
     left, right = WRAPS[name](unknown, v), WRAPS[name](solution, v).doit()
     if right.has(sp.nan, sp.zoo, sp.oo, sp.Derivative):
         return None
-    made = true_equation(f"wrapped: {name}", setting, left - right, solution)
+    made = setting.equation(f"wrapped: {name}", left - right, solution)
     if draw.random() < 0.5:
         return made
     changed = draw.choice((left - solution, left - number(setting) * right))
     return with_counterexample(replace(made, truth=Truth.FALSE, left=changed), draw)
 
 
-def opaque(setting: Setting) -> Statement | None:
+def opaque(setting: Setting) -> RandomStatement | None:
     """A false equation in something else than jets, with what would solve it if it were u."""
     draw, unknown = setting.draw, setting.unknown
     name = draw.choice(tuple(WRAPS)[len(READABLE) :])
@@ -268,5 +253,5 @@ def opaque(setting: Setting) -> Statement | None:
     solution = draw.choice((v, formula(setting, 1)))
     factor = draw.choice((sp.S.One, sp.Derivative(unknown, v), unknown))
     left = WRAPS[name](unknown, v) * factor - factor.subs(unknown, solution).doit() * solution
-    made = true_equation(f"opaque: {name}", setting, left, solution)
+    made = setting.equation(f"opaque: {name}", left, solution)
     return with_counterexample(replace(made, truth=Truth.FALSE), draw)

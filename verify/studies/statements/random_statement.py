@@ -26,7 +26,7 @@ class Truth(enum.StrEnum):
 
 
 @dataclass(frozen=True)
-class Range:
+class SymbolRange:
     """The open interval from which a symbol takes its values; None for an end at infinity."""
 
     symbol: sp.Symbol
@@ -70,7 +70,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Statement:
+class RandomStatement:
     """``left = right`` as functions of ``variables``; or, with ``unknown``, ``left = 0`` solved.
 
     In the second case ``left`` is the equation's left-hand side and ``right`` the formula that
@@ -83,7 +83,7 @@ class Statement:
     left: sp.Expr
     right: sp.Expr
     variables: tuple[sp.Symbol, ...]
-    ranges: tuple[Range, ...]
+    ranges: tuple[SymbolRange, ...]
     unknown: sp.Expr | None = None
     counterexample: Point | None = None
     change: sp.Expr | None = None
@@ -98,10 +98,6 @@ class Statement:
     def point(self, draw: random.Random) -> Point:
         """A random admissible point."""
         return {r.symbol: r.number(draw) for r in self.ranges}
-
-    def numbered(self, seed: int, index: int) -> Statement:
-        """The same statement with its number in the search."""
-        return replace(self, seed=seed, index=index)
 
     def script(self) -> str:
         """Python source that asks the prover about the statement."""
@@ -136,13 +132,31 @@ class Setting:
     draw: random.Random
     variables: tuple[sp.Symbol, ...]
     parameters: list[sp.Symbol]
-    ranges: dict[sp.Symbol, Range]
+    ranges: dict[sp.Symbol, SymbolRange]
     modulus: sp.Expr | None = field(default=None)
 
     @property
     def unknown(self) -> sp.Expr:
         """The function to be solved for."""
         return sp.Function("u")(*self.variables)
+
+    def equation(self, kind: str, left: sp.Expr, solution: sp.Expr) -> RandomStatement:
+        """The true statement that ``solution`` makes ``left`` vanish."""
+        return replace(self.equality(kind, left, solution), unknown=self.unknown)
+
+    def equality(self, kind: str, left: sp.Expr, right: sp.Expr) -> RandomStatement:
+        """The true statement that two formulas are one function."""
+        ranges = tuple(self.ranges.values())
+        return RandomStatement(kind, Truth.TRUE, left, right, self.variables, ranges)
+
+    def narrow(self, low: sp.Rational, high: sp.Rational) -> sp.Symbol:
+        """The first variable, from now on with this range."""
+        place, *rest = self.variables
+        made = ranged(place.name, low, high)
+        del self.ranges[place]
+        self.ranges[made.symbol] = made
+        self.variables = (made.symbol, *rest)
+        return made.symbol
 
     def point(self) -> Point:
         """A random admissible point."""
@@ -179,13 +193,13 @@ class Setting:
         return self.modulus
 
 
-def ranged(name: str, low: sp.Rational | None, high: sp.Rational | None) -> Range:
+def ranged(name: str, low: sp.Rational | None, high: sp.Rational | None) -> SymbolRange:
     """A symbol whose assumptions say what they can of its range."""
     if low is not None and low >= 0:
-        return Range(sp.Symbol(name, positive=True), low, high)
+        return SymbolRange(sp.Symbol(name, positive=True), low, high)
     if high is not None and high <= 0:
-        return Range(sp.Symbol(name, negative=True), low, high)
-    return Range(sp.Symbol(name, real=True), low, high)
+        return SymbolRange(sp.Symbol(name, negative=True), low, high)
+    return SymbolRange(sp.Symbol(name, real=True), low, high)
 
 
 def random_setting(draw: random.Random, variables: int = 0, parameters: int = -1) -> Setting:
@@ -200,7 +214,7 @@ def random_setting(draw: random.Random, variables: int = 0, parameters: int = -1
     return Setting(draw, tuple(symbols[:count]), symbols[count:], {r.symbol: r for r in made})
 
 
-def random_range(draw: random.Random, name: str) -> Range:
+def random_range(draw: random.Random, name: str) -> SymbolRange:
     """The whole line, a half line or an interval."""
     kind = draw.random()
     if kind < 0.4:

@@ -23,7 +23,7 @@ from verify.studies.statements.formulas import (
     positive,
     rewritten,
 )
-from verify.studies.statements.random_statement import Range, Setting, Statement, Truth
+from verify.studies.statements.random_statement import RandomStatement, Setting, SymbolRange, Truth
 from verify.studies.statements.values import with_counterexample
 
 HIGHEST = 3
@@ -31,21 +31,6 @@ HIGHEST = 3
 
 LONGEST = 60
 """Operations of a source term that is still rewritten."""
-
-
-def true_equation(kind: str, setting: Setting, left: sp.Expr, solution: sp.Expr) -> Statement:
-    """The statement that ``solution`` makes ``left`` vanish."""
-    ranges = tuple(setting.ranges.values())
-    return Statement(
-        kind, Truth.TRUE, left, solution, setting.variables, ranges, unknown=setting.unknown
-    )
-
-
-def true_equality(kind: str, setting: Setting, left: sp.Expr, right: sp.Expr) -> Statement:
-    """The statement that two formulas are one function."""
-    return Statement(
-        kind, Truth.TRUE, left, right, setting.variables, tuple(setting.ranges.values())
-    )
 
 
 def random_orders(setting: Setting) -> list[sp.Symbol]:
@@ -70,7 +55,7 @@ def coefficient(setting: Setting) -> sp.Expr:
     return piece(setting, 1)
 
 
-def with_source(setting: Setting) -> Statement:
+def with_source(setting: Setting) -> RandomStatement:
     """A sum of products of jets, less the same sum at a formula, in other words."""
     draw, unknown = setting.draw, setting.unknown
     solution = formula(setting, draw.choice((1, 1, 1, 2, 2, 2, 3)))
@@ -84,10 +69,10 @@ def with_source(setting: Setting) -> Statement:
         left, source = unknown, solution
     if source.count_ops() < LONGEST:
         source = rewritten(source, draw, draw.randint(0, 3))
-    return true_equation("source", setting, left - source, rewritten(solution, draw, 1))
+    return setting.equation("source", left - source, rewritten(solution, draw, 1))
 
 
-def with_annihilator(setting: Setting) -> Statement:
+def with_annihilator(setting: Setting) -> RandomStatement:
     """A linear equation whose coefficients are the solution's own derivatives."""
     draw, unknown = setting.draw, setting.unknown
     solution = formula(setting, draw.choice((1, 2, 2)))
@@ -100,10 +85,10 @@ def with_annihilator(setting: Setting) -> Statement:
     left = values[1] * derivative(unknown, first) - values[0] * derivative(unknown, second)
     if not left.has(unknown):
         left = unknown.diff(setting.variables[0]) - solution.diff(setting.variables[0])
-    return true_equation("annihilator", setting, left, solution)
+    return setting.equation("annihilator", left, solution)
 
 
-def travelling_wave(setting: Setting) -> Statement:
+def travelling_wave(setting: Setting) -> RandomStatement:
     """Any function of one phase solves a transport equation."""
     draw, unknown = setting.draw, setting.unknown
     xi = phase(setting)
@@ -123,17 +108,17 @@ def travelling_wave(setting: Setting) -> Statement:
     solution = shape.xreplace({s: xi})
     if not left.has(unknown):
         left = unknown - rewritten(solution, draw, 2)
-    return true_equation("travelling", setting, left, rewritten(solution, draw, 1))
+    return setting.equation("travelling", left, rewritten(solution, draw, 1))
 
 
-def logarithmic(setting: Setting) -> Statement:
+def logarithmic(setting: Setting) -> RandomStatement:
     """u' = (f'/f) u, with the quotient worked out."""
     draw, unknown = setting.draw, setting.unknown
     solution = sp.Mul(*(positive(setting) ** constant_power(setting) for _ in range(2)))
     solution *= sp.exp(phase(setting))
     v = draw.choice(setting.variables)
     rate = sp.expand_log(sp.log(solution), force=True).diff(v)
-    return true_equation("logarithmic", setting, unknown.diff(v) - rate * unknown, solution)
+    return setting.equation("logarithmic", unknown.diff(v) - rate * unknown, solution)
 
 
 def constant_power(setting: Setting) -> sp.Rational:
@@ -143,20 +128,20 @@ def constant_power(setting: Setting) -> sp.Rational:
     )
 
 
-def identity(setting: Setting) -> Statement:
+def identity(setting: Setting) -> RandomStatement:
     """A formula and the same in other words."""
     draw = setting.draw
     left = formula(setting, draw.choice((1, 2, 3)))
     if draw.random() < 0.3:
         left = sp.diff(left, draw.choice(setting.variables))
     right = rewritten(left, draw, draw.randint(2, 5))
-    return true_equality("identity", setting, left, right)
+    return setting.equality("identity", left, right)
 
 
 SMALL_FORMS = ("kink", "soliton_sech", "wave_cn", "wave_dn", "wave_sn", "rational_1")
 
 
-def catalogue_form(setting: Setting) -> Statement | None:
+def catalogue_form(setting: Setting) -> RandomStatement | None:
     """A closed form of mKdV under one of the equation's symmetries, or under none of them."""
     draw = setting.draw
     form = closed_form(draw.choice(SMALL_FORMS))
@@ -169,8 +154,8 @@ def catalogue_form(setting: Setting) -> Statement | None:
     solution = scale * form.expression.xreplace(moved)
     unknown = sp.Function("U")(xi, tau)
     holds = power == 3 or scale == 1
-    variables = (Range(xi), Range(tau))
-    made = Statement(
+    variables = (SymbolRange(xi), SymbolRange(tau))
+    made = RandomStatement(
         "catalogue",
         Truth.TRUE if holds else Truth.FALSE,
         form.equation.residual(unknown),
@@ -182,7 +167,7 @@ def catalogue_form(setting: Setting) -> Statement | None:
     return made if holds else with_counterexample(made, draw)
 
 
-def _ranges(form: ClosedForm) -> list[Range] | None:
+def _ranges(form: ClosedForm) -> list[SymbolRange] | None:
     """The ranges of a form's parameters; None if one depends on another."""
     found = []
     for parameter in form.parameters:
@@ -192,11 +177,11 @@ def _ranges(form: ClosedForm) -> list[Range] | None:
         ]
         if not all(end is None or end.is_Rational for end in ends):
             return None
-        found.append(Range(parameter.symbol, *ends))
+        found.append(SymbolRange(parameter.symbol, *ends))
     return found
 
 
-def known_solution(setting: Setting) -> Statement | None:
+def known_solution(setting: Setting) -> RandomStatement | None:
     """A textbook solution of a textbook equation, or the same with one number changed."""
     draw = setting.draw
     x, t = sp.symbols("x t", real=True)
@@ -206,10 +191,10 @@ def known_solution(setting: Setting) -> Statement | None:
     left, solution = draw.choice(_textbook(x, time, a, b, u))
     rate = draw.choice((sp.S.One, sp.S.One, sp.Rational(101, 100), 1 + sp.Rational(1, 10**60)))
     left = left + (rate - 1) * u
-    variables = (Range(x), Range(time, sp.S.Zero if time.is_positive else None))
-    ranges = (*variables, Range(a, sp.S.Zero), Range(b, sp.S.Zero))
+    variables = (SymbolRange(x), SymbolRange(time, sp.S.Zero if time.is_positive else None))
+    ranges = (*variables, SymbolRange(a, sp.S.Zero), SymbolRange(b, sp.S.Zero))
     used = solution.free_symbols | {x, time}
-    made = Statement(
+    made = RandomStatement(
         "textbook",
         Truth.TRUE,
         left,

@@ -17,7 +17,7 @@ import sympy as sp
 
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.multiprecision import IMPLEMENTATIONS
-from verify.studies.statements.random_statement import Point, Statement, Truth
+from verify.studies.statements.random_statement import Point, RandomStatement, Setting, Truth
 from verify.subexpressions import distinct_nodes
 
 Numbers = Mapping[sp.Symbol, Any]
@@ -93,7 +93,7 @@ class Values:
             raise ValueMissing(f"a derivative of {formula} is not finite")
         return found
 
-    def residual(self, statement: Statement, point: Numbers) -> Any:
+    def residual(self, statement: RandomStatement, point: Numbers) -> Any:
         """The difference of the sides, or the residual, relative to 1 plus its largest term."""
         if statement.unknown is None:
             terms = [self.value(statement.left, point), -self.value(statement.right, point)]
@@ -177,7 +177,7 @@ SAME = 1e-3
 """Relative difference up to which two values are one; rounding differs by 10**-200 and more."""
 
 
-def fails_at(statement: Statement, point: Point, digits: Sequence[int] = MORE_DIGITS) -> bool:
+def fails_at(statement: RandomStatement, point: Point, digits: Sequence[int] = MORE_DIGITS) -> bool:
     """Whether the statement has a residual at ``point``; raises ValueMissing without a value.
 
     A residual that is one term by construction is taken from that term where it is small.
@@ -190,7 +190,7 @@ def fails_at(statement: Statement, point: Point, digits: Sequence[int] = MORE_DI
     return _is_number(lambda values: values.residual(statement, point), digits[1:])
 
 
-def with_counterexample(statement: Statement, draw: random.Random) -> Statement | None:
+def with_counterexample(statement: RandomStatement, draw: random.Random) -> RandomStatement | None:
     """A false statement with an admissible point that shows it; None if some tries find none."""
     for _ in range(TRIES):
         point = statement.point(draw)
@@ -199,6 +199,20 @@ def with_counterexample(statement: Statement, draw: random.Random) -> Statement 
                 return replace(statement, counterexample=point)
         except ValueMissing:
             continue
+    return None
+
+
+def shown_at(term: sp.Expr, setting: Setting, digits: int) -> Point | None:
+    """An admissible point at which ``term`` is clearly not 0."""
+    values = values_at(digits)
+    for _ in range(4 * TRIES):
+        point = setting.point()
+        try:
+            size = abs(values.value(term, point))
+        except ValueMissing:
+            continue
+        if size > values.context.mpf(10) ** (-digits / 3):
+            return point
     return None
 
 
@@ -226,7 +240,7 @@ def _is_same(coarse: Any, fine: Any) -> bool:
     return bool(abs(coarse - fine) < SAME * abs(fine))
 
 
-def label_fault(statement: Statement, points: int = POINTS) -> str | None:
+def label_fault(statement: RandomStatement, points: int = POINTS) -> str | None:
     """What speaks against the label, in words; None if nothing does.
 
     A true statement's residual must be rounding at every point where it has a value, a false
@@ -247,19 +261,19 @@ def label_fault(statement: Statement, points: int = POINTS) -> str | None:
     return None
 
 
-def _true_fault(statement: Statement, point: Point) -> str | None:
+def _true_fault(statement: RandomStatement, point: Point) -> str | None:
     if fails_at(statement, point, DIGITS) and fails_at(statement, point, MORE_DIGITS[-2:]):
         return f"the residual at {point} is no rounding"
     return None
 
 
-def _void_fault(statement: Statement, point: Point) -> str | None:
+def _void_fault(statement: RandomStatement, point: Point) -> str | None:
     """A division by 0 gives rounding, if it gives anything: another value at other digits."""
     same = _is_number(lambda values: values.value(statement.right, point), DIGITS)
     return f"there is a value at {point}" if same else None
 
 
-def _false_fault(statement: Statement) -> str | None:
+def _false_fault(statement: RandomStatement) -> str | None:
     point = statement.counterexample
     if point is None:
         return "there is no counterexample"

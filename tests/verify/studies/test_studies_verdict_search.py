@@ -9,7 +9,7 @@ import sympy as sp
 
 from verify.studies import verdict_search as verdicts
 from verify.studies.statements.library import statement
-from verify.studies.statements.random_statement import Range, Statement, Truth
+from verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
 from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judge, judgements, tallies
 from verify.verdict import Outcome, ProofVerdict
 
@@ -18,7 +18,9 @@ u = sp.Function("u")(x)
 UNDECIDED_SHARE = 0.02
 """Measured: 0.016 (seed 6, 4000 statements)."""
 
-RIGHT = Statement("by hand", Truth.TRUE, u.diff(x) - u, sp.exp(x), (x,), (Range(x),), unknown=u)
+RIGHT = RandomStatement(
+    "by hand", Truth.TRUE, u.diff(x) - u, sp.exp(x), (x,), (SymbolRange(x),), unknown=u
+)
 FALSE = replace(RIGHT, truth=Truth.FALSE, left=u.diff(x) - 2 * u, counterexample={x: sp.S.One})
 VOID = replace(RIGHT, truth=Truth.VOID, right=1 / (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1))
 
@@ -50,7 +52,7 @@ def test_the_judge_knows_right_from_wrong() -> None:
     assert judge(replace(RIGHT, truth=Truth.VOID)).mark is Mark.WRONG
 
 
-def answer(outcome: Outcome, **rest: object) -> Callable[[Statement], ProofVerdict]:
+def answer(outcome: Outcome, **rest: object) -> Callable[[RandomStatement], ProofVerdict]:
     verdict = ProofVerdict("by hand", "by hand", "none", outcome, "none", **rest)  # type: ignore[arg-type]
     return lambda given: verdict
 
@@ -66,7 +68,7 @@ def answer(outcome: Outcome, **rest: object) -> Callable[[Statement], ProofVerdi
         (RIGHT, answer(Outcome.UNDECIDED), Mark.UNDECIDED),
         (RIGHT, answer(Outcome.REFUTED, witness={"x": "1/3"}), Mark.WRONG),
         (
-            replace(FALSE, ranges=(Range(x, sp.S.Zero),)),
+            replace(FALSE, ranges=(SymbolRange(x, sp.S.Zero),)),
             answer(Outcome.REFUTED, witness={"x": "-1/3"}),
             Mark.WRONG,
         ),
@@ -79,8 +81,8 @@ def answer(outcome: Outcome, **rest: object) -> Callable[[Statement], ProofVerdi
 )
 def test_an_answer_has_its_mark(
     monkeypatch: pytest.MonkeyPatch,
-    given: Statement,
-    said: Callable[[Statement], ProofVerdict],
+    given: RandomStatement,
+    said: Callable[[RandomStatement], ProofVerdict],
     mark: Mark,
 ) -> None:
     monkeypatch.setattr(verdicts, "ask", said)
@@ -90,7 +92,7 @@ def test_an_answer_has_its_mark(
 def test_a_prover_with_the_words_exchanged_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each true statement REFUTED, each other one PROVED, and all of them reported."""
 
-    def liar(given: Statement) -> ProofVerdict:
+    def liar(given: RandomStatement) -> ProofVerdict:
         if given.truth is Truth.TRUE:
             point = given.point(random.Random(given.index))
             witness = {str(symbol): str(value) for symbol, value in point.items()}
@@ -120,10 +122,10 @@ def test_a_wrong_label_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_crash_and_a_hang_are_findings(monkeypatch: pytest.MonkeyPatch) -> None:
-    def crash(given: Statement) -> ProofVerdict:
+    def crash(given: RandomStatement) -> ProofVerdict:
         raise IndexError("list index out of range")
 
-    def hang(given: Statement) -> ProofVerdict:
+    def hang(given: RandomStatement) -> ProofVerdict:
         while True:
             pass
 

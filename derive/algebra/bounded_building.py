@@ -1,0 +1,238 @@
+"""SymPy expressions from parts that a user wrote, built only where the result stays small.
+
+SymPy evaluates while it builds: ``9**9**9``, ``exp(10**9*log(9))`` or the sign of a tower of
+exponentials never come back.  Each function here looks at its parts first and raises `TooLarge`
+for what no printed formula holds.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from itertools import islice
+
+import sympy as sp
+
+BITS = 1000
+"""Of an exact number, numerator and denominator together: about 300 digits."""
+
+EXPONENT = 1000
+"""Largest numerator or denominator of an exponent."""
+
+FACTORS, TERMS = 200, 6000
+"""Of one product and of one sum; SymPy takes the square of the former."""
+
+EXPANDED = 2000
+"""Terms that abs, re and im may be multiplied out to."""
+
+FREE, MOST_NODES = 2, 20_000
+"""Nodes of what is differentiated, for the first steps; the second derivative of the logarithm of a
+4-soliton's tau function has 3191."""
+
+NODES, ORDER = 2000, 16
+"""Nodes from then on, and how often at most."""
+
+GROWTH = 1e6
+"""Largest constant inside an exponential or hyperbolic function."""
+
+LOG_BITS = 32
+"""Of a number whose logarithm stands in an exponent, where SymPy takes the power."""
+
+GROWING = (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
+OSCILLATING = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
+MULTIPLIED_OUT = (sp.Abs, sp.re, sp.im, sp.sign)
+
+Value = Callable[[complex], complex]
+_VALUES: dict[type, Value] = {
+    sp.exp: cmath.exp,
+    sp.log: cmath.log,
+    sp.sinh: cmath.sinh,
+    sp.cosh: cmath.cosh,
+    sp.tan: cmath.tan,
+    sp.atan: cmath.atan,
+    sp.Abs: abs,
+    sp.cot: lambda z: 1 / cmath.tan(z),
+    sp.sec: lambda z: 1 / cmath.cos(z),
+    sp.csc: lambda z: 1 / cmath.sin(z),
+    sp.coth: lambda z: 1 / cmath.tanh(z),
+    sp.csch: lambda z: 1 / cmath.sinh(z),
+    sp.sin: cmath.sin,
+    sp.cos: cmath.cos,
+}
+
+
+class TooLarge(ValueError):
+    """What was to be built would be too large, or is not finite."""
+
+
+def total(terms: Sequence[sp.Expr]) -> sp.Expr:
+    """The sum.
+
+    >>> x = sp.Symbol("x")
+    >>> total([x, sp.Integer(2), x])
+    2*x + 2
+    """
+    if len(terms) == 1:
+        return terms[0]
+    _check_bits(sum(_bits(term) for term in terms if term.is_Rational))
+    found = sp.Add(*terms)
+    if len(found.args) > TERMS:
+        raise TooLarge(f"sums must have at most {TERMS} terms")
+    return _finite(found)
+
+
+def product(factors: Sequence[sp.Expr]) -> sp.Expr:
+    """The product."""
+    if len(factors) == 1:
+        return factors[0]
+    parts = sum(len(sp.Mul.make_args(factor)) for factor in factors)
+    if parts > FACTORS:
+        raise TooLarge(f"products must have at most {FACTORS} factors")
+    _check_bits(sum(_bits(factor) for factor in factors))
+    found = sp.Mul(*factors)
+    for factor in sp.Mul.make_args(found):
+        _check_exponent(factor.as_base_exp()[1])
+    return _finite(found)
+
+
+def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """The power, where numbers in it stay below `BITS`.
+
+    >>> power(sp.Integer(9), sp.Rational(1, 2))
+    3
+    >>> power(sp.Integer(9), sp.Integer(9) ** 9)
+    Traceback (most recent call last):
+    ...
+    derive.algebra.bounded_building.TooLarge: exponents must be at most 1000
+    """
+    if base.is_zero and exponent.is_negative:
+        raise TooLarge("denominators must not be 0")
+    _check_exponent(exponent)
+    if exponent.is_Rational:
+        _check_bits(_bits(base) * (abs(exponent.p) // exponent.q + 1))
+        if base.is_number and not base.is_Rational and exponent.is_Integer:
+            _check_bits(sum(_bits(n) for n in base.atoms(sp.Rational)) * abs(int(exponent)))
+    else:
+        _check_logarithms(exponent)
+    found = sp.Pow(base, exponent)
+    _check_exponent(found.as_base_exp()[1])
+    return _finite(found)
+
+
+def applied(function: Callable[..., sp.Expr], arguments: Sequence[sp.Expr]) -> sp.Expr:
+    """The value of a function."""
+    if function is sp.exp:
+        _check_logarithms(arguments[0])
+    if function in MULTIPLIED_OUT and 2 * _expanded(arguments[0]) ** 2 > EXPANDED:
+        raise TooLarge(f"the argument would be multiplied out to more than {EXPANDED} terms")
+    if function in GROWING or function in OSCILLATING:
+        for argument in arguments:
+            if argument.is_number and not abs(_value(argument)) <= GROWTH:
+                raise TooLarge(f"constants in its argument must be at most {GROWTH:.0e}")
+    if function is sp.sqrt:
+        return power(arguments[0], sp.S.Half)
+    return _finite(function(*arguments))
+
+
+def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
+    """The derivative in the variables one after the other.
+
+    >>> x = sp.Symbol("x")
+    >>> derivative(x**3, [x, x])
+    6*x
+    """
+    if len(variables) > ORDER:
+        raise TooLarge(f"derivatives must be of order {ORDER} at most")
+    found = expression
+    for step, variable in enumerate(variables):
+        most = MOST_NODES if step < FREE else NODES
+        if not found.is_Derivative and _nodes(found, most) > most:
+            raise TooLarge(f"derivatives must have at most {most} parts on the way")
+        found = sp.diff(found, variable)
+    return found
+
+
+def _bits(expression: sp.Expr) -> int:
+    """Of the number in front."""
+    number = expression.as_coeff_Mul(rational=True)[0]
+    return int(number.p).bit_length() + int(number.q).bit_length() - 2 if number.is_Rational else 0
+
+
+def _check_bits(bits: int) -> None:
+    if bits > BITS:
+        raise TooLarge(f"numbers must have at most {int(BITS * math.log10(2))} digits")
+
+
+def _check_exponent(exponent: sp.Expr) -> None:
+    number = exponent.as_coeff_Mul(rational=True)[0]
+    if number.is_Rational and max(abs(number.p), number.q) > EXPONENT:
+        raise TooLarge(f"exponents must be at most {EXPONENT}")
+
+
+def _check_logarithms(exponent: sp.Expr) -> None:
+    """Raise TooLarge where SymPy would take a large power of a number inside a logarithm."""
+    logarithms = [a for a in exponent.atoms(sp.log) if a.is_number]
+    if not logarithms:
+        return
+    numbers = [n for a in logarithms for n in a.atoms(sp.Rational)]
+    _check_bits(max(map(_bits, numbers), default=0) * BITS // LOG_BITS)
+    for number in exponent.atoms(sp.Rational):
+        _check_exponent(number)
+
+
+def _finite(expression: sp.Expr) -> sp.Expr:
+    """The expression; raises TooLarge for one that is infinite, no number or huge."""
+    if expression in (sp.zoo, sp.nan, sp.oo, -sp.oo):
+        raise TooLarge("values must be finite")
+    if expression.is_Rational:
+        _check_bits(_bits(expression))
+    elif expression.is_number and not abs(_value(expression)) < math.inf:
+        raise TooLarge("constants must be below 1e300")
+    return expression
+
+
+def _value(constant: sp.Expr) -> complex:
+    """A constant, coarsely; infinity where a float overflows, 1 for functions not known here."""
+    try:
+        return _worth(constant)
+    except (OverflowError, ZeroDivisionError, ValueError):
+        return math.inf
+
+
+def _worth(node: sp.Expr) -> complex:
+    if node.is_Rational:
+        return complex(int(node.p) / int(node.q))
+    if node is sp.I:
+        return 1j
+    if node.is_NumberSymbol:
+        return complex(float(node))
+    parts = [_worth(part) for part in node.args]
+    if node.is_Add:
+        return sum(parts)
+    if node.is_Mul:
+        return math.prod(parts)
+    if node.is_Pow:
+        return parts[0] ** parts[1]
+    return complex(_VALUES.get(node.func, lambda _: 1)(parts[0]))
+
+
+def _expanded(node: sp.Expr) -> int:
+    """At most so many terms are left when ``node`` is multiplied out; EXPANDED + 1 for more."""
+    count = 1
+    if node.is_Add:
+        count = sum(_expanded(term) for term in node.args)
+    elif node.is_Mul:
+        for factor in node.args:
+            count = min(count * _expanded(factor), EXPANDED + 1)
+    elif node.is_Pow and node.exp.is_Integer:
+        times, terms = min(abs(int(node.exp)), EXPONENT), _expanded(node.base)
+        count = math.comb(terms + times - 1, times)
+    elif node.args:
+        count = max(_expanded(argument) for argument in node.args)
+    return min(count, EXPANDED + 1)
+
+
+def _nodes(expression: sp.Expr, most: int) -> int:
+    """How many parts the tree has; ``most`` + 1 for more."""
+    return sum(1 for _ in islice(sp.preorder_traversal(expression), most + 1))

@@ -1,0 +1,46 @@
+"""Expressions as text of the grammar that `derive.algebra.formula_text` reads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.str import StrPrinter
+
+
+class FormulaPrinter(StrPrinter):
+    """SymPy's text, with derivatives as ``u_xx``, sites as ``q[n+1]`` and ``abs``."""
+
+    def _print_Abs(self, node: sp.Expr) -> str:
+        return f"abs({self._print(node.args[0])})"
+
+    def _print_Exp1(self, _: sp.Expr) -> str:
+        return "exp(1)"
+
+    def _print_Function(self, node: sp.Expr) -> str:
+        if not isinstance(node, AppliedUndef):
+            return super()._print_Function(node)
+        return self._field(node, "")
+
+    def _print_Derivative(self, node: Any) -> str:
+        if isinstance(node.expr, AppliedUndef):
+            steps = sorted(node.variables, key=node.expr.args.index)
+            return self._field(node.expr, "_" + "".join(map(str, steps)))
+        return f"diff({', '.join(map(self._print, (node.expr, *node.variables)))})"
+
+    def _field(self, node: AppliedUndef, steps: str) -> str:
+        sites = [a for a in node.args if a.is_integer]
+        site = f"[{self._print(sites[0]).replace(' ', '')}]" if sites else ""
+        return f"{node.func.__name__}{steps}{site}"
+
+
+def formula_as_text(expression: sp.Expr) -> str:
+    """The expression as text that is read back as the same object.
+
+    >>> x, t = sp.symbols("x t")
+    >>> u = sp.Function("u")(x, t)
+    >>> formula_as_text(u.diff(t) + 6 * u * u.diff(x) + u.diff(x, 3))
+    '6*u*u_x + u_t + u_xxx'
+    """
+    return FormulaPrinter().doprint(expression)

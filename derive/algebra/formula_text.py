@@ -1,0 +1,392 @@
+"""Formulas in text, read with a whitelist: tokens, a parser by precedence, errors with a caret.
+
+Nothing is evaluated as Python.  A reader brings a `Vocabulary`: the functions, variables, fields
+and names that its texts may hold.  Numbers are exact (``0.1`` is 1/10), ``**`` binds as in Python,
+``u_xxt`` and ``diff(u, x, x, t)`` are derivatives, ``q[n+1]`` is a field at a lattice site.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derive.algebra.bounded_building import (
+    ORDER,
+    TooLarge,
+    applied,
+    derivative,
+    power,
+    product,
+    total,
+)
+
+LONGEST = 20_000
+"""Characters of a text."""
+
+DEEPEST = 40
+"""Brackets and exponents inside each other."""
+
+DIGITS = 100
+"""Of a number, and largest exponent of ten of a decimal."""
+
+NAME_LENGTH = 40
+
+SHIFT = 1000
+"""Largest shift of a lattice site."""
+
+WINDOW = 60
+"""Characters of a text that are shown beside an error."""
+
+CONSTANTS = {"pi": sp.pi, "I": sp.I}
+
+_TOKEN = re.compile(
+    r"(?P<space>[ \t\r\n]+)"
+    r"|(?P<number>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)*)"
+    r"|(?P<sign>\*\*|<=|>=|!=|;;|[-+*/()\[\],=<>:;])",
+    re.ASCII,
+)
+_REMEDIES = {
+    "^": "write ** for a power",
+    "_": "names begin with a letter and hold _ before a derivative's variables only",
+    "{": "write round brackets",
+    "}": "write round brackets",
+    "|": "write abs(...)",
+    "'": "write u_x for a derivative",
+    '"': "write the formula without quotes",
+}
+
+
+class FormulaError(ValueError):
+    """A text that cannot be read: one line, and a picture of the place as the error's note.
+
+    ``text`` and ``position`` say where; `picture` is the text with a caret below the place.
+    """
+
+    def __init__(self, name: str, words: str, text: str, position: int) -> None:
+        super().__init__(f"{name}: {words} (column {position + 1})")
+        self.name = name
+        self.words = words
+        self.text = text
+        self.position = position
+        self.add_note(self.picture)
+
+    def within(self, place: str) -> FormulaError:
+        """The same error, with ``place`` before the name of the text."""
+        return FormulaError(f"{place}: {self.name}", self.words, self.text, self.position)
+
+    @property
+    def picture(self) -> str:
+        """Two lines: the text around the place, and a caret."""
+        start = max(0, min(self.position - WINDOW // 2, len(self.text) - WINDOW))
+        shown = self.text[start : start + WINDOW]
+        plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in shown)
+        left = "..." if start else ""
+        right = "..." if start + WINDOW < len(self.text) else ""
+        caret = " " * (len(left) + self.position - start) + "^"
+        return f"    {left}{plain}{right}\n    {caret}"
+
+
+@dataclass(frozen=True)
+class Token:
+    """A word of a text: its kind (number, name, sign, end), and where it starts."""
+
+    kind: str
+    text: str
+    start: int
+
+    def __str__(self) -> str:
+        return "the end" if self.kind == "end" else f"'{self.text[:NAME_LENGTH]}'"
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """What a text may hold.
+
+    ``functions`` has each function with its number of arguments, ``variables`` the independent
+    ones by letter, ``fields`` the unknowns as applied functions (of the site first where they are
+    indexed), ``names`` everything else.  ``unknown_name`` makes the symbol of a name in none of
+    them; without it such a name is an error.
+    """
+
+    functions: Mapping[str, tuple[Callable[..., sp.Expr], int]]
+    variables: Mapping[str, sp.Symbol] = field(default_factory=dict)
+    fields: Mapping[str, AppliedUndef] = field(default_factory=dict)
+    names: Mapping[str, sp.Expr] = field(default_factory=dict)
+    unknown_name: Callable[[str], sp.Expr] | None = None
+    site: sp.Symbol | None = None
+
+
+def tokens(text: str, name: str = "formula") -> list[Token]:
+    """The words of a text, with one of kind end.
+
+    Raises FormulaError, with ``name`` for the text, for a character that is in no formula.
+
+    >>> [token.text for token in tokens("2*u_xx")]
+    ['2', '*', 'u_xx', '']
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"{name} must be text, got {type(text).__name__} (such as 'u_t + u_xxx')")
+    if len(text) > LONGEST:
+        words = f"texts must have at most {LONGEST} characters, got {len(text)}"
+        raise FormulaError(name, words, text, LONGEST)
+    found: list[Token] = []
+    place = 0
+    while place < len(text):
+        match = _TOKEN.match(text, place)
+        if match is None:
+            raise FormulaError(name, _strange(text[place]), text, place)
+        if match.lastgroup != "space":
+            found.append(Token(str(match.lastgroup), match[0], place))
+        place = match.end()
+    return [*found, Token("end", "", len(text))]
+
+
+def _strange(sign: str) -> str:
+    remedy = _REMEDIES.get(sign, "letters of ASCII, digits and + - * / ** ( ) [ ] are read")
+    return f"expected a formula, got {sign!a} ({remedy})"
+
+
+def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp.Expr:
+    """The expression that ``text`` spells; raises FormulaError, which calls the text ``name``.
+
+    >>> x = sp.Symbol("x")
+    >>> read_formula("-x**2/4 + 0.1", Vocabulary({}, {"x": x}))
+    1/10 - x**2/4
+    """
+    parser = Parser(text, tokens(text, name), vocabulary, name)
+    found = parser.expression()
+    parser.expect_end()
+    return found
+
+
+class Parser:
+    """Reads expressions from tokens; the place moves on past what has been read."""
+
+    def __init__(
+        self, text: str, words: Sequence[Token], vocabulary: Vocabulary, name: str
+    ) -> None:
+        self.text = text
+        self.words = words
+        self.vocabulary = vocabulary
+        self.name = name
+        self.place = 0
+        self._depth = 0
+        self.used: set[str] = set()
+
+    @property
+    def next(self) -> Token:
+        """The token that comes."""
+        return self.words[self.place]
+
+    def take(self) -> Token:
+        """The token that comes, passed over."""
+        token = self.next
+        self.place = min(self.place + 1, len(self.words) - 1)
+        return token
+
+    def take_sign(self, *signs: str) -> Token | None:
+        """The token that comes if it is one of the signs, passed over; else None."""
+        return self.take() if self.next.kind == "sign" and self.next.text in signs else None
+
+    def expect(self, sign: str, why: str = "") -> Token:
+        """The sign, passed over; raises FormulaError if something else comes."""
+        found = self.take_sign(sign)
+        if found is None:
+            raise self.error(f"expected '{sign}'{why}, got {self.next}")
+        return found
+
+    def expect_end(self) -> None:
+        """Raise FormulaError if something is left."""
+        if self.next.kind != "end":
+            raise self.error(f"expected {self.after_operand()}, got {self.next}")
+
+    def after_operand(self) -> str:
+        """What may follow a complete operand, for an error."""
+        juxtaposed = self.next.kind in ("number", "name") or self.next.text == "("
+        return "an operator such as *" if juxtaposed else "an operator or the end"
+
+    def error(self, words: str, token: Token | None = None) -> FormulaError:
+        """The error at a token, which is the one that comes unless given."""
+        return FormulaError(self.name, words, self.text, (token or self.next).start)
+
+    def expression(self) -> sp.Expr:
+        """A sum."""
+        start = self.next
+        terms = [self._term()]
+        while sign := self.take_sign("+", "-"):
+            term = self._term()
+            terms.append(
+                self._built(sign, product, [sp.S.NegativeOne, term]) if sign.text == "-" else term
+            )
+        return self._built(start, total, terms)
+
+    def _term(self) -> sp.Expr:
+        """A product, built at once, so that a number is not multiplied into a sum beside others."""
+        start = self.next
+        factors = self._signed()
+        while sign := self.take_sign("*", "/"):
+            further = self._signed()
+            if sign.text == "/":
+                divisor = self._built(sign, product, further)
+                further = [self._built(sign, power, divisor, sp.S.NegativeOne)]
+            factors += further
+        return self._built(start, product, factors)
+
+    def _signed(self) -> list[sp.Expr]:
+        """An operand with its sign, as factors; ``**`` binds closer than signs do."""
+        start, negative = self.next, False
+        while sign := self.take_sign("+", "-"):
+            negative ^= sign.text == "-"
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
+        found = self._power()
+        self._depth -= 1
+        return [sp.S.NegativeOne, found] if negative else [found]
+
+    def _power(self) -> sp.Expr:
+        base = self._operand()
+        sign = self.take_sign("**")
+        if sign is None:
+            return base
+        exponent = self._built(sign, product, self._signed())
+        return self._built(sign, power, base, exponent)
+
+    def _operand(self) -> sp.Expr:
+        token = self.next
+        if token.kind == "number":
+            return self._number(self.take())
+        if token.kind == "name":
+            return self._named(self.take())
+        if self.take_sign("("):
+            found = self.expression()
+            self.expect(")", f" for the '(' of column {token.start + 1}")
+            return found
+        raise self.error(f"expected a number, a name or '(', got {token}")
+
+    def _number(self, token: Token) -> sp.Expr:
+        digits, _, exponent = token.text.lower().partition("e")
+        if len(digits) > DIGITS or len(exponent) > 5 or abs(int(exponent or 0)) > DIGITS:
+            raise self.error(f"numbers must have at most {DIGITS} digits", token)
+        following = self.next
+        if following.kind == "name" and following.start == token.start + len(token.text):
+            raise self.error(f"expected an operator such as *, got {following}", following)
+        value = Fraction(token.text)
+        return sp.Rational(value.numerator, value.denominator)
+
+    def _named(self, token: Token) -> sp.Expr:
+        name, words = token.text, self.vocabulary
+        if len(name) > NAME_LENGTH:
+            raise self.error(f"names must have at most {NAME_LENGTH} characters", token)
+        if self.next.text == "(" and self.next.kind == "sign":
+            return self._call(token)
+        if name in words.functions or name == "diff":
+            raise self.error(f"expected '(' after the function {name}, got {self.next}")
+        base, _, steps = name.partition("_")
+        if base in words.fields:
+            return self._field(token, base, steps)
+        self.used.add(name)
+        for known in (CONSTANTS, words.variables, words.names):
+            if name in known:
+                return known[name]
+        if "_" in name:
+            raise self.error(f"expected a name without _, got {token}{self._nearest(name)}", token)
+        if words.unknown_name is None:
+            raise self.error(f"expected a known name, got {token}{self._nearest(name)}", token)
+        try:
+            return words.unknown_name(name)
+        except ValueError as error:
+            raise self.error(str(error), token) from None
+
+    def _field(self, token: Token, base: str, steps: str) -> sp.Expr:
+        """The unknown ``base`` with the derivatives of its subscripts, at a site if it has one."""
+        found = self.vocabulary.fields[base]
+        self.used.add(base)
+        site = self.vocabulary.site
+        if site is not None and site in found.args:
+            bracket = self.expect("[", f" after the lattice field {base}")
+            index = self.expression()
+            self.expect("]", " after the site")
+            shift = index - site
+            if not (shift.is_Integer and abs(shift) <= SHIFT):
+                words = f"expected a site such as {site}+1, got another index"
+                raise self.error(words, self.words[self.words.index(bracket) + 1])
+            found = found.func(*(index if a == site else a for a in found.args))
+        variables = self._subscripts(token, base, steps, found)
+        return self._built(token, derivative, found, variables)
+
+    def _subscripts(
+        self, token: Token, base: str, steps: str, found: AppliedUndef
+    ) -> list[sp.Symbol]:
+        variables = []
+        for letter in steps:
+            variable = self.vocabulary.variables.get(letter)
+            if variable is None or variable not in found.args or variable == self.vocabulary.site:
+                known = " ".join(str(a) for a in found.args if a.is_Symbol)
+                words = f"expected variables of {base} behind _ ({known}), got {token}"
+                raise self.error(words, token)
+            variables.append(variable)
+        return variables
+
+    def _call(self, token: Token) -> sp.Expr:
+        name, functions = token.text, self.vocabulary.functions
+        if name == "diff":
+            return self._derivative(token)
+        if name not in functions:
+            remedy = self._nearest(name, functions)
+            known = name in self.vocabulary.names or name in self.vocabulary.fields
+            if known or name in self.vocabulary.variables or (len(name) == 1 and not remedy):
+                remedy = f" (write {name}*(...) for a product)"
+            raise self.error(f"expected a known function, got '{name}'{remedy}", token)
+        function, arity = functions[name]
+        arguments = self._arguments(token)
+        if len(arguments) != arity:
+            plural = "" if arity == 1 else "s"
+            words = f"expected {arity} argument{plural} of {name}, got {len(arguments)}"
+            raise self.error(words, token)
+        return self._built(token, applied, function, arguments)
+
+    def _arguments(self, token: Token) -> list[sp.Expr]:
+        self.expect("(")
+        found = [self.expression()]
+        while self.take_sign(","):
+            found.append(self.expression())
+        self.expect(")", f" for the '(' of {token.text}")
+        return found
+
+    def _derivative(self, token: Token) -> sp.Expr:
+        """``diff(expression, x, x)``; ``diff(expression, x, 2)`` is the same."""
+        expression, *steps = self._arguments(token)
+        variables: list[sp.Symbol] = []
+        known = [v for v in self.vocabulary.variables.values() if v != self.vocabulary.site]
+        for step in steps:
+            if step in known:
+                variables.append(step)
+            elif variables and step.is_Integer and 0 < step <= ORDER:
+                variables += [variables[-1]] * (int(step) - 1)
+            else:
+                words = f"expected variables behind the first argument of diff, got {step}"
+                raise self.error(words, token)
+        if not variables:
+            raise self.error("expected a variable in diff, as in diff(u, x)", token)
+        return self._built(token, derivative, expression, variables)
+
+    def _built(self, token: Token, build: Callable[..., sp.Expr], *parts: object) -> sp.Expr:
+        try:
+            return build(*parts)
+        except TooLarge as error:
+            raise self.error(str(error), token) from None
+
+    def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
+        words = self.vocabulary
+        known = [*words.functions, *words.names, *words.fields] if among is None else [*among]
+        swapped = [other for other in known if sorted(other) == sorted(name.lower())]
+        close = swapped or difflib.get_close_matches(name[:NAME_LENGTH].lower(), known, 1)
+        return f" (did you mean {close[0]}?)" if close else ""

@@ -1,0 +1,150 @@
+"""Writing programs for the machine: instructions on numbered values, and their registers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from solutions.run.machine import WITH_CONSTANT, Bytecode, Operation
+
+__all__ = ["Code", "Value", "allocate"]
+
+
+class Code:
+    """Instructions on numbered values, equal ones shared; the inputs are the first values."""
+
+    def __init__(self, inputs: int) -> None:
+        self._inputs = inputs
+        self._instructions: list[tuple[Operation, int, int, int]] = []
+        self._numbered: dict[tuple[Operation, int, int, int], int] = {}
+        self._pool: dict[Any, int] = {}
+
+    def emit(self, operation: Operation, a: int = 0, b: int | None = None, c: int = 0) -> int:
+        """The number of the result; ``b`` is ``a`` where there is one operand."""
+        key = (operation, a, a if b is None else b, c)
+        if key not in self._numbered:
+            self._numbered[key] = self._inputs + len(self._instructions)
+            self._instructions.append(key)
+        return self._numbered[key]
+
+    def with_constant(self, operation: Operation, constant: Any, a: int = 0) -> int:
+        """The result of an operation with a constant."""
+        return self.emit(operation, a, None, self._pool.setdefault(constant, len(self._pool)))
+
+    def assemble(self, outputs: Sequence[int]) -> Bytecode:
+        """The code for these values, without what none of them needs."""
+        operands = [_operands(*instruction) for instruction in self._instructions]
+        kept, place, registers = allocate(self._inputs, operands, outputs)
+        rows = []
+        for index in kept:
+            operation, a, b, c = self._instructions[index]
+            if operation is Operation.CONSTANT:
+                first, second = 0, 0
+            else:
+                first, second = place[a], place[b]
+            third = place[c] if operation is Operation.CHOOSE else c
+            rows.append((operation, place[self._inputs + index], first, second, third))
+        code = np.array(rows, dtype=np.int64).reshape(-1, 5)
+        found = tuple(place[value] for value in outputs)
+        return Bytecode(code, registers, self._inputs, found, tuple(self._pool))
+
+
+def _operands(operation: Operation, a: int, b: int, c: int) -> tuple[int, ...]:
+    """The values that an instruction reads."""
+    if operation is Operation.CONSTANT:
+        return ()
+    if operation is Operation.CHOOSE:
+        return tuple({a, b, c})
+    return (a,) if operation in WITH_CONSTANT or a == b else (a, b)
+
+
+class Value:
+    """A value in a program that is being written with Python's operators.
+
+    Numbers are exact (mpf or int); what they make trivial takes no instruction.
+
+    >>> code = Code(inputs=1)
+    >>> x = Value(code, 0)
+    >>> y = 3 * x * (1 - x) + 0 * x
+    >>> [Operation(row[0]).name for row in code.assemble([y.number]).code]
+    ['MULTIPLY_CONSTANT', 'FROM_CONSTANT', 'MULTIPLY']
+    """
+
+    def __init__(self, code: Code, number: int) -> None:
+        self.code = code
+        self.number = number
+
+    def made(self, operation: Operation, *others: Value) -> Value:
+        """The result of an operation on this value and others."""
+        numbers = [value.number for value in others]
+        return Value(self.code, self.code.emit(operation, self.number, *numbers))
+
+    def __add__(self, other: Any) -> Value:
+        if isinstance(other, Value):
+            return self.made(Operation.ADD, other)
+        return self if other == 0 else self._fixed(Operation.ADD_CONSTANT, other)
+
+    def __sub__(self, other: Any) -> Value:
+        return self.made(Operation.SUBTRACT, other) if isinstance(other, Value) else self + -other
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Value):
+            return self.made(Operation.MULTIPLY, other)
+        if other in (0, 1):
+            return self if other == 1 else 0
+        mantissa, _ = math.frexp(other)
+        exact = abs(mantissa) == 0.5 and float(other) == other
+        return self._fixed(Operation.SCALE if exact else Operation.MULTIPLY_CONSTANT, other)
+
+    def __rsub__(self, other: Any) -> Value:
+        return self._fixed(Operation.FROM_CONSTANT, other)
+
+    def _fixed(self, operation: Operation, constant: Any) -> Value:
+        return Value(self.code, self.code.with_constant(operation, constant, self.number))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def allocate(
+    inputs: int, operands: Sequence[tuple[int, ...]], outputs: Sequence[int]
+) -> tuple[list[int], dict[int, int], int]:
+    """Drop dead instructions and give every value a register, reused after its last use.
+
+    Value ``i < inputs`` is an input, value ``inputs + n`` the result of instruction n with the
+    values ``operands[n]``. Returns the kept instructions in order, the register of every live
+    value and the number of registers. No instruction writes to a register it reads, so that its
+    loop over points has no overlap.
+
+    >>> allocate(1, [(0,), (0,), (1,), (3,)], [4])
+    ([0, 2, 3], {0: 0, 1: 1, 3: 0, 4: 1}, 2)
+    """
+    last = _last_uses(inputs, operands, outputs)
+    place = {value: value for value in range(inputs)}
+    free = [value for value in range(inputs) if value not in last]
+    count, kept = inputs, []
+    for index, used in enumerate(operands):
+        if inputs + index not in last:
+            continue
+        kept.append(index)
+        if free:
+            place[inputs + index] = free.pop()
+        else:
+            place[inputs + index] = count
+            count += 1
+        free += [place[value] for value in used if last[value] == index]
+    return kept, place, count
+
+
+def _last_uses(
+    inputs: int, operands: Sequence[tuple[int, ...]], outputs: Sequence[int]
+) -> dict[int, int]:
+    """The last instruction that needs each live value; outputs live to the end."""
+    last = {value: len(operands) for value in outputs}
+    for index in range(len(operands) - 1, -1, -1):
+        if inputs + index in last:
+            for value in operands[index]:
+                last.setdefault(value, index)
+    return last

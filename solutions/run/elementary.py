@@ -1,0 +1,198 @@
+"""Sine, cosine, exponential, logarithm, tanh and sech of blocks of bounded numbers.
+
+Each fills the block ``z`` from the block ``x``; ``scratch`` is an array of ``SCRATCH`` blocks. All
+but sine and cosine are made from exp(-|x|), which `decay_of` leaves in ``scratch``: the machine
+calls it in one place, for LLVM compiles it anew wherever it is called.
+Loops over a block have no branch and call nothing but the primitives of `doubledouble`: LLVM then
+runs them on vectors.  Taylor series have their first terms in double-double and the tail, which is
+below 1e-16 of the sum, in double.
+"""
+
+from __future__ import annotations
+
+import math
+from math import factorial
+
+import numpy as np
+
+from solutions.run.bounded import BLOCK, TINY, UNIT, load_pair, relative_error, store, store_pair
+from solutions.run.doubledouble import (
+    Array,
+    Pair,
+    add,
+    add_loosely,
+    fma,
+    multiply,
+    power_of_half,
+    reciprocal,
+    scale,
+    split,
+    subtract,
+    two_sum,
+)
+from solutions.run.jit import njit
+
+__all__ = [
+    "SCRATCH",
+    "decay_of",
+    "exponential",
+    "logarithm",
+    "sech",
+    "sine_or_cosine",
+    "start_logarithm",
+    "tanh",
+]
+
+SCRATCH = 7
+
+_TERMS = 14
+_PAIRS = 9
+_HALVINGS = 4
+_LOG2 = (0.6931471805599453, 2.3190468138462996e-17)
+_FARTHEST = 708.0  # exp(-w) is taken as 0 beyond
+
+_GONE = 680.0
+"""``2 exp(-_GONE)`` is below ``TINY``."""
+
+
+def _inverse_factorials(first: int, stride: int) -> Array:
+    return np.array([split(f"1/{factorial(first + stride * n)}") for n in range(_TERMS)])
+
+
+_SINE = _inverse_factorials(1, 2)
+_COSINE = _inverse_factorials(0, 2)
+_EXPONENTIAL = _inverse_factorials(1, 1)
+
+
+@njit(inner=True, error_model="numpy")
+def _polynomial(coefficients: Array, z: Array, total: Array) -> None:
+    """Fill `total` with the sum of the coefficients times powers of z, |z| <= 0.63."""
+    for i in range(BLOCK):
+        total[i] = 0.0
+        total[i + BLOCK] = 0.0
+    for n in range(_TERMS - 1, _PAIRS - 1, -1):
+        c = coefficients[n, 0]
+        for i in range(BLOCK):
+            total[i] = fma(z[i], total[i], c)
+    for n in range(_PAIRS - 1, -1, -1):
+        high, low = coefficients[n, 0], coefficients[n, 1]
+        for i in range(BLOCK):
+            product = multiply(load_pair(z, i), load_pair(total, i))
+            store_pair(total, i, add_loosely((high, low), product))
+
+
+@njit(inner=True, error_model="numpy")
+def sine_or_cosine(x: Array, is_sine: bool, z: Array, scratch: Array) -> None:
+    """Fill ``z`` with sin(x), of full relative precision, or cos(x), |x| <= 0.79."""
+    square, series = scratch[0], scratch[1]
+    for i in range(BLOCK):
+        high, low = multiply(load_pair(x, i), load_pair(x, i))
+        store_pair(square, i, (-high, -low))
+    _polynomial(_SINE if is_sine else _COSINE, square, series)
+    for i in range(BLOCK):
+        e, (high, low) = x[i + 2 * BLOCK], load_pair(series, i)
+        if is_sine:
+            high, low = multiply(load_pair(x, i), (high, low))
+            store(z, i, (high, low, e + (UNIT * abs(high) + TINY)))
+        else:
+            store(z, i, (high, low, (abs(x[i]) + e) * e + UNIT))
+
+
+@njit(inner=True, error_model="numpy")
+def decay(w: Array, x: Array, power: Array, fall: Array, rise: Array) -> None:
+    """Fill `fall` with exp(-w) and `rise` with 1 - exp(-w) for w >= 0; `x`, `power` are scratch.
+
+    Both have full relative precision; exp(-w) is 0 for w > 708.
+    """
+    for i in range(BLOCK):
+        far = w[i] > _FARTHEST
+        near = 0.0 if far else w[i], 0.0 if far else w[i + BLOCK]
+        n = np.floor(near[0] / _LOG2[0] + 0.5)
+        power[i] = 0.0 if far else power_of_half(n)
+        store_pair(x, i, scale(subtract(scale(_LOG2, n), near), 0.5**_HALVINGS))
+    _polynomial(_EXPONENTIAL, x, fall)
+    for i in range(BLOCK):
+        store_pair(x, i, multiply(load_pair(x, i), load_pair(fall, i)))
+    for _ in range(_HALVINGS):
+        for i in range(BLOCK):
+            p = load_pair(x, i)
+            store_pair(x, i, add_loosely(scale(p, 2.0), multiply(p, p)))
+    for i in range(BLOCK):
+        p, part = scale(load_pair(x, i), power[i]), power[i]
+        store_pair(fall, i, add((part, 0.0), p))
+        store_pair(rise, i, subtract(two_sum(1.0, -part), p))
+
+
+@njit(inner=True, error_model="numpy")
+def _is_gone(x: Array, i: int) -> bool:
+    """Whether exp(-|x|) is below ``TINY`` for certain."""
+    return abs(x[i]) - x[i + 2 * BLOCK] > _GONE
+
+
+@njit(inner=True, error_model="numpy")
+def _store_exponential(z: Array, i: int, value: Pair, x: Array, is_falling: bool) -> None:
+    """Store a multiple of exp(x) or of what has no larger logarithmic derivative."""
+    e, size = x[i + 2 * BLOCK], abs(x[i])
+    moved = 2.0 * e + UNIT * (1.0 + size) if e <= 0.5 else math.inf
+    error = TINY if is_falling and _is_gone(x, i) else value[0] * moved + TINY
+    store(z, i, (value[0], value[1], error))
+
+
+@njit(inner=True, error_model="numpy")
+def decay_of(x: Array, factor: float, scratch: Array) -> None:
+    """Fill scratch[3] with exp(-factor |x|), scratch[4] with 1 minus that."""
+    for i in range(BLOCK):
+        store_pair(scratch[0], i, scale(load_pair(x, i), factor if x[i] >= 0.0 else -factor))
+    decay(scratch[0], scratch[1], scratch[2], scratch[3], scratch[4])
+
+
+@njit(inner=True, error_model="numpy")
+def exponential(x: Array, z: Array, scratch: Array) -> None:
+    """Fill ``z`` with exp(x), after `decay_of` x."""
+    fall = scratch[3]
+    for i in range(BLOCK):
+        falls, rises = load_pair(fall, i), reciprocal(load_pair(fall, i))
+        down = x[i] <= 0.0
+        value = (falls[0] if down else rises[0], falls[1] if down else rises[1])
+        _store_exponential(z, i, value, x, down)
+
+
+@njit(inner=True, error_model="numpy")
+def start_logarithm(x: Array, start: Array) -> None:
+    """Fill ``start`` with -log(x) in double."""
+    for i in range(BLOCK):
+        store(start, i, (-math.log(x[i]), 0.0, 0.0))
+
+
+@njit(inner=True, error_model="numpy")
+def logarithm(x: Array, start: Array, power: Array, z: Array) -> None:
+    """Fill ``z`` with log(x): one Newton step from ``start``, ``power`` being exp(start)."""
+    for i in range(BLOCK):
+        rest = subtract(multiply(load_pair(x, i), load_pair(power, i)), (1.0, 0.0))
+        rest = subtract(rest, scale(multiply(rest, rest), 0.5))
+        high, low = add((-start[i], 0.0), rest)
+        moved = relative_error(x[i + 2 * BLOCK] / x[i])
+        store(z, i, (high, low, moved + UNIT * (1.0 + abs(high))))
+
+
+@njit(inner=True, error_model="numpy")
+def tanh(x: Array, z: Array, scratch: Array) -> None:
+    """Fill ``z`` with tanh(x), of full relative precision, after `decay_of` 2 x."""
+    fall, rise = scratch[3], scratch[4]
+    for i in range(BLOCK):
+        value = multiply(load_pair(rise, i), reciprocal(add((1.0, 0.0), load_pair(fall, i))))
+        high, low = scale(value, 1.0 if x[i] >= 0.0 else -1.0)
+        e = x[i + 2 * BLOCK]
+        slope = min(1.0, 12.0 * fall[i]) if e <= 0.5 else 1.0  # sech**2 <= 4 exp(1) fall nearby
+        moved = 0.0 if _is_gone(x, i) else slope * e
+        store(z, i, (high, low, moved + (UNIT * abs(high) + TINY)))
+
+
+@njit(inner=True, error_model="numpy")
+def sech(x: Array, z: Array, scratch: Array) -> None:
+    """Fill ``z`` with sech(x), after `decay_of` x."""
+    fall = scratch[3]
+    for i in range(BLOCK):
+        value = load_pair(fall, i)
+        inverse = reciprocal(add((1.0, 0.0), multiply(value, value)))
+        _store_exponential(z, i, multiply(scale(value, 2.0), inverse), x, True)

@@ -1,0 +1,403 @@
+"""Statements of a user's own: ``longwave prove --equation ... --solution ...`` and problem files.
+
+Each statement is decided in a process of its own, which ends at a limit of time and of memory;
+where processes cannot be forked, it is decided here without limits.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+import tomllib
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from derive.algebra.formula_text import FormulaError
+from derive.command_line import fail, interrupted
+from solutions.exact import shown
+from verify.cli.console import finished, print_lines, table_console, tracked
+from verify.cli.verdicts import STYLES, summary
+from verify.processes import OutOfTime, ignore_interrupt
+from verify.proof.near_misses import SECONDS as HINT_SECONDS
+from verify.proof.near_misses import with_hint
+from verify.proof.statement_text import Statement, read_statement
+from verify.proof.statement_verdict import (
+    StatementVerdict,
+    decide_statement,
+    undecided,
+    verified_sentence,
+)
+from verify.verdict import Outcome
+
+LIMIT = 60.0
+"""Seconds for a statement unless told."""
+
+LEAST, LONGEST = 0.01, 1e6
+
+GRACE = 1.0
+"""Seconds after the limit in which a process may say how far it came."""
+
+MEMORY = 2_000_000_000
+"""Bytes for a statement, beyond what the process has."""
+
+FILE_BYTES, PROBLEMS = 5_000_000, 10_000
+
+NAME_LENGTH = 100
+
+TEXTS = ("name", "parameters", "domain", "source", "expect")
+"""The keys of a problem with one text; equation and solution may be lists."""
+
+EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
+
+STAGES = {
+    "find_witness": "looking for a counterexample",
+    "equation_certificate": "writing the proof",
+    "equality_certificate": "writing the proof",
+    "check_certificate": "checking the proof",
+    "singularities": "looking for poles and branch points",
+}
+"""What the prover is doing, by the functions that do it."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A statement with what a file says beside it; ``expect`` is a verdict or empty."""
+
+    statement: Statement
+    expect: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Options:
+    """The texts of a statement, or the files of many; how to decide and what to print."""
+
+    equations: Sequence[str] = ()
+    solutions: Sequence[str] = ()
+    parameters: str | None = None
+    domain: str | None = None
+    files: Sequence[str] = ()
+    json_wanted: bool = False
+    latex: bool = False
+    certificate: str | None = None
+    limit: float | None = None
+
+
+def print_statement_verdicts(options: Options, program: str) -> int:
+    """Decide statements and print the verdicts; the exit status.
+
+    0 if all are proved or as expected, 1 if not, 2 for what cannot be read, 130 after Ctrl-C.
+    """
+    try:
+        problems = _problems(options)
+        limit = _limit(options)
+        path = None if options.certificate is None else Path(options.certificate)
+        if path is not None:
+            path.touch()
+        found, complete = finished(tracked(decided(problems, limit), len(problems), "deciding"))
+        if path is not None:
+            _write_certificates(path, [verdict for _, verdict in found])
+    except FormulaError as error:
+        status = fail(error)
+        print(error.picture, file=sys.stderr)
+        return status
+    except (ValueError, OSError) as error:
+        return fail(error)
+    found.sort(key=lambda pair: pair[0])
+    _print([(problems[place], verdict) for place, verdict in found], options)
+    if not complete:
+        return interrupted(program, f"after {len(found)} of {len(problems)} statements")
+    met = all(_is_met(problems[place], verdict) for place, verdict in found)
+    return 0 if met else 1
+
+
+def _is_met(problem: Problem, verdict: StatementVerdict) -> bool:
+    return verdict.outcome == (problem.expect or Outcome.PROVED)
+
+
+# what is to be decided
+
+
+def _problems(options: Options) -> list[Problem]:
+    if options.files:
+        return [problem for path in options.files for problem in read_problems(Path(path))]
+    statement = read_statement(
+        options.equations, options.solutions, options.parameters or "", options.domain or ""
+    )
+    return [Problem(statement)]
+
+
+def _limit(options: Options) -> float:
+    limit = LIMIT if options.limit is None else options.limit
+    if not LEAST <= limit <= LONGEST:
+        raise ValueError(f"--limit must be {LEAST} to {LONGEST:g} seconds, got {limit:g}")
+    return limit
+
+
+def read_problems(path: Path) -> list[Problem]:
+    """The problems of a TOML file, in order.
+
+    Raises ValueError, for a formula FormulaError, with the problem's name, and OSError as opening
+    does.
+    """
+    with path.open("rb") as file:
+        content = file.read(FILE_BYTES + 1)
+    if len(content) > FILE_BYTES:
+        raise ValueError(f"{path} must have at most {FILE_BYTES} bytes, got more (split it)")
+    try:
+        data = tomllib.loads(content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{path} must be a TOML file, got another text ({error})") from None
+    tables = data.get("problem")
+    if set(data) != {"problem"} or not isinstance(tables, list) or not tables:
+        got = ", ".join(map(shown, data)) or "nothing"
+        raise ValueError(f"{path} must hold [[problem]] tables and nothing else, got {got}")
+    if len(tables) > PROBLEMS:
+        raise ValueError(f"{path} must have at most {PROBLEMS} problems, got {len(tables)}")
+    return [_problem(path, number, table) for number, table in enumerate(tables, 1)]
+
+
+def _problem(path: Path, number: int, table: Any) -> Problem:
+    where = f"{path}, problem {number}"
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table, got {shown(table)} (begin with [[problem]])")
+    known = ("equation", "solution", *TEXTS)
+    for key in table:
+        if key not in known:
+            raise ValueError(f"{where}: keys must be among {', '.join(known)}, got {shown(key)}")
+    for key in ("equation", "solution"):
+        _check_texts(where, key, table.get(key))
+    texts = {key: table.get(key, "") for key in TEXTS}
+    for key, text in texts.items():
+        if not isinstance(text, str):
+            raise ValueError(f"{where}: {key} must be text, got {shown(text)} (put it in quotes)")
+    name = texts["name"] or f"{path.stem} {number}"
+    if not name.isprintable() or len(name) > NAME_LENGTH:
+        words = f"one printable line of {NAME_LENGTH} characters at most"
+        raise ValueError(f"{where}: name must be {words}, got {shown(name)}")
+    if texts["expect"] not in ("", *EXPECTED):
+        words = ", ".join(EXPECTED)
+        raise ValueError(f"{where}: expect must be one of {words}, got {shown(texts['expect'])}")
+    try:
+        statement = read_statement(
+            table["equation"], table["solution"], texts["parameters"], texts["domain"], name=name
+        )
+    except FormulaError as error:
+        raise error.within(f"{where} ({name})") from None
+    return Problem(statement, texts["expect"], texts["source"])
+
+
+def _check_texts(where: str, key: str, given: Any) -> None:
+    texts = given if isinstance(given, list) else [given]
+    if not texts or not all(isinstance(text, str) for text in texts):
+        got = "nothing" if given is None else shown(given)
+        raise ValueError(f"{where}: {key} must be text or a list of texts, got {got}")
+
+
+# processes
+
+
+@dataclass
+class _Running:
+    """A statement that is being decided: its process, when it must end, and what it said last."""
+
+    place: int
+    process: Any
+    end: float
+    stage: str = "the beginning"
+    verdict: StatementVerdict | None = None
+
+
+def decided(
+    problems: Sequence[Problem], limit: float = LIMIT, processes: int | None = None
+) -> Iterator[tuple[int, StatementVerdict]]:
+    """The verdicts with the places of their problems, as they are reached.
+
+    Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
+    """
+    if not hasattr(os, "fork"):
+        for place, problem in enumerate(problems):
+            yield place, with_hint(problem.statement, decide_statement(problem.statement))
+        return
+    waiting = iter(enumerate(problems))
+    running: dict[Connection, _Running] = {}
+    count = processes or os.cpu_count() or 1
+    try:
+        while True:
+            for place, problem in islice(waiting, count - len(running)):
+                connection, started = _start(place, problem.statement, limit)
+                running[connection] = started
+            if not running:
+                return
+            for connection in _told(running):
+                job = running.pop(connection)
+                connection.close()
+                job.process.join()
+                yield job.place, _last_word(problems[job.place].statement, job, limit)
+    finally:
+        for connection, job in running.items():
+            job.process.kill()
+            job.process.join()
+            connection.close()
+
+
+def _start(place: int, statement: Statement, limit: float) -> tuple[Connection, _Running]:
+    reading, writing = get_context("fork").Pipe(duplex=False)
+    process = get_context("fork").Process(target=_decide, args=(statement, limit, writing))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # threads elsewhere; the child has one
+        process.start()
+    writing.close()
+    return reading, _Running(place, process, time.monotonic() + limit + GRACE)
+
+
+def _told(running: dict[Connection, _Running]) -> list[Connection]:
+    """Read what comes next; the connections of processes that are at their end, or put to it."""
+    nearest = min(job.end for job in running.values())
+    over = []
+    for ready in wait(list(running), max(0.0, nearest - time.monotonic())):
+        assert isinstance(ready, Connection)
+        try:
+            said = ready.recv()
+        except (EOFError, OSError):
+            over.append(ready)
+            continue
+        if isinstance(said, str):
+            running[ready].stage = said
+        else:
+            running[ready].verdict = said
+    for connection, job in running.items():
+        if time.monotonic() > job.end and connection not in over:
+            job.process.kill()
+            over.append(connection)
+    return over
+
+
+def _last_word(statement: Statement, job: _Running, limit: float) -> StatementVerdict:
+    if job.verdict is not None:
+        return job.verdict
+    late = time.monotonic() > job.end
+    why = f"no verdict within {limit:g} s" if late else "the process broke off"
+    return undecided(statement, f"{why} (it had come to {job.stage})", limit if late else 0.0)
+
+
+def _decide(statement: Statement, limit: float, writing: Connection) -> None:
+    """In the child: send stages and the verdict, then the one with a hint."""
+    ignore_interrupt()
+    _limit_memory()
+    begun = time.monotonic()
+    stage = ["the beginning"]
+
+    def tell(words: str) -> None:
+        stage[0] = words
+        writing.send(words)
+
+    def stop(*_: object) -> None:
+        raise OutOfTime
+
+    signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, limit)
+    try:
+        verdict = decide_statement(statement, tell)
+    except OutOfTime as error:
+        words = f"no verdict within {limit:g} s (it had come to {stage[0]}"
+        verdict = undecided(statement, f"{words}{_doing(error.__traceback__)})", limit)
+    except MemoryError:
+        verdict = undecided(statement, f"no verdict within {MEMORY // 10**6} MB of memory")
+    except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
+        words = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        verdict = undecided(statement, f"the prover failed ({words[:200]})")
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    writing.send(verdict)
+    left = limit - (time.monotonic() - begun)
+    if verdict.outcome is Outcome.REFUTED and left > 0:
+        writing.send(_hinted(statement, verdict, min(left, HINT_SECONDS)))
+    writing.close()
+
+
+def _hinted(statement: Statement, verdict: StatementVerdict, seconds: float) -> StatementVerdict:
+    """The verdict with a hint if one is found; whatever fails in the search, the verdict stays."""
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        return with_hint(statement, verdict, seconds)
+    except (OutOfTime, Exception):
+        return verdict
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _doing(trace: TracebackType | None) -> str:
+    """What the prover was at, from the functions that it was in."""
+    found = ""
+    while trace is not None:
+        found = STAGES.get(trace.tb_frame.f_code.co_name, found)
+        trace = trace.tb_next
+    return f", {found}" if found else ""
+
+
+def _limit_memory() -> None:
+    import resource  # where there is fork
+
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    most = pages * resource.getpagesize() + MEMORY
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+# what is printed and written
+
+
+def _write_certificates(path: Path, verdicts: Sequence[StatementVerdict]) -> None:
+    texts = [json.dumps(c) for verdict in verdicts for c in verdict.certificates]
+    path.write_text("[" + ",\n".join(texts) + "]\n", encoding="utf-8")
+
+
+def _print(found: Sequence[tuple[Problem, StatementVerdict]], options: Options) -> None:
+    if options.json_wanted:
+        records = [_record(problem, verdict) for problem, verdict in found]
+        print(json.dumps(records, indent=2))
+        return
+    if options.latex:
+        sentences = [verified_sentence(problem.statement, verdict) for problem, verdict in found]
+        print("\n\n".join(sentences))
+        return
+    console = table_console()
+    for problem, verdict in found:
+        style = STYLES[verdict.outcome]
+        console.print(f"[{style}]{verdict.outcome.value}[/] ", end="", highlight=False)
+        print_lines(console, _lines(problem, verdict))
+    if len(found) != 1:
+        print_lines(console, [summary([verdict for _, verdict in found], "statement")])
+
+
+def _record(problem: Problem, verdict: StatementVerdict) -> dict[str, Any]:
+    record = verdict.json()
+    if problem.source:
+        record["source"] = problem.source
+    if problem.expect:
+        record["expect"] = problem.expect
+    return record
+
+
+def _lines(problem: Problem, verdict: StatementVerdict) -> list[str]:
+    """The verdict in words: where it holds or fails, and what else there is to say."""
+    first = verdict.detail
+    if verdict.outcome is Outcome.PROVED:
+        first = verdict.assumptions[0]
+    expected = "" if _is_met(problem, verdict) or not problem.expect else problem.expect
+    lines = [f"{verdict.name}: {first}"]
+    if verdict.witness:
+        lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")
+    lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
+    lines += [verdict.hint] if verdict.hint else []
+    lines += [f"expected was {expected}"] if expected else []
+    return [lines[0], *(f"    {line}" for line in lines[1:])]

@@ -1,0 +1,504 @@
+"""Statements in text: equations, solutions, parameters and domains, as `Statement`.
+
+    equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
+    solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
+    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression
+    domain      t > 0                             of the variables x, y, z, t and the site n
+
+Several equations or solutions stand in one text with ``;;`` between them, or in a list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derive.algebra.formula_text import (
+    CONSTANTS,
+    FormulaError,
+    Parser,
+    Token,
+    Vocabulary,
+    tokens,
+)
+from solutions import functions
+
+from .domains import REAL, Domain, settled_domains
+from .samples import sample
+
+CONTINUOUS, SITE = "xyzt", "n"
+
+PARTS = 50
+"""Most equations, solutions or parameters of a statement."""
+
+MISREAD = {
+    "i": "write I for the imaginary unit",
+    "j": "write I for the imaginary unit",
+    "e": "write exp(1)",
+    "E": "write exp(1)",
+    "Pi": "write pi",
+    "PI": "write pi",
+    "oo": "leave the bound out",
+    "inf": "leave the bound out",
+    "nan": "formulas have values",
+    "zoo": "formulas have values",
+}
+"""Names that are taken for constants elsewhere, and must be declared here."""
+
+WORDS = {
+    "real": REAL,
+    "integer": Domain(integer=True),
+    "positive": Domain(lower=sp.S.Zero),
+    "negative": Domain(upper=sp.S.Zero),
+    "nonzero": Domain(nonzero=True),
+}
+"""Domains in a word."""
+
+_ONE = (
+    *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
+    *(sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch),
+    *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
+    *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
+)
+FUNCTIONS = {
+    "abs": (sp.Abs, 1),
+    **{function.__name__: (function, 1) for function in _ONE},
+    **{name: (getattr(functions, name), 2) for name in functions.__all__},
+}
+"""The functions of the grammar, each with the number of its arguments."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
+
+    ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
+    its formula.  ``domains`` has every variable and parameter that is not all real numbers.
+    """
+
+    name: str
+    equations: tuple[sp.Expr, ...]
+    solutions: Mapping[AppliedUndef, sp.Expr]
+    domains: Mapping[sp.Symbol, Domain]
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        """The independent variables."""
+        return tuple(next(iter(self.solutions)).args)
+
+
+Texts = str | Sequence[str]
+
+
+def read_statement(
+    equation: Texts,
+    solution: Texts,
+    parameters: str = "",
+    domain: str = "",
+    *,
+    name: str = "statement",
+) -> Statement:
+    """The statement that the texts make.
+
+    Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
+    declared twice, misread or not used, an unknown without a solution, a solution with an unknown
+    in it and a domain that is empty.
+
+    >>> statement = read_statement("u_t + c*u_x", "u = exp(x - c*t)", "c: c>0")
+    >>> statement.equations
+    (c*Derivative(u(x, t), x) + Derivative(u(x, t), t),)
+    >>> {str(symbol): domain.text(symbol) for symbol, domain in statement.domains.items()}
+    {'c': '0 < c'}
+    """
+    parts = {
+        "equation": [p for text in _texts(equation, "equation") for p in _parts(text, "equation")],
+        "solution": [p for text in _texts(solution, "solution") for p in _parts(text, "solution")],
+    }
+    entries = list(_parts(parameters, "parameters", ";"))
+    limits = list(_parts(domain, "domain", ";", ","))
+    return _Reading(name, parts["equation"], parts["solution"], entries, limits).statement()
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A stretch of a text between separators: its tokens, with one of kind end."""
+
+    label: str
+    text: str
+    words: list[Token]
+
+    def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
+        return Parser(self.text, self.words[skipped:], vocabulary, self.label)
+
+    def error(self, words: str, place: int = 0) -> FormulaError:
+        return FormulaError(self.label, words, self.text, self.words[place].start)
+
+    def index(self, *signs: str) -> int | None:
+        """Where the first of the signs stands."""
+        found = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
+        return next(found, None)
+
+
+def _texts(given: Texts, label: str) -> list[str]:
+    texts = [given] if isinstance(given, str) else list(given)
+    if not texts or len(texts) > PARTS:
+        words = f"expected 1 to {PARTS} texts, got {len(texts)}"
+        raise FormulaError(label, words, "", 0)
+    return texts
+
+
+def _parts(text: str, label: str, *separators: str) -> Iterator[_Part]:
+    """The stretches of a text; without separators at ``;;``, where none may be empty."""
+    words = tokens(text, label)
+    cuts = separators or (";;",)
+    start = 0
+    for place, word in enumerate(words):
+        if word.kind != "end" and not (word.kind == "sign" and word.text in cuts):
+            continue
+        if place > start:
+            yield _Part(label, text, [*words[start:place], Token("end", "", word.start)])
+        elif not separators:
+            found = "the end" if word.kind == "end" else str(word)
+            raise FormulaError(label, f"expected a formula, got {found}", text, word.start)
+        start = place + 1
+
+
+@dataclass
+class _Reading:
+    """The parts of a statement on their way to expressions."""
+
+    name: str
+    equations: list[_Part]
+    solutions: list[_Part]
+    entries: list[_Part]
+    limits: list[_Part]
+    names: dict[str, sp.Expr] = field(default_factory=dict)
+    declared: dict[str, _Part] = field(default_factory=dict)
+    variables: dict[str, sp.Symbol] = field(default_factory=dict)
+    fields: dict[str, AppliedUndef] = field(default_factory=dict)
+    domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
+    used: set[str] = field(default_factory=set)
+
+    def statement(self) -> Statement:
+        for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
+            if len(part.words) > 1 and part.words[0].kind == "end":
+                raise part.error("expected a formula, got the end")
+        for parts in (self.equations, self.solutions, self.entries, self.limits):
+            if len(parts) > PARTS:
+                words = f"expected at most {PARTS} parts, got {len(parts)}"
+                raise parts[PARTS].error(words)
+        for entry in self.entries:
+            self._declare(entry)
+        letters, indexed = self._letters(), self._indexed()
+        self._make_variables(letters)
+        self._make_fields(indexed)
+        solutions = dict(self._solution(part) for part in self.solutions)
+        equations = tuple(self._equation(part) for part in self.equations)
+        self._check_use()
+        self._check_domains()
+        return Statement(self.name, equations, solutions, self.domains)
+
+    def _words(self) -> Iterator[tuple[_Part, int, Token]]:
+        for part in (*self.equations, *self.solutions):
+            for place, word in enumerate(part.words):
+                yield part, place, word
+
+    def _is_derivative(self, word: Token) -> bool:
+        base, _, steps = word.text.partition("_")
+        return bool(
+            word.kind == "name"
+            and steps
+            and set(steps) <= {*CONTINUOUS}
+            and base not in self.names
+            and word.text not in FUNCTIONS
+        )
+
+    def _letters(self) -> list[str]:
+        """The variables that occur, the site first."""
+        found: set[str] = set()
+        for _, _, word in self._words():
+            if word.kind == "name" and word.text in (*CONTINUOUS, SITE):
+                found.add(word.text)
+            elif self._is_derivative(word):
+                found |= set(word.text.partition("_")[2])
+        return [letter for letter in SITE + CONTINUOUS if letter in found]
+
+    def _indexed(self) -> set[str]:
+        """The names with a site behind them."""
+        return {
+            word.text.partition("_")[0]
+            for part, place, word in self._words()
+            if word.kind == "name" and part.words[place + 1].text == "["
+        }
+
+    # parameters and domains
+
+    def _declare(self, entry: _Part) -> None:
+        word = entry.words[0]
+        name = word.text
+        if word.kind != "name":
+            raise entry.error(f"expected a parameter's name, got {word}")
+        if name in (*CONTINUOUS, SITE):
+            remedy = "rename the parameter; a variable's domain stands in the part domain"
+            raise entry.error(
+                f"expected a parameter, got the independent variable {name} ({remedy})"
+            )
+        if name in FUNCTIONS or name in CONSTANTS or name == "diff":
+            raise entry.error(f"expected a name of its own, got {word} (rename the parameter)")
+        if "_" in name:
+            raise entry.error(f"expected a name without _, got {word} (write k1 for k_1)")
+        if name in self.names:
+            raise entry.error(f"expected each parameter once, got {word} again")
+        sign = entry.words[1]
+        if sign.text == "=":
+            parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
+            self.names[name] = parser.expression()
+            parser.expect_end()
+            self.used |= parser.used
+        elif sign.text == ":":
+            domain = self._domain(entry, 2, name, {})
+            self.names[name] = _symbol(name, domain)
+            self._keep(self.names[name], domain)
+        else:
+            raise entry.error(f"expected ': domain' or '= expression' behind {name}, got {sign}", 1)
+        self.declared[name] = entry
+
+    def _keep(self, symbol: sp.Symbol, domain: Domain) -> None:
+        if domain != REAL:
+            self.domains[symbol] = domain
+
+    def _domain(
+        self, part: _Part, skipped: int, name: str, variables: Mapping[str, sp.Symbol]
+    ) -> Domain:
+        """The domain of ``name`` that a part states behind its first words."""
+        vocabulary = Vocabulary(
+            FUNCTIONS, variables, names={**self.names, name: sp.Dummy(name, real=True)}
+        )
+        parser = part.parser(vocabulary, skipped)
+        found = REAL
+        while True:
+            place = part.words.index(parser.next)
+            found &= self._condition(part, parser, name)
+            if not parser.take_sign(","):
+                break
+        parser.expect_end()
+        self.used |= parser.used - {name}
+        bounded = found.lower.is_number and found.upper.is_number
+        if bounded and not (found.lower < found.upper) == sp.true:
+            raise part.error(f"expected a domain with inner points, got {found.text(name)}", place)
+        return found
+
+    def _condition(self, part: _Part, parser: Parser, name: str) -> Domain:
+        """One word or chain of inequalities."""
+        own = parser.vocabulary.names[name]
+        start = part.words.index(parser.next)
+        if parser.next.text in WORDS:
+            return WORDS[parser.take().text]
+        sides, signs = [parser.expression()], []
+        while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
+            signs.append(sign.text)
+            sides.append(parser.expression())
+        if any(side.is_extended_real is False for side in sides):
+            raise part.error("expected real bounds, got a complex one", start)
+        if not signs:
+            known = ", ".join(WORDS)
+            words = f"expected an inequality such as {name}>0, or one of {known}, got"
+            raise part.error(f"{words} {part.words[start]}", start)
+        wanted = f"expected inequalities of {name}, as in 0<{name}<1"
+        if sides.count(own) != 1 or any(s != own and s.has(own) for s in sides):
+            raise part.error(wanted, start)
+        if "!=" in signs:
+            if signs != ["!="] or sp.S.Zero not in sides:
+                raise part.error(f"expected {name}!=0 alone", start)
+            return WORDS["nonzero"]
+        if len({sign[0] for sign in signs}) > 1 or len(sides) > 3:
+            raise part.error(f"{wanted}, got signs both ways", start)
+        place = sides.index(own)
+        if len(sides) == 3 and place != 1:
+            raise part.error(wanted, start)
+        return _between(sides, signs, place)
+
+    def _make_variables(self, letters: Sequence[str]) -> None:
+        """The symbols of the variables, with what ``domain`` says of them."""
+        found: dict[str, Domain] = {}
+        plain = {letter: _symbol(letter, _whole(letter)) for letter in letters}
+        for part in self.limits:
+            name = self._subject(part, letters)
+            if name in found and found[name] != REAL:
+                known = {k: v for k, v in plain.items() if k != name}
+                both = found[name] & self._domain(part, 0, name, known)
+                if both.lower.is_number and both.upper.is_number and not both.lower < both.upper:
+                    raise part.error(f"expected a domain with inner points, got {both.text(name)}")
+                found[name] = both
+                continue
+            found[name] = self._domain(part, 0, name, {k: v for k, v in plain.items() if k != name})
+        for letter in letters:
+            self.variables[letter] = _symbol(letter, found.get(letter, REAL) & _whole(letter))
+        real = {plain[letter]: self.variables[letter] for letter in letters}
+        for letter, domain in found.items():
+            domain &= _whole(letter)
+            ends = domain.lower.xreplace(real), domain.upper.xreplace(real)
+            self._keep(
+                self.variables[letter],
+                Domain(*ends, domain.lower_open, domain.upper_open, domain.nonzero, domain.integer),
+            )
+
+    def _subject(self, part: _Part, letters: Sequence[str]) -> str:
+        """The variable that an inequality is of: the first that is one side of its own."""
+        sides: list[list[Token]] = [[]]
+        for word in part.words[:-1]:
+            if word.kind == "sign" and word.text in ("<", "<=", ">", ">=", "!="):
+                sides.append([])
+            else:
+                sides[-1].append(word)
+        for side in sides:
+            if len(side) == 1 and side[0].text in letters:
+                return side[0].text
+        known = ", ".join(letters) or "none here"
+        words = f"expected an inequality of a variable of the equation ({known}), as in t > 0"
+        if any(len(side) == 1 and side[0].text in self.names for side in sides):
+            words += " (a parameter's domain stands in the part parameters)"
+        raise part.error(words)
+
+    # unknowns, solutions and equations
+
+    def _make_fields(self, indexed: set[str]) -> None:
+        for part in self.solutions:
+            word = part.words[0]
+            name = word.text
+            if word.kind != "name" or part.index("=") is None:
+                raise part.error(f"expected 'u = formula', got {word}")
+            self._check_unknown(part, name)
+            if name in self.fields:
+                raise part.error(f"expected one solution of {name}, got another")
+            continuous = [self.variables[k] for k in CONTINUOUS if k in self.variables]
+            site = [self.variables[SITE]] if SITE in self.variables else []
+            if not continuous and not site:
+                raise part.error("expected an independent variable (x, y, z, t or n), got none")
+            self.fields[name] = sp.Function(name)(*site, *continuous)
+        for part, place, word in self._words():
+            base = word.text.partition("_")[0]
+            unknown = self._is_derivative(word) or (word.kind == "name" and base in indexed)
+            if unknown and base not in self.fields:
+                raise part.error(f"expected a solution of the unknown {base}, got none", place)
+            if word.kind == "name" and base in self.fields and part.label == "equation":
+                self._check_index(part, place, base in indexed)
+        if SITE in self.variables and not indexed:
+            part = self.equations[0]
+            raise part.error("expected a lattice field such as u[n], got n without one")
+
+    def _check_index(self, part: _Part, place: int, indexed: bool) -> None:
+        has = part.words[place + 1].text == "["
+        if indexed and not has:
+            raise part.error(
+                f"expected '[' behind the lattice field {part.words[place]}", place + 1
+            )
+
+    def _check_unknown(self, part: _Part, name: str) -> None:
+        if name in (*CONTINUOUS, SITE) or name in CONSTANTS or name in FUNCTIONS or "_" in name:
+            raise part.error(f"expected an unknown such as u, got {part.words[0]}")
+        if name in self.names:
+            raise part.error(f"expected an unknown, got the parameter {name}")
+
+    def _solution(self, part: _Part) -> tuple[AppliedUndef, sp.Expr]:
+        name = part.words[0].text
+        equal = part.index("=")
+        assert equal is not None
+        heading = [word.text for word in part.words[1:equal]]
+        if heading not in ([], ["[", SITE, "]"]):
+            raise part.error(f"expected '=' behind {name}, got {part.words[1]}", 1)
+        for place, word in enumerate(part.words[equal + 1 :], equal + 1):
+            if word.kind == "name" and word.text.partition("_")[0] in self.fields:
+                words = f"expected a formula without unknowns, got {word}"
+                raise part.error(words, place)
+        parser = part.parser(self._vocabulary(), equal + 1)
+        found = parser.expression()
+        parser.expect_end()
+        self.used |= parser.used
+        return self.fields[name], found
+
+    def _equation(self, part: _Part) -> sp.Expr:
+        parser = part.parser(self._vocabulary())
+        found = parser.expression()
+        if parser.take_sign("="):
+            found -= parser.expression()
+        parser.expect_end()
+        self.used |= parser.used
+        if not found.atoms(AppliedUndef):
+            known = ", ".join(self.fields)
+            raise part.error(f"expected an equation for {known}, got one without")
+        return found
+
+    def _vocabulary(self) -> Vocabulary:
+        site = self.variables.get(SITE)
+        return Vocabulary(
+            FUNCTIONS, self.variables, self.fields, self.names, self._real_parameter, site
+        )
+
+    def _real_parameter(self, name: str) -> sp.Symbol:
+        """A name that is not declared: real; raises ValueError for one that may mean another."""
+        if name in MISREAD:
+            raise ValueError(f"expected a declared name, got '{name}' ({MISREAD[name]})")
+        similar = [k for k in (*self.fields, *self.names) if k.lower() == name.lower()]
+        if similar:
+            raise ValueError(f"expected a declared name, got '{name}' (did you mean {similar[0]}?)")
+        if name in FUNCTIONS:
+            raise ValueError(f"expected '(' behind the function {name}")
+        self.names[name] = sp.Symbol(name, real=True)
+        return self.names[name]
+
+    def _check_use(self) -> None:
+        for name, entry in self.declared.items():
+            if name not in self.used:
+                raise entry.error(f"expected a parameter that is used, got {name} (leave it out)")
+        for part in self.solutions:
+            name = part.words[0].text
+            if name not in self.used:
+                raise part.error(f"expected an unknown of the equations, got {name}")
+
+    def _check_domains(self) -> None:
+        """Raise FormulaError for domains that the prover cannot take, or that hold no point."""
+        if not self.domains:
+            return
+        try:
+            sample(settled_domains(self.domains, self.domains), 1)
+        except ValueError as error:
+            part = (*self.limits, *self.entries)[0]
+            raise part.error(str(error)) from None
+
+
+def _whole(letter: str) -> Domain:
+    return WORDS["integer"] if letter == SITE else REAL
+
+
+def _symbol(name: str, domain: Domain) -> sp.Symbol:
+    """A real symbol that knows the sign that its domain gives it."""
+    known: dict[str, bool] = {"integer": True} if domain.integer else {"real": True}
+    if domain.lower.is_nonnegative:
+        positive = domain.lower_open or domain.lower.is_positive
+        known["positive" if positive else "nonnegative"] = True
+    elif domain.upper.is_nonpositive:
+        negative = domain.upper_open or domain.upper.is_negative
+        known["negative" if negative else "nonpositive"] = True
+    if domain.nonzero:
+        known["nonzero"] = True
+    return sp.Symbol(name, **known)
+
+
+def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
+    """The domain of the side at ``place`` of a chain of inequalities."""
+    ascending = signs[0][0] == "<"
+    lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True
+    for other, sign in ((place - 1, place - 1), (place + 1, place)):
+        if not 0 <= other < len(sides):
+            continue
+        is_lower = (other < place) == ascending
+        is_open = "=" not in signs[sign]
+        if is_lower:
+            lower, lower_open = sides[other], is_open
+        else:
+            upper, upper_open = sides[other], is_open
+    return Domain(lower, upper, lower_open, upper_open)

@@ -1,0 +1,422 @@
+"""Verdicts on statements (`verify.proof.statement_text`): every equation proved, or one refuted.
+
+An equation in one unknown and its derivatives goes to `prove` as it is.  What that cannot take
+(several unknowns, lattice sites, functions of the unknown) is decided as the equality of its
+residual with 0: the formulas are put in and differentiated by SymPy before the proof.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from derive.algebra.formula_printing import formula_as_text
+from verify.subexpressions import abbreviated, distinct_nodes, replaced
+from verify.verdict import Outcome, ProofVerdict
+
+from . import prover
+from .balls import ball_value
+from .domain_signs import singularities
+from .domains import REAL, Domains, settled_domains
+from .samples import sample
+from .statement_text import Statement, read_statement
+
+Progress = Callable[[str], None]
+
+SMOOTH = "wherever the formulas are smooth"
+
+DRAWN = 40
+"""Points that are drawn for what a witness leaves free."""
+
+WITNESS_BITS = (160, 640)
+
+LARGEST_MULTIPLE = 12
+"""Of an angle that is expanded."""
+
+ANGULAR = (sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh)
+INVERSE = (sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+
+
+@dataclass(frozen=True)
+class StatementVerdict(ProofVerdict):
+    """The verdict on a statement: ``statement`` is what was read, in LaTeX.
+
+    ``certificates`` has one for each equation of a proof; ``hint`` says what would hold in the
+    place of a refuted formula.
+    """
+
+    statement: str = ""
+    hint: str = ""
+    certificates: tuple[Mapping[str, Any], ...] = field(default=(), repr=False, compare=False)
+
+    def json(self) -> dict[str, Any]:
+        """The record as plain data."""
+        return {
+            "name": self.name,
+            "verdict": self.outcome.value,
+            "reason": self.detail,
+            "witness": None if self.witness is None else dict(self.witness),
+            "hint": self.hint,
+            "seconds": self.seconds,
+            "assumptions": list(self.assumptions),
+            "singularities": list(self.singularities),
+            "statement": self.statement,
+            "certificates": [certificate["digest"] for certificate in self.certificates],
+        }
+
+
+def prove(
+    equation: Any, solution: Any, *, parameters: str = "", domain: str = "", **options: Any
+) -> ProofVerdict:
+    """Decide whether a formula solves an equation, both in text or both as SymPy objects.
+
+    Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
+    SymPy objects and their options are those of `verify.proof.prover.prove`.
+
+    Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
+
+    >>> prove("u_t + c*u_x", "u = sin(x - c*t)").outcome
+    <Outcome.PROVED: 'PROVED'>
+    >>> prove("u_x - 1", "u = sqrt(x**2)").outcome, prove("u_x - 1", "u = x").outcome
+    (<Outcome.REFUTED: 'REFUTED'>, <Outcome.PROVED: 'PROVED'>)
+    """
+    textual = [_is_text(equation), _is_text(solution)]
+    if not any(textual):
+        if parameters or domain:
+            raise ValueError(
+                "parameters and domain must be left out with SymPy objects, got "
+                f"{parameters or domain!r} (give domains={{symbol: sympy.Interval(...)}})"
+            )
+        return prover.prove(equation, solution, **options)
+    if not all(textual):
+        raise TypeError(
+            "equation and solution must be of one kind, got text and a SymPy object "
+            "(give both as text, or neither)"
+        )
+    wrong = sorted(options.keys() - {"name"})
+    if wrong:
+        raise TypeError(f"{wrong[0]} must be left out with texts, got it (say it in parameters)")
+    return decide_statement(read_statement(equation, solution, parameters, domain, **options))
+
+
+def _is_text(given: object) -> bool:
+    return isinstance(given, str) or (
+        isinstance(given, (list, tuple)) and all(isinstance(part, str) for part in given)
+    )
+
+
+def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
+    """The verdict on a statement; ``progress`` is told what is done next."""
+    start = time.perf_counter()
+    found: list[ProofVerdict] = []
+    count = len(statement.equations)
+    for number, equation in enumerate(statement.equations, 1):
+        progress(f"equation {number} of {count}")
+        found.append(_decide_equation(statement, equation))
+        if found[-1].outcome is Outcome.REFUTED:
+            break
+    return _together(statement, found, time.perf_counter() - start)
+
+
+def _together(
+    statement: Statement, found: Sequence[ProofVerdict], seconds: float
+) -> StatementVerdict:
+    """The verdict on all equations: the refuted or undecided one, else the proofs together."""
+    worst = {Outcome.REFUTED: 0, Outcome.UNDECIDED: 1, Outcome.PROVED: 2}
+    place = min(range(len(found)), key=lambda i: worst[found[i].outcome])
+    chosen = found[place]
+    proved = chosen.outcome is Outcome.PROVED
+    several = len(statement.equations) > 1
+    where = f"equation {place + 1}: " if several and not proved else ""
+    certificates = tuple(v.certificate for v in found if v.certificate) if proved else ()
+    lines = dict.fromkeys(line for v in found for line in v.assumptions) if proved else {}
+    places = dict.fromkeys(line for v in found for line in v.singularities) if proved else {}
+    return StatementVerdict(
+        statement.name,
+        "; ".join(equation_text(equation) for equation in statement.equations),
+        chosen.method,
+        chosen.outcome,
+        where + " ".join(chosen.detail.split()),
+        residual=chosen.residual,
+        witness=chosen.witness,
+        seconds=seconds,
+        assumptions=tuple(lines),
+        singularities=tuple(places),
+        certificate=certificates[0] if certificates else None,
+        statement=statement_latex(statement),
+        certificates=certificates,
+    )
+
+
+def undecided(statement: Statement, reason: str, seconds: float = 0.0) -> StatementVerdict:
+    """The verdict that there is none, for a reason."""
+    return StatementVerdict(
+        statement.name,
+        "; ".join(equation_text(equation) for equation in statement.equations),
+        prover.METHOD,
+        Outcome.UNDECIDED,
+        reason,
+        seconds=seconds,
+        statement=statement_latex(statement),
+    )
+
+
+def equation_text(equation: sp.Expr) -> str:
+    """An equation in the grammar."""
+    return f"{formula_as_text(equation)} = 0"
+
+
+def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
+    """The verdict on one equation, in the first way that decides."""
+    reasons: list[str] = []
+    for way in (_as_it_is, _by_residual, _by_angles):
+        try:
+            verdict = way(statement, equation)
+        except (ValueError, TypeError, RecursionError, NotImplementedError) as error:
+            reasons.append(" ".join(str(error).split()) or type(error).__name__)
+            continue
+        if verdict.outcome is not Outcome.UNDECIDED:
+            return _completed(statement, equation, verdict)
+        reasons.append(" ".join(verdict.detail.split()))
+    reason = "; then: ".join(dict.fromkeys(reasons[:2]))
+    return ProofVerdict(
+        statement.name, equation_text(equation), prover.METHOD, Outcome.UNDECIDED, reason
+    )
+
+
+def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -> ProofVerdict:
+    """The verdict with the symbols that were gone before the proof: they are real as the others."""
+    domains = _all_domains(statement, equation)
+    if verdict.outcome is Outcome.PROVED:
+        return replace(verdict, assumptions=(_reading(domains), *verdict.assumptions[1:]))
+    witness = dict(verdict.witness or {})
+    known = {
+        symbol: sp.Rational(witness[str(symbol)]) for symbol in domains if str(symbol) in witness
+    }
+    for point in sample(domains, DRAWN):
+        whole = {**point, **known}
+        if all(domain.contains(whole[symbol], whole) for symbol, domain in domains.items()):
+            coordinates = {str(symbol): str(value) for symbol, value in whole.items()}
+            return replace(verdict, witness=coordinates)
+    return verdict
+
+
+def _all_domains(statement: Statement, equation: sp.Expr) -> Domains:
+    used = [f for u, f in statement.solutions.items() if equation.has(u.func)]
+    symbols = {s for formula in (equation, *used) for s in formula.free_symbols}
+    return settled_domains(symbols | set(statement.variables), statement.domains)
+
+
+def _reading(domains: Domains) -> str:
+    names = ", ".join(sorted(map(str, domains)))
+    stated = [d.text(s) for s, d in domains.items() if d != REAL]
+    return f"for all real {names}{' with ' if stated else ''}{', '.join(stated)}, {SMOOTH}"
+
+
+def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
+    unknowns = equation.atoms(AppliedUndef)
+    if len(unknowns) != 1 or not unknowns <= statement.solutions.keys():
+        raise ValueError("equations with several unknowns or sites are decided by their residual")
+    (unknown,) = unknowns
+    formula = statement.solutions[unknown]
+    return prover.prove(equation, formula, name=statement.name, domains=statement.domains)
+
+
+def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
+    note = "the formulas were put into the equation and differentiated by SymPy"
+    return _as_equality(statement, equation, lambda formula: formula, note)
+
+
+def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
+    """By the residual with ``sin(4*atan(w))`` as an algebraic function of w."""
+    residual = residual_of(statement, equation)
+    angles = [f for f in residual.atoms(*ANGULAR) if f.args[0].has(*INVERSE)]
+    largest = max((abs(n) for f in angles for n in f.args[0].atoms(sp.Integer)), default=0)
+    if not angles or largest > LARGEST_MULTIPLE:
+        raise ValueError("there is no function of a multiple angle")
+    expanded = {f: sp.expand_trig(f) for f in angles}
+    note = "the formulas were put in and differentiated, and multiple angles expanded, by SymPy"
+    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), note)
+
+
+def _as_equality(
+    statement: Statement, equation: sp.Expr, written: Callable[[sp.Expr], sp.Expr], note: str
+) -> ProofVerdict:
+    """The verdict on residual = 0, all ``written`` as it says.
+
+    ``note`` tells what the certificate does not hold.  Raises ValueError where the formulas, or the
+    powers and functions of the equation, are not shown to be defined: what is not may have
+    cancelled in the residual.
+    """
+    nodes = [n for n in distinct_nodes(equation) if n.is_Pow or n.is_Function]
+    parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
+    parts += [residual_of(statement, node) for node in nodes]
+    residual, *parts = (
+        _with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
+    )
+    parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
+    verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
+    if verdict.outcome is Outcome.REFUTED:
+        whole = _completed(statement, equation, verdict)
+        _check_defined_at(whole.witness or {}, parts)
+        return whole
+    if verdict.outcome is Outcome.UNDECIDED:
+        return verdict
+    for part in parts:
+        defined = _equal(statement, part, part, "a formula = itself")
+        if defined.outcome is not Outcome.PROVED:
+            raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
+    places = singularities(parts, _all_domains(statement, equation))
+    return replace(
+        verdict,
+        singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
+        assumptions=(*verdict.assumptions, note),
+    )
+
+
+def _with_exponentials(expression: sp.Expr) -> sp.Expr:
+    """The expression with x**k as exp(k*log(x)), which is what it means."""
+    powers = [p for p in expression.atoms(sp.Pow) if not p.exp.is_Rational and p.base is not sp.E]
+    for power in sorted(powers, key=sp.default_sort_key):
+        image = sp.exp(power.exp * sp.log(power.base), evaluate=False)
+        expression = replaced(expression, power, image)
+    return expression
+
+
+def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
+    return prover.prove_equal(
+        left,
+        right,
+        statement.variables,
+        name=statement.name,
+        equation_name=said,
+        domains=statement.domains,
+    )
+
+
+def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> None:
+    """Raise ValueError unless each of the formulas has a finite value at the point."""
+    for part in parts:
+        point = {symbol: sp.Rational(witness[str(symbol)]) for symbol in part.free_symbols}
+        with suppress(ZeroDivisionError):
+            if any(ball_value(part, point, bits).is_finite() for bits in WITNESS_BITS):
+                continue
+        raise ValueError(f"formulas must be defined at a witness, got {abbreviated(part)} at none")
+
+
+def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
+    """The left-hand side with the formulas in the places of the unknowns.
+
+    >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
+    >>> residual_of(statement, statement.equations[0])
+    0
+    """
+    formulas = {unknown.func: (unknown.args, f) for unknown, f in statement.solutions.items()}
+    images: dict[sp.Expr, sp.Expr] = {}
+
+    def image(node: sp.Expr) -> sp.Expr:
+        if node not in images:
+            images[node] = made(node)
+        return images[node]
+
+    def made(node: sp.Expr) -> sp.Expr:
+        if isinstance(node, sp.Derivative):
+            found = sp.diff(image(node.expr), *node.variables)
+            if found.has(sp.Derivative, sp.Subs):
+                raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
+            return found
+        if isinstance(node, AppliedUndef):
+            arguments, formula = formulas[node.func]
+            return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)
+        if not node.args:
+            return node
+        return node.func(*map(image, node.args))
+
+    return image(equation)
+
+
+def statement_latex(statement: Statement) -> str:
+    """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
+    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
+    words = rf"{_equations_latex(statement)} \quad\Leftarrow\quad {_formulas_latex(statement)}"
+    return words + (rf" \qquad ({domains})" if domains else "")
+
+
+def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
+    r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
+
+    >>> statement = read_statement("u_x - 1", "u = x")
+    >>> print(verified_sentence(statement, decide_statement(statement)))
+    We verified (certificate \texttt{...}) that
+    \[ u = x \]
+    satisfies
+    \[ u_{x} - 1 = 0 \]
+    for all real $x$ at which it is smooth.
+    """
+    formulas, equations = _formulas_latex(statement), _equations_latex(statement)
+    if verdict.outcome is Outcome.UNDECIDED:
+        return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
+    if verdict.outcome is Outcome.REFUTED:
+        point = ", ".join(
+            rf"{sp.latex(sp.Symbol(name))} = {value}"
+            for name, value in (verdict.witness or {}).items()
+        )
+        heading, last = "We found that", f"at ${point}$."
+        verb = "does not satisfy"
+    else:
+        digests = ", ".join(rf"\texttt{{{c['digest'][:16]}}}" for c in verdict.certificates)
+        heading = f"We verified (certificate {digests}) that"
+        verb, last = "satisfies", f"{_scope_latex(statement)} at which it is smooth."
+    return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
+
+
+def _scope_latex(statement: Statement) -> str:
+    formulas = (*statement.equations, *statement.solutions.values())
+    symbols = {s for formula in formulas for s in formula.free_symbols} | set(statement.variables)
+    names = ", ".join(sp.latex(symbol) for symbol in sorted(symbols, key=str))
+    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
+    return f"for all real ${names}$" + (f" with ${domains}$" if domains else "")
+
+
+def _equations_latex(statement: Statement) -> str:
+    return r",\quad ".join(f"{_latex(equation)} = 0" for equation in statement.equations)
+
+
+def _formulas_latex(statement: Statement) -> str:
+    pairs = statement.solutions.items()
+    return r",\quad ".join(f"{_latex(unknown)} = {_latex(f)}" for unknown, f in pairs)
+
+
+def _latex(expression: sp.Expr) -> str:
+    """An expression with jets as u_{xxt} and sites as q_{n+1}."""
+    jets = {d: sp.Symbol(_jet_latex(d.expr, d.variables)) for d in expression.atoms(sp.Derivative)}
+    plain = expression.xreplace(jets)
+    sites = {f: sp.Symbol(_jet_latex(f, ())) for f in plain.atoms(AppliedUndef)}
+    return sp.latex(plain.xreplace(sites))
+
+
+def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
+    if not isinstance(unknown, AppliedUndef):
+        return rf"\left({_latex(unknown)}\right)_{{{''.join(map(str, variables))}}}"
+    variables = sorted(variables, key=unknown.args.index)
+    index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
+    below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
+    return f"{unknown.func.__name__}_{{{below}}}" if below else unknown.func.__name__
+
+
+def _domain_latex(symbol: sp.Symbol, domain: Any) -> str:
+    left = "" if domain.lower == -sp.oo else f"{sp.latex(domain.lower)} {_less(domain.lower_open)} "
+    right = "" if domain.upper == sp.oo else f" {_less(domain.upper_open)} {sp.latex(domain.upper)}"
+    found = f"{left}{sp.latex(symbol)}{right}"
+    found += r" \in \mathbb{Z}" if domain.integer and not (left or right) else ""
+    return rf"{sp.latex(symbol)} \ne 0" if domain.nonzero and not (left or right) else found
+
+
+def _less(is_open: bool) -> str:
+    return "<" if is_open else r"\le"
