@@ -107,6 +107,13 @@ def module_of(path: Path) -> str:
     return ".".join(path.relative_to(HOUSE).with_suffix("").parts).removesuffix(".__init__")
 
 
+def test_the_lattice_knows_neither_symbols_nor_waves() -> None:
+    modules = [module_of(path) for path in SOURCES if path.is_relative_to(HOUSE / "lattice")]
+    test_importing_a_room_pulls_in_only_what_it_needs(
+        ", ".join(modules), {"sympy", "mpmath", "matplotlib", "xarray", "derive", "verify"}
+    )
+
+
 def modules_imported_first(tree: ast.Module, known: Mapping[str, Path]) -> Iterator[str]:
     """Yield the modules of the house that are imported when this one is: no later, for no types."""
     waiting: list[ast.AST] = [tree]
