@@ -110,7 +110,7 @@ def module_of(path: Path) -> str:
 def test_the_lattice_knows_neither_symbols_nor_waves() -> None:
     modules = [module_of(path) for path in SOURCES if path.is_relative_to(HOUSE / "lattice")]
     test_importing_a_noun_pulls_in_only_what_it_needs(
-        f"import {', '.join(modules)}", "sympy mpmath matplotlib xarray derive.symbols verify"
+        f"import {', '.join(modules)}", "sympy mpmath matplotlib xarray derive.lattice verify"
     )
 
 

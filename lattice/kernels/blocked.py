@@ -50,8 +50,8 @@ from solutions.run.jit import njit
 Array = NDArray[np.float64]
 
 ROWS = 256
-"""Rows by which a block moves up (64 to 512 cost the same to 5 %: `benchmarks/lattice_constants.py`
-has it, and the other constants of this room)."""
+"""Rows by which a block moves up (64 to 512 cost the same to 5 %: see
+`benchmarks/lattice_constants.py`, which has the other constants of this room as well)."""
 
 STAGES = 28
 """Stages done in a passage, at most, and at least one step's (13 to 52 cost the same to 5 %)."""
