@@ -73,7 +73,9 @@ CATALOGUE = Catalogue()
 
 @cache
 def _made(name: str) -> "ClosedForm":
-    form: ClosedForm = getattr(import_module(Catalogue.module(name)), name)()
+    module = Catalogue.module(name)
+    form: ClosedForm = getattr(import_module(module), name)()
+    object.__setattr__(form, "module", module)
     return form
 
 

@@ -101,7 +101,7 @@ class ClosedForm:
     ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
     ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
     stable expression
-    (``solutions.run.evaluator.PointEvaluator``).
+    (``solutions.run.evaluator.PointEvaluator``). ``module`` is where the catalogue has it from.
     """
 
     name: str
@@ -117,6 +117,7 @@ class ClosedForm:
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )
+    module: str = field(default="", init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):

@@ -8,11 +8,11 @@ the size of the expression, where the expanded SymPy tree is hundreds of times a
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import sympy as sp
-from sympy.printing.pycode import MpmathPrinter
+
+from solutions.functions.multiprecision import MpmathFormula
 
 
 class UnknownDerivativeError(ValueError):
@@ -22,14 +22,15 @@ class UnknownDerivativeError(ValueError):
 class StraightLine:
     """Lines ``symbol = node`` in order of evaluation; equal nodes share one line.
 
+    >>> from mpmath import mp
     >>> x = sp.Symbol("x")
     >>> tape = StraightLine()
     >>> entry = tape.record(sp.sin(x**2) + x**2)
     >>> len(tape.lines)
     3
     >>> slope = tape.derivative(entry, x)
-    >>> tape.compile([x], [slope], {"cos": lambda z: 1})(3)
-    [12]
+    >>> print(tape.formula([x], [slope])(mp, mp.zero)[0])
+    0.0
     """
 
     def __init__(self) -> None:
@@ -90,27 +91,9 @@ class StraightLine:
                 products.append(_partial_derivative(node, inner) * slope)
         return sp.Add(*products)
 
-    def compile(
-        self,
-        arguments: Sequence[sp.Symbol],
-        entries: Sequence[sp.Expr],
-        functions: Mapping[str, Any],
-    ) -> Callable[..., list[Any]]:
-        """A function of ``arguments`` with the list of the values of ``entries``.
-
-        Only the names in ``functions`` are available to it, so that no value is ever formed at
-        the global precision of mpmath; a name that is missing raises NameError when it is called.
-        """
-        printer = MpmathPrinter(
-            {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}
-        )
-        return sp.lambdify(
-            list(arguments),
-            list(entries),
-            modules=[dict(functions)],
-            printer=printer,
-            cse=lambda values: (self.lines, values),
-        )
+    def formula(self, arguments: Sequence[sp.Symbol], entries: Sequence[sp.Expr]) -> MpmathFormula:
+        """The values of ``entries`` as a formula in ``arguments``, for any mpmath context."""
+        return MpmathFormula.of(arguments, entries, self.lines)
 
 
 def _partial_derivative(node: sp.Expr, symbol: sp.Symbol) -> sp.Expr:

@@ -21,7 +21,6 @@ import mpmath
 import sympy as sp
 
 from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
-from solutions.functions.multiprecision import mp_module
 from solutions.parameter import Bound, Parameter
 from solutions.record import ClosedForm, Equation
 from verify.verdict import Outcome, Verdict
@@ -224,7 +223,7 @@ class ResidualProgram:
             entries = _term_entries(tape, expression, equation)
         except UnknownDerivativeError as error:
             raise EvaluationError(str(error)) from error
-        self._terms = tape.compile(self.symbols, entries, mp_module(self._context))
+        self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
         """log10 of |residual| / sum of |terms| at ``point``; -inf if the residual is 0.
@@ -235,7 +234,7 @@ class ResidualProgram:
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
         try:
-            terms = self._terms(*values)
+            terms = self._terms(context, *values)
             total, size = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
         except (ArithmeticError, ValueError, TypeError, NameError) as error:
             raise EvaluationError(f"{type(error).__name__}: {error}") from error

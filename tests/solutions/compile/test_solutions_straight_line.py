@@ -6,7 +6,6 @@ import sympy as sp
 
 from solutions.catalogue import closed_form
 from solutions.compile.straight_line import StraightLine
-from solutions.functions.multiprecision import mp_module
 from solutions.symbols import k, tau, xi
 
 x, y = sp.symbols("x y", real=True)
@@ -25,8 +24,7 @@ def _value(expression: sp.Expr, variables: list[sp.Symbol]) -> mpmath.mpf:
     entry = tape.record(expression)
     for variable in variables:
         entry = tape.derivative(entry, variable)
-    evaluate = tape.compile([x, y], [entry], mp_module(context))
-    return evaluate(context.mpf("0.7"), context.mpf("-0.3"))[0]
+    return tape.formula([x, y], [entry])(context, context.mpf("0.7"), context.mpf("-0.3"))[0]
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
@@ -58,9 +56,9 @@ def test_a_constant_has_derivative_zero() -> None:
 
 def test_an_unknown_function_is_an_error_at_the_call() -> None:
     tape = StraightLine()
-    evaluate = tape.compile([x], [tape.record(sp.airyai(x))], {})
-    with pytest.raises(NameError):
-        evaluate(1)
+    formula = tape.formula([x], [tape.record(sp.Function("unheard_of")(x))])
+    with pytest.raises(NameError, match="must have values in mpmath, got unheard_of"):
+        formula(mpmath.mp, 1)
 
 
 def test_the_global_precision_is_left_alone() -> None:
