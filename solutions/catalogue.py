@@ -59,6 +59,9 @@ class Catalogue(Sequence["ClosedForm"]):
     def __len__(self) -> int:
         return len(self.names)
 
+    def __repr__(self) -> str:
+        return f"<Catalogue of {len(self)} closed forms: {', '.join(self.names)}>"
+
     @staticmethod
     def module(name: str) -> str:
         """The module with the function ``name``, which makes that form."""

@@ -23,7 +23,7 @@ from solutions.compile.tape import Tape
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import tau, xi
 from verify.processes import Job, Key
-from verify.proof.balls import BallEvaluator, Shape
+from verify.proof.balls import BallEvaluator, JetShape
 from verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
 
 PLACES: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
@@ -147,7 +147,7 @@ def _balls(
     U: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr], place: sp.Rational
 ) -> tuple[acb, ...]:
     """U, U_xi, U_tau at one point."""
-    shape = Shape([(1, 0), (0, 1)])
+    shape = JetShape([(1, 0), (0, 1)])
     point = {**parameters, xi: place, tau: TIME}
     coefficients: tuple[acb, ...] = BallEvaluator(shape, (xi, tau), point).jet(U).coefficients
     return coefficients
