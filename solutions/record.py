@@ -101,7 +101,7 @@ class ClosedForm:
     ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
     ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
     stable expression
-    (``solutions.run.evaluator.PointEvaluator``). ``module`` is where the catalogue has it from.
+    (``solutions.run.program.PointEvaluator``). ``module`` is where the catalogue has it from.
     """
 
     name: str
