@@ -149,12 +149,6 @@ def add_loosely(a: Pair, b: Pair) -> Pair:
 
 
 @njit(error_model="numpy")
-def negate(a: Pair) -> Pair:
-    """Return -a."""
-    return -a[0], -a[1]
-
-
-@njit(error_model="numpy")
 def subtract(a: Pair, b: Pair) -> Pair:
     """Return a - b."""
     return add(a, (-b[0], -b[1]))
@@ -172,16 +166,6 @@ def scale(a: Pair, b: float) -> Pair:
     """Return a b for a float b."""
     p, e = two_prod(a[0], b)
     return quick_two_sum(p, _fma(a[1], b, e))
-
-
-@njit(error_model="numpy")
-def divide(a: Pair, b: Pair) -> Pair:
-    """Return a / b with relative error below 2^-100."""
-    q = a[0] / b[0]
-    rest = subtract(a, scale(b, q))
-    q2 = rest[0] / b[0]
-    rest = subtract(rest, scale(b, q2))
-    return add(quick_two_sum(q, q2), (rest[0] / b[0], 0.0))
 
 
 @njit(error_model="numpy")
