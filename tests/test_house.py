@@ -28,7 +28,6 @@ SAME_NAMES = {
     "__init__.py": "a room's or a folder's face",
     "__main__.py": "a room's command",
     "catalogue.py": "closed forms, schemes: the list of what there is",
-    "jacobi.py": "the functions for SymPy, and for the machine",
     "ring.py": "a ring of sites, a ring of polynomials",
     "symbols.py": "the letters of a room's formulas",
 }
@@ -38,7 +37,6 @@ SAME_CLASSES = {
     "Domain": "of sites, of variables",
     "Options": "of one command each",
     "Problem": "as a file states it, as it is proved",
-    "Signs": "of the prover, of the checker, which shares no code with it",
     "Statement": "as a text states it, as a certificate proves it",
 }
 """Names that several public classes may have, and why: their folders make them clear."""
