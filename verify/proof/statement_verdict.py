@@ -34,6 +34,12 @@ SMOOTH = "wherever the formulas are smooth"
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
+NOTES = (
+    "the formulas were put into the equation and differentiated by SymPy",
+    "the formulas were put in and differentiated, and multiple angles expanded, by SymPy",
+)
+"""What a certificate of residual = 0 does not hold."""
+
 WITNESS_BITS = (160, 640)
 
 LARGEST_MULTIPLE = 12
@@ -97,11 +103,14 @@ def prove(
     if not all(textual):
         raise TypeError(
             "equation and solution must be of one kind, got text and a SymPy object "
-            "(give both as text, or neither)"
+            "(write both as text)"
         )
     wrong = sorted(options.keys() - {"name"})
     if wrong:
-        raise TypeError(f"{wrong[0]} must be left out with texts, got it (say it in parameters)")
+        raise TypeError(
+            f"options beside texts must be parameters, domain and name, got {wrong[0]} "
+            "(say it in parameters)"
+        )
     return decide_statement(read_statement(equation, solution, parameters, domain, **options))
 
 
@@ -229,8 +238,7 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    note = "the formulas were put into the equation and differentiated by SymPy"
-    return _as_equality(statement, equation, lambda formula: formula, note)
+    return _as_equality(statement, equation, lambda formula: formula, NOTES[0])
 
 
 def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -241,8 +249,7 @@ def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     if not angles or largest > LARGEST_MULTIPLE:
         raise ValueError("there is no function of a multiple angle")
     expanded = {f: sp.expand_trig(f) for f in angles}
-    note = "the formulas were put in and differentiated, and multiple angles expanded, by SymPy"
-    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), note)
+    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
 
 
 def _as_equality(

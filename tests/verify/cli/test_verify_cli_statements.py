@@ -10,7 +10,7 @@ import pytest
 
 from longwave.__main__ import main
 from verify.cli import statements as command
-from verify.cli.statements import Problem, decided, read_problems
+from verify.cli.statements import StatedProblem, decided, read_problems
 from verify.proof import check_certificate
 from verify.proof.statement_text import read_statement
 
@@ -233,8 +233,10 @@ def test_a_file_that_is_too_long_or_not_text_is_refused(tmp_path: Path, capsys: 
         assert error.count("\n") == 1
 
 
-def problem(equation: str = "u_x - 1", solution: str = "u = x", name: str = "mine") -> Problem:
-    return Problem(read_statement(equation, solution, name=name))
+def problem(
+    equation: str = "u_x - 1", solution: str = "u = x", name: str = "mine"
+) -> StatedProblem:
+    return StatedProblem(read_statement(equation, solution, name=name))
 
 
 def slow(_: Any, tell: Any) -> Any:

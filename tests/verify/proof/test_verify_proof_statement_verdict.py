@@ -203,7 +203,7 @@ def test_the_face_takes_texts_and_sympy_objects() -> None:
         longwave.prove(equation, formula, domain="x > 0")
     with pytest.raises(TypeError, match="equation and solution must be of one kind"):
         longwave.prove("u_x - 1", formula)
-    with pytest.raises(TypeError, match="points must be left out with texts"):
+    with pytest.raises(TypeError, match="must be parameters, domain and name, got points"):
         longwave.prove("u_x - 1", "u = x", points=[])
 
 
