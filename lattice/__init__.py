@@ -4,8 +4,9 @@
 first asked for: a model needs no compiler.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from lattice.integration import Cost, Trajectory, integrate
@@ -32,20 +33,14 @@ __all__ = [
     "stability_limit",
 ]
 
-_MODULES = {
-    "integration": ("Cost", "Trajectory", "integrate"),
-    "model": ("Model",),
-    "schemes.catalogue": ("SCHEMES", "scheme_named"),
-    "schemes.order": ("check_order",),
-    "schemes.scheme": ("Composition", "RungeKutta", "Scheme", "Splitting", "stability_limit"),
-    "state": ("State", "ring_energy"),
-}
-_MODULE_OF = {noun: module for module, nouns in _MODULES.items() for noun in nouns}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _MODULE_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    noun = getattr(import_module(f"lattice.{_MODULE_OF[name]}"), name)
-    globals()[name] = noun
-    return noun
+__getattr__, __dir__ = lazy_face(
+    __name__,
+    {
+        "lattice.integration": "Cost Trajectory integrate",
+        "lattice.model": "Model",
+        "lattice.schemes.catalogue": "SCHEMES scheme_named",
+        "lattice.schemes.order": "check_order",
+        "lattice.schemes.scheme": "Composition RungeKutta Scheme Splitting stability_limit",
+        "lattice.state": "State ring_energy",
+    },
+)

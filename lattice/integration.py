@@ -5,7 +5,6 @@ its data changed where the lattice may amplify rounding.
 """
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 from numbers import Real
 from time import perf_counter
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lattice.kernels import blocked
 from lattice.model import Model
-from lattice.refine import Kind, Progress, lawful_step, refine, shorter_step
+from lattice.refine import Progress, StepSearch, refine
 from lattice.schemes.catalogue import REDUCED_PHASE_6, SCHEMES
 from lattice.schemes.order import check_order
 from lattice.schemes.scheme import Scheme, check_step, stability_limit
@@ -28,16 +27,10 @@ Array = NDArray[np.float64]
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
 
-STEP_RATIO = 0.7
-"""Step of a control run, in units of the one before it."""
-
 RING_SAFETY = 4.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, on runs
 of 10 steps about strains where V'' < 0; with 4 the worst error of 2500 was 0.27 of its estimate
 (the random cases of `tests/lattice/test_lattice_integration.py`)."""
-
-UNSTABLE = 4
-"""Steps tried, each ``LEAST_FACTOR`` of the last, until one does not blow up."""
 
 
 @dataclass(frozen=True)
@@ -186,32 +179,21 @@ def _trajectory(trial: Trial, error: float, begun: float, scheme: Scheme) -> Tra
     return Trajectory(times, strain, velocity, error, scheme.name, trial.choices.step, cost)
 
 
-class RingSearch:
+class RingSearch(StepSearch):
     """Runs of a ring of sites from a state, for `refine` to judge: only the step varies."""
 
-    kinds: tuple[Kind, ...] = ("step",)
     safety = RING_SAFETY
-    unstable = UNSTABLE
-    most_work = math.inf
 
     def __init__(self, model: Model, state: State, times: Array, scheme: Scheme) -> None:
         self.model, self.state, self.scheme = model, state, scheme
-        self.order: int = scheme.order
         self.fragile = model.kernel[1:] != (None, None)
         self.threads = 2 if blocked.fits(state.size, scheme.stages) else 1
         self._times = times
-        self._stops = np.concatenate([[state.t], times])
-
-    def first(self) -> Choices:
-        """The longest step that may be stable about the strains of the state."""
-        stiffness = np.abs(self.model.stiffness(self.state.y))
-        highest = 2.0 * math.sqrt(max(float(np.max(stiffness)), self.model.K2))
-        step = LIMIT_SHARE * stability_limit(self.scheme) / highest
-        return Choices(step, self.state.size)
-
-    def scout(self) -> "RingSearch":
-        """Itself: there are no sites to spare."""
-        return self
+        stiffness = np.abs(model.stiffness(state.y))
+        highest = 2.0 * math.sqrt(max(float(np.max(stiffness)), model.K2))
+        longest = LIMIT_SHARE * stability_limit(scheme) / highest
+        stops = np.concatenate([[state.t], times])
+        super().__init__(scheme.order, longest, stops, state.size)
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the stepper, the times, strains and velocities."""
@@ -236,25 +218,11 @@ class RingSearch:
         return Trial(
             choices,
             values,
-            float(stepper.steps) * self.scheme.stages * state.size,
+            float(stepper.steps),
             perf_counter() - begun,
             rounding_error(max(map(abs, stepper.strain)), stepper.steps * self.scheme.stages),
             (stepper, self._times, strain, velocity),
         )
-
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step."""
-        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
-        return replace(choices, step=step)
-
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the scheme's order."""
-        return replace(choices, step=lawful_step(choices.step, self.order, excess))
-
-    def work(self, choices: Choices) -> float:
-        """Site updates."""
-        steps = (self._stops[-1] - self._stops[0]) / choices.step
-        return float(steps * self.scheme.stages * choices.size)
 
     def _start(self, nudged: bool) -> State:
         """A copy of the state; ``nudged`` with the last digits of both its arrays changed."""

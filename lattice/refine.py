@@ -59,7 +59,7 @@ PROGRESS = 0.7
 
 WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
-shorter ones, whose roundings are more."""
+shorter ones, whose roundings are more (scenes of `benchmarks/estimates.py`)."""
 
 SURE = 50.0
 """A step's error that is to be divided by at most this is taken to obey its law."""
@@ -362,6 +362,9 @@ class _Search:
 LEAST_FACTOR = 0.2
 """Least factor from one step to the next one tried."""
 
+STEP_RATIO = 0.7
+"""Step of a control run of a `StepSearch`, in units of the one before it."""
+
 
 def lawful_step(step: float, order: int, excess: float) -> float:
     """The step with which an error that falls like step^order is smaller by ``excess``.
@@ -395,3 +398,47 @@ def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
     while mean_step(stops, found, order) > wanted:
         found *= 0.97
     return found
+
+
+class StepSearch:
+    """An engine of which only the time step is to be found; `run` is its user's.
+
+    ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
+    beginning to the end: between them the steps are equal.
+    """
+
+    kinds: tuple[Kind, ...] = ("step",)
+    threads = 1
+    safety = SAFETY
+    unstable = 4
+    fragile = False
+    most_work = math.inf
+
+    def __init__(self, order: int, first_step: float, stops: Array, size: float = 1.0) -> None:
+        self.order = order
+        self._first, self._stops = Choices(first_step, size), stops
+
+    def first(self) -> Choices:
+        """The longest step."""
+        return self._first
+
+    def scout(self) -> Engine:
+        """Itself: there are no sites to spare."""
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run with that step."""
+        raise NotImplementedError
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step."""
+        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
+        return replace(choices, step=step)
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the law of the order."""
+        return replace(choices, step=lawful_step(choices.step, self.order, excess))
+
+    def work(self, choices: Choices) -> float:
+        """Steps."""
+        return float(self._stops[-1] - self._stops[0]) / choices.step

@@ -1,4 +1,4 @@
-"""Closing a ring by its circumference.
+"""The seam of a ring: closing it, and letting fade what it sends out.
 
 A localised wave on a periodic background approaches its far field through a phase that decays like
 1/x, so the data at the two ends of m wavelengths miss each other by O(1/m). The circumference of a
@@ -13,8 +13,6 @@ A ring that is so wide that its seam is not felt need not close: a periodic wave
 
 What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
 off at the seam, not everywhere: the data elsewhere are the wave's own.
-
-Letting fade, on a ring, what can no longer reach a compared site.
 
 What the seam of a closed ring sends out may grow until waves cease to exist there, although the
 lattice itself is sound. The sites beyond the cone of the compared ones, which grows narrower all

@@ -6,8 +6,9 @@ the lattice enters only through a ``derive.NormalForm``. Each noun is imported w
 asked for: reading the formulas needs no compiler, and double-double arithmetic no formulas.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from solutions.catalogue import CATALOGUE, closed_form
@@ -41,26 +42,13 @@ __all__ = [
     "rational_tau",
 ]
 
-_MODULES = {
-    "catalogue": ("CATALOGUE", "closed_form"),
-    "record": (
-        "DEFOCUSING_MKDV",
-        "FOCUSING_MKDV",
-        "ClosedForm",
-        "Equation",
-        "FarFields",
-        "Reference",
-    ),
-    "parameter": ("Bound", "Parameter"),
-    "forms.rational": ("rational", "rational_tau"),
-    "wave": ("Side", "Wave", "WaveValues"),
-}
-_MODULE_OF = {noun: module for module, nouns in _MODULES.items() for noun in nouns}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _MODULE_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    noun = getattr(import_module(f"solutions.{_MODULE_OF[name]}"), name)
-    globals()[name] = noun
-    return noun
+__getattr__, __dir__ = lazy_face(
+    __name__,
+    {
+        "solutions.catalogue": "CATALOGUE closed_form",
+        "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV ClosedForm Equation FarFields Reference",
+        "solutions.parameter": "Bound Parameter",
+        "solutions.forms.rational": "rational rational_tau",
+        "solutions.wave": "Side Wave WaveValues",
+    },
+)

@@ -25,7 +25,8 @@ class FormulaPrinter(StrPrinter):
 
     def _print_Derivative(self, node: Any) -> str:
         if isinstance(node.expr, AppliedUndef):
-            return self._field(node.expr, "_" + "".join(map(str, node.variables)))
+            steps = sorted(node.variables, key=node.expr.args.index)
+            return self._field(node.expr, "_" + "".join(map(str, steps)))
         return f"diff({', '.join(map(self._print, (node.expr, *node.variables)))})"
 
     def _field(self, node: AppliedUndef, steps: str) -> str:

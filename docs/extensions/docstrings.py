@@ -24,11 +24,22 @@ def as_restructured_text(lines: list[str]) -> list[str]:
 
     >>> as_restructured_text(["``|x|`` is |x|:", "* p_i and p_", "", ">>> 2 * 3", "6"])
     ['``|x|`` is \\|x\\|:', '* p_i and p\\_', '', '>>> 2 * 3', '6']
+    >>> as_restructured_text(["rows::", "", "  a | b", "", "|a|"])
+    ['rows::', '', '  a | b', '', '\\|a\\|']
     """
     result, doctest = [], False
+    deeper: int | None = None  # indentation of the line with :: while what belongs to it goes on
     for line in lines:
+        indentation = len(line) - len(line.lstrip())
+        if deeper is not None and line.strip() and indentation <= deeper:
+            deeper = None
         doctest = line.lstrip().startswith(">>>") or (doctest and bool(line.strip()))
-        result.append(line if doctest else _escaped(line))
+        if doctest or deeper is not None:
+            result.append(line)
+            continue
+        result.append(_escaped(line))
+        if line.endswith("::"):
+            deeper = indentation
     return result
 
 

@@ -7,9 +7,8 @@ keep it up to an error that does not grow.
 import numpy as np
 from matplotlib.figure import Figure
 
-from longwave import run
+from longwave import Scene, run
 from reports.figures.drawing import CURVES
-from verify.comparison.scene import Scene
 
 
 def scene(scheme: str) -> Scene:

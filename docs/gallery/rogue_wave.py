@@ -6,10 +6,9 @@ lattice stays a little below the mKdV wave.
 
 from matplotlib.figure import Figure
 
-from longwave import run
+from longwave import load_scene, run
 from reports.figures.drawing import snapshot_figure
 from reports.figures.paper_figures import snapshots
-from verify.comparison.scene_catalogue import load_scene
 
 
 def picture() -> Figure:

@@ -6,9 +6,8 @@ the solitons of the mKdV equation do.
 
 from matplotlib.figure import Figure
 
-from longwave import run
+from longwave import Scene, run
 from reports.figures.drawing import space_time_figure
-from verify.comparison.scene import Scene
 
 SCENE = Scene.of(
     name="two_solitons",

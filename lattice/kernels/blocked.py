@@ -5,7 +5,7 @@ row r, lane l (dimension-lifted transposition; Henretty et al., CC 2011), and ro
 end repeat those at its beginning with the lanes moved by one. All stages of a few steps are done in
 one passage over the rows: a front of blocks goes up, and in each block stage k stops one row short
 of stage k - 1 (time skewing; Wonnacott, IPDPS 2000), for it needs the row above. A letter says in
-which block a stage is done on a row, here with 16 rows, 5 stages and 4 rows a block:
+which block a stage is done on a row, here with 16 rows, 5 stages and 4 rows a block::
 
     row 15 | D
         14 | D  D
@@ -50,11 +50,11 @@ from solutions.run.jit import njit
 Array = NDArray[np.float64]
 
 ROWS = 256
-"""Rows by which a block moves up (measured with `benchmarks/same_lattice.py`: 96 to 256 cost the
-same to 5 %)."""
+"""Rows by which a block moves up. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py`
+measures this and the other constants of the room."""
 
 STAGES = 28
-"""Stages done in a passage, at most (at least one step's)."""
+"""Stages done in a passage, or one step's if they are more (13 to 52 cost the same to 5 %)."""
 
 ALIGNMENT = 8
 """Doubles in a line of the cache."""
@@ -168,7 +168,8 @@ Ring = tuple[Array, Array]
 Work = tuple[Array, Array, int, float, float | None, float | None]
 
 LEAST_SITES = 16_384
-"""Sites from which on the second core pays (measured: 1.5 to 1.8 times as fast up to 65 536)."""
+"""Sites from which on the second core pays: 1.5 to 1.8 times as fast up to 65 536, on idle cores
+(`benchmarks/lattice_constants.py`)."""
 
 MEETING = 64
 """Most steps between two meetings."""

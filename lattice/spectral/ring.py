@@ -1,13 +1,11 @@
-"""A real periodic function of position, sampled: strain and velocity on a ring at one time.
+"""Strain and velocity on a ring of real circumference at one time, sampled.
 
-What steps longer than a site's passage cannot tell apart: the lattices of one spectral ring.
-
-A ring of real circumference holds one lattice for each x mod 1, and they do not feel each other.
+Such a ring holds one lattice for each x mod 1, and they do not feel each other.
 A wave that is hardly longer than the distance of sites has, by the place of its crest between two
 sites, a little more or less energy, which each of the lattices keeps for ever: its waves are a
 little larger and faster. In the frame of the wave such a difference turns its phase once a site
 (the wave numbers near 2 pi). Steps that do not resolve that average it, whatever their length, and
-all waves run alike: a run with a shorter step does not show it.
+all waves run alike: a run with a shorter step does not show it. `energy_spread` does.
 """
 
 import math
@@ -120,7 +118,7 @@ ALIKE = 0.2
 """Share of the tolerance that they may differ by, unshown. Over a time in which the nonlinear part
 turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
 their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63."""
+to 0.63, as `benchmarks/estimates.py` draws them."""
 
 SEAM = 6.0
 """Distance from the seam, in units of CREST_REACH, at which it is not felt."""

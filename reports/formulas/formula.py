@@ -154,8 +154,9 @@ class Naming:
             for row in self.rows:
                 counted.update(occurrences(row))
                 counted[row] -= 1
-            often = [part for part, times in counted.items() if times >= OFTEN]
-            part = max(filter(is_worth_a_name, often), key=size, default=None)
+            often = (part for part, times in counted.items() if times >= OFTEN)
+            worth = (part for part in often if is_wide(part, WORTH) or is_phase(part))
+            part = max(worth, key=size, default=None)
             if part is None:
                 return
             name = sp.Dummy("z" if is_phase(part) else "P", real=True)
@@ -205,7 +206,7 @@ class Naming:
         """Put back what is used once and leaves its row on one line."""
         for name in [name for name in self.parts if name.name == "P"]:
             users = [row for row in self.rows if row.has(name)]
-            if len(users) == 1 and uses(users[0], name) == 1:
+            if len(users) == 1 and list(sp.preorder_traversal(users[0])).count(name) == 1:
                 changed = users[0].xreplace({name: self.parts[name]})
                 if not is_wide(tidied(changed)) and nesting(latex(tidied(changed))) < 2:
                     part = self.parts.pop(name)
@@ -227,20 +228,13 @@ Change = Callable[[sp.Dummy], sp.Expr]
 def based(node: sp.Expr, bases: Iterable[sp.Expr]) -> tuple[sp.Expr, Change]:
     """Return what to name in a function's argument, and the function in terms of the name."""
     argument, *rest = node.args
-    for base in bases:
-        for sign in (1, -1):
-            if not (argument - sign * base).has(xi):
-                return base, _changed(node.func, sign, argument - sign * base, rest)
+    shifts = ((base, sign, argument - sign * base) for base in bases for sign in (1, -1))
     number, factor = argument.as_coeff_Mul()
     if runs_left(factor):
         number, factor = -number, -factor
-    return factor, _changed(node.func, number, sp.S.Zero, rest)
-
-
-def _changed(
-    function: Callable[..., sp.Expr], number: sp.Expr, shift: sp.Expr, rest: Iterable[sp.Expr]
-) -> Change:
-    return lambda name: function(number * name + shift, *rest)
+    unshifted = factor, number, sp.S.Zero
+    base, number, shift = next((one for one in shifts if not one[2].has(xi)), unshifted)
+    return base, lambda name: node.func(number * name + shift, *rest)
 
 
 def atoms(expression: sp.Expr, *kinds: type[sp.Expr]) -> list[sp.Expr]:
@@ -255,11 +249,6 @@ def with_phase(total: sp.Expr, phase: sp.Expr, name: sp.Dummy) -> sp.Expr | None
     if not number or not number.is_number or not scaled <= set(total.args):
         return None
     return sp.Add(number * name, *(term for term in total.args if term not in scaled))
-
-
-def is_worth_a_name(part: sp.Expr) -> bool:
-    """Tell whether a name for the part saves anything."""
-    return is_wide(part, WORTH) or is_phase(part)
 
 
 @cache
@@ -298,13 +287,6 @@ def divided(node: sp.Expr, product: sp.Expr, name: sp.Dummy) -> sp.Expr | None:
     if len(exponents) != 1 or not (power := exponents.pop()).is_positive:
         return None
     return node / product**power * name**power
-
-
-def uses(expression: sp.Expr, name: sp.Dummy) -> int:
-    """Count how often the name stands in the expression."""
-    if expression == name:
-        return 1
-    return sum(uses(arg, name) for arg in expression.args)
 
 
 class Formula:

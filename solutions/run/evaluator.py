@@ -1,22 +1,23 @@
 """One expression with numbers in: value and derivatives at arrays of (x, t)."""
 
-from collections.abc import Mapping
-from typing import Protocol
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import sympy as sp
-from numpy.typing import NDArray
 
-from solutions.compile.program import Variables, compile_program
 from solutions.run.bounded import PARTS
-from solutions.run.doubledouble import check_range, split
-from solutions.run.jacobi import jacobi_program
+from solutions.run.doubledouble import Array, check_range, split
+from solutions.run.jacobi_program import jacobi_program
 from solutions.run.linear_phase import LinearPhase, as_pairs
 from solutions.run.machine import run_pairs
+from solutions.run.program import Program, Variables
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 __all__ = ["Evaluator", "PointEvaluator"]
-
-Array = NDArray[np.float64]
 
 
 class PointEvaluator(Protocol):
@@ -33,23 +34,22 @@ class PointEvaluator(Protocol):
 
 
 class Evaluator:
-    """The value and its xi and tau derivatives of an expression at given parameters.
+    """The value and its xi and tau derivatives by a program with exact parameters put in.
 
-    ``parameters`` maps symbols to exact numbers. The result is scaled by nothing: the caller
-    multiplies by the normal form's rates. Raises OverflowError for a constant of the expression
-    beyond 1e-250 .. 1e250.
+    The result is scaled by nothing: the caller multiplies by the normal form's rates. Raises
+    OverflowError for a constant of the program beyond 1e-250 .. 1e250.
     """
 
-    def __init__(self, expression: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr]) -> None:
-        self._program = compile_program(expression, tuple(parameters))
-        numbers = self._program.numbers(tuple(parameters.values()))
+    def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
+        self._program = program
+        numbers = program.numbers(parameters)
         self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
             -1, 2
         )
         self._coefficients = numbers.coefficients
         self._functions = [
-            jacobi_program(check_range(m), check_range(1 - m), wanted)
-            for m, wanted in zip(numbers.moduli, self._program.wanted, strict=True)
+            jacobi_program(check_range(m), check_range(1 - m), tuple(wanted))
+            for m, wanted in zip(numbers.moduli, program.wanted, strict=True)
         ]
 
     def phases(self, variables: Variables) -> list[LinearPhase]:
@@ -60,11 +60,10 @@ class Evaluator:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
         program = self._program
         found = [phase(x, t) for phase in phases]
-        arguments = dict(zip((ph.symbol for ph in program.phases), found, strict=True))
         rows = [as_pairs(phase)[None] for phase in found]
         rows += [
-            functions(arguments[call.phase])
-            for call, functions in zip(program.calls, self._functions, strict=True)
+            functions(found[place])
+            for place, functions in zip(program.calls, self._functions, strict=True)
         ]
         out = np.empty((3, PARTS, x.size))
         inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, x.size))

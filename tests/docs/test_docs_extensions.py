@@ -11,9 +11,9 @@ import gallery
 import lists
 from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
+from longwave import CATALOGUE
 from reference import write_reference
 from snippets import snippets
-from solutions.catalogue import CATALOGUE
 from verify.comparison import SCHEMES, further_scenes, shipped_scenes
 
 

@@ -3,6 +3,7 @@
 import doctest
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -35,7 +36,7 @@ def run_session(text: str, names: dict[str, Any], page: str) -> None:
 
 def run_command(command: Command) -> None:
     """What CI runs itself (`make`) is only looked up; everything else is run."""
-    words = command.line.split()
+    words = shlex.split(command.line)
     if words[0] == "make":
         assert words[1] in TARGETS
         return
@@ -49,7 +50,7 @@ def run_command(command: Command) -> None:
     done = subprocess.run(
         words, capture_output=True, text=True, env=environment, check=False, timeout=300
     )
-    got = done.stdout if done.returncode == 0 else done.stderr
+    got = done.stderr if done.returncode == 2 else done.stdout
     assert doctest.OutputChecker().check_output(command.output, got, FLAGS), got
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lattice.spectral.exponential import ORDER, ExponentialAdams, ExponentialRungeKutta, halve
+from lattice.spectral.exponential import ORDER, ExponentialAdams, ExponentialRungeKutta
 
 W = np.array([[0.0, 1.0, 30.0]])
 START = np.array([[0.5, 0.7 + 0.2j, 0.3j]])
@@ -46,24 +46,6 @@ def test_order_of_etdrk4() -> None:
     assert abs(math.log2(errors[0] / errors[1]) - 4) < 0.2
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-8])
-def test_halving_meets_the_tolerance(tolerance: float) -> None:
-    result = halve(_real, 2.0, tolerance)
-    error = float(np.abs(result.values - EXACT.view(np.float64)).max())
-    assert error < result.error <= tolerance
-
-
 def test_a_part_of_a_step_is_as_exact_as_whole_ones() -> None:
     """0.007 does not divide 10."""
     assert np.abs(_solve(0.007) - EXACT).max() < np.abs(_solve(0.008) - EXACT).max()
-
-
-def test_halving_gives_up_when_it_no_longer_helps() -> None:
-    random = np.random.default_rng(4)
-    with pytest.raises(ValueError, match="tolerance must leave more than"):
-        halve(lambda h: random.normal(size=3), 1.0, 1e-9)
-
-
-def test_halving_tells_a_blow_up() -> None:
-    with pytest.raises(FloatingPointError, match="blow-up"):
-        halve(lambda h: np.array([np.inf]), 1.0, 1e-3)

@@ -183,6 +183,13 @@ def test_a_tolerance_below_rounding_is_refused() -> None:
         integrate(MODEL, ROUGH, [10.0], 1e-16)
 
 
+def test_what_chaos_makes_of_the_last_digits_is_told() -> None:
+    """Neighbouring strains part like exp(0.2 t) here: 1e-16 is 1e-7 by then."""
+    wild = replace(ROUGH, y=2.5 * ROUGH.y, s=2.5 * ROUGH.s)
+    with pytest.raises(ValueError, match=r"got 1e-09 \(neighbouring states of the lattice part"):
+        integrate(MODEL, wild, [100.0], 1e-9)
+
+
 WRONG = {
     "either tolerance or step must be given, got tolerance None and step None": {},
     "either tolerance or step must be given, got tolerance 0.1 and step 0.1": {

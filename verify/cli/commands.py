@@ -69,7 +69,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "limit", "latex")
 @click.option("--output", metavar="FILE", type=click.Path(), help="Write the proofs' certificates.")
 @json_option
 def prove(names: tuple[str, ...], **options: Any) -> int:
-    """Prove a formula of your own or closed forms by name, or check proofs.
+    """Prove formulas of your own or by name, or check proofs.
 
     A formula of your own is stated by --equation and --solution, or with others in a FILE.toml of
     [[problem]] tables. Closed forms are proved for all X and T, all lattice constants and all their

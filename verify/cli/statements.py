@@ -32,6 +32,7 @@ from verify.proof.near_misses import SECONDS as HINT_SECONDS
 from verify.proof.near_misses import with_hint
 from verify.proof.statement_text import Statement, read_statement
 from verify.proof.statement_verdict import (
+    NOTES,
     StatementVerdict,
     decide_statement,
     undecided,
@@ -70,7 +71,7 @@ STAGES = {
 
 
 @dataclass(frozen=True)
-class Problem:
+class StatedProblem:
     """A statement with what a file says beside it; ``expect`` is a verdict or empty."""
 
     statement: Statement
@@ -121,20 +122,20 @@ def print_statement_verdicts(options: Options, program: str) -> int:
     return 0 if met else 1
 
 
-def _is_met(problem: Problem, verdict: StatementVerdict) -> bool:
+def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
     return verdict.outcome == (problem.expect or Outcome.PROVED)
 
 
 # what is to be decided
 
 
-def _problems(options: Options) -> list[Problem]:
+def _problems(options: Options) -> list[StatedProblem]:
     if options.files:
         return [problem for path in options.files for problem in read_problems(Path(path))]
     statement = read_statement(
         options.equations, options.solutions, options.parameters or "", options.domain or ""
     )
-    return [Problem(statement)]
+    return [StatedProblem(statement)]
 
 
 def _limit(options: Options) -> float:
@@ -144,7 +145,7 @@ def _limit(options: Options) -> float:
     return limit
 
 
-def read_problems(path: Path) -> list[Problem]:
+def read_problems(path: Path) -> list[StatedProblem]:
     """The problems of a TOML file, in order.
 
     Raises ValueError, for a formula FormulaError, with the problem's name, and OSError as opening
@@ -167,7 +168,7 @@ def read_problems(path: Path) -> list[Problem]:
     return [_problem(path, number, table) for number, table in enumerate(tables, 1)]
 
 
-def _problem(path: Path, number: int, table: Any) -> Problem:
+def _problem(path: Path, number: int, table: Any) -> StatedProblem:
     where = f"{path}, problem {number}"
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table, got {shown(table)} (begin with [[problem]])")
@@ -194,7 +195,7 @@ def _problem(path: Path, number: int, table: Any) -> Problem:
         )
     except FormulaError as error:
         raise error.within(f"{where} ({name})") from None
-    return Problem(statement, texts["expect"], texts["source"])
+    return StatedProblem(statement, texts["expect"], texts["source"])
 
 
 def _check_texts(where: str, key: str, given: Any) -> None:
@@ -219,7 +220,7 @@ class _Running:
 
 
 def decided(
-    problems: Sequence[Problem], limit: float = LIMIT, processes: int | None = None
+    problems: Sequence[StatedProblem], limit: float = LIMIT, processes: int | None = None
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
@@ -361,7 +362,7 @@ def _write_certificates(path: Path, verdicts: Sequence[StatementVerdict]) -> Non
     path.write_text("[" + ",\n".join(texts) + "]\n", encoding="utf-8")
 
 
-def _print(found: Sequence[tuple[Problem, StatementVerdict]], options: Options) -> None:
+def _print(found: Sequence[tuple[StatedProblem, StatementVerdict]], options: Options) -> None:
     if options.json_wanted:
         records = [_record(problem, verdict) for problem, verdict in found]
         print(json.dumps(records, indent=2))
@@ -379,7 +380,7 @@ def _print(found: Sequence[tuple[Problem, StatementVerdict]], options: Options) 
         print_lines(console, [summary([verdict for _, verdict in found], "statement")])
 
 
-def _record(problem: Problem, verdict: StatementVerdict) -> dict[str, Any]:
+def _record(problem: StatedProblem, verdict: StatementVerdict) -> dict[str, Any]:
     record = verdict.json()
     if problem.source:
         record["source"] = problem.source
@@ -388,7 +389,7 @@ def _record(problem: Problem, verdict: StatementVerdict) -> dict[str, Any]:
     return record
 
 
-def _lines(problem: Problem, verdict: StatementVerdict) -> list[str]:
+def _lines(problem: StatedProblem, verdict: StatementVerdict) -> list[str]:
     """The verdict in words: where it holds or fails, and what else there is to say."""
     first = verdict.detail
     if verdict.outcome is Outcome.PROVED:
@@ -398,6 +399,7 @@ def _lines(problem: Problem, verdict: StatementVerdict) -> list[str]:
     if verdict.witness:
         lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
+    lines += [line for line in verdict.assumptions if line in NOTES]
     lines += [verdict.hint] if verdict.hint else []
     lines += [f"expected was {expected}"] if expected else []
     return [lines[0], *(f"    {line}" for line in lines[1:])]

@@ -18,12 +18,12 @@ from itertools import product
 from typing import Any
 
 import sympy as sp
-from flint import acb, ctx, fmpq, fmpq_mpoly
+from flint import acb, ctx, fmpq_mpoly
 
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Dependence
-from .balls import BallEvaluator, Shape
+from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
 from .checker.field import Field
@@ -31,7 +31,7 @@ from .checker.limits import CertificateError
 from .checker.nodes import Nodes
 from .checker.ring import Element
 from .checker.statement import read_statement
-from .domain_signs import Signs
+from .domain_signs import DomainSigns
 from .domains import Domains, Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
@@ -54,7 +54,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     """
     table = NodeTable()
     statement = statement_data(problem, table)
-    rewriting = Rewriting(Signs(problem.domains))
+    rewriting = Rewriting(DomainSigns(problem.domains))
     for expression in problem.expressions:
         rewriting(expression)
     point = regular_point(problem)
@@ -94,7 +94,7 @@ def regular_point(problem: Problem) -> Point:
     """A point at which all of a problem's formulas are finite; raises ValueError without one."""
     for bits, point in product((BITS, 2 * BITS), problem.points):
         with ctx.workprec(bits):
-            balls = BallEvaluator(Shape([(0,)]), (), point)
+            balls = BallEvaluator(JetShape([(0,)]), (), point)
             try:
                 values = [balls.jet(expression).value for expression in problem.expressions]
             except ValueError as error:
@@ -138,7 +138,7 @@ def find_lemmas(
     elsewhere too.
     """
     with ctx.workprec(LEMMA_BITS):
-        balls = BallEvaluator(Shape([(0,)]), (), point)
+        balls = BallEvaluator(JetShape([(0,)]), (), point)
         sums = [_values(formula, variables, balls) for formula in (left, right)]
         pairs = [
             (own, other)
@@ -153,7 +153,8 @@ def find_lemmas(
         if shorter[0] == left or shorter[1] == right:
             continue
         inner = [pair for pair in pairs if pair[0] != own and pair[0] in distinct_nodes(own)]
-        if not _occurs(inner, *map(distinct_nodes, shorter)):
+        nodes = [set(distinct_nodes(formula)) for formula in shorter]
+        if not any(a in nodes[0] or b in nodes[1] for a, b in inner):
             lemmas.append((own, other))
             left, right = shorter
     return lemmas
@@ -169,16 +170,12 @@ def _values(
     return {node: value for node, value in values.items() if value.is_finite()}
 
 
-def _occurs(pairs: Sequence[Pair], left: Sequence[sp.Expr], right: Sequence[sp.Expr]) -> bool:
-    return any(own in left or other in right for own, other in pairs)
-
-
 class SquareRoots:
     """The square roots among the generators of a field, and what the dependent ones are."""
 
-    def __init__(self, field: Field, table: NodeTable, places: dict[int, int]) -> None:
+    def __init__(self, field: Field, table: NodeTable) -> None:
         self._field, self._table = field, table
-        self._places = places
+        self._places = {node: place for place, node in enumerate(field.nodes.places)}
         self._rows: list[tuple[frozenset[Key], frozenset[int]]] = []
         self._images: dict[int, Element] = {}
 
@@ -215,11 +212,10 @@ class SquareRoots:
 
     def _made_power(self, key: Key, power: int) -> int:
         kind, value = key
-        base = (
-            self._written(self._field.ring.factors[value])
-            if kind == "factor"
-            else self._table.place(sp.Integer(value))
-        )
+        if kind == "factor":
+            base = self._written(self._field.ring.factors[value])
+        else:
+            base = self._table.place(sp.Integer(value))
         return self._table.made("Pow", base, str(power))
 
     def _written(self, polynomial: fmpq_mpoly) -> int:
@@ -231,11 +227,9 @@ class SquareRoots:
                 for place, n in enumerate(reversed(exponents))
                 if n
             ]
-            terms.append(self._table.made("Mul", self._number(coefficient), *powers))
+            number = self._table.made("number", str(coefficient))
+            terms.append(self._table.made("Mul", number, *powers))
         return terms[0] if len(terms) == 1 else self._table.made("Add", *terms)
-
-    def _number(self, value: fmpq) -> int:
-        return self._table.made("number", str(value))
 
     def _meaning(self, place: int) -> int:
         generator = self._field.generators[place]
@@ -252,32 +246,24 @@ class SquareRoots:
 
 def with_square_roots(table: NodeTable, statement: Data, proof: Data) -> Data:
     """The proof with each square root that depends on earlier ones named, not a generator."""
-    roots = {
-        entry[1]
-        for entry in proof["generators"]
-        if entry[0] == "atom"
-        and table.nodes[entry[1]][0] == "Pow"
-        and table.nodes[entry[1]][2] == "1/2"
-    }
+    atoms = (entry[1] for entry in proof["generators"] if entry[0] == "atom")
+    roots = [place for place in atoms if table.nodes[place][::2] == ["Pow", "1/2"]]
     if not roots:
         return proof
-    nodes = Nodes(table.nodes)
-    field = registered(nodes, read_statement(nodes, statement), proof)
-    roots_known = SquareRoots(
-        field, table, {node: place for place, node in enumerate(nodes.places)}
-    )
-    dependent: dict[int, int] = {}
-    for entry in proof["generators"]:
-        if entry[0] == "atom" and entry[1] in roots:
-            value = roots_known.value(nodes.places[entry[1]])
-            if value is not None and _is_not_negative(table, statement, proof, value):
-                dependent[entry[1]] = value
+    field = _field(table, statement, proof)
+    square_roots, dependent = SquareRoots(field, table), dict[int, int]()
+    for root in roots:
+        value = square_roots.value(field.nodes.places[root])
+        if value is not None:
+            known = _field(table, statement, proof)
+            if known.signs.not_negative(known.nodes.places[value]):
+                dependent[root] = value
     kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
     values = [*proof["values"], *([root, value] for root, value in dependent.items())]
     return {**proof, "generators": kept, "values": values}
 
 
-def _is_not_negative(table: NodeTable, statement: Data, proof: Data, value: int) -> bool:
+def _field(table: NodeTable, statement: Data, proof: Data) -> Field:
+    """What the checker makes of a proof."""
     nodes = Nodes(table.nodes)
-    field = registered(nodes, read_statement(nodes, statement), proof)
-    return field.signs.not_negative(nodes.places[value])
+    return registered(nodes, read_statement(nodes, statement), proof)

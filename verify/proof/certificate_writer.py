@@ -140,11 +140,10 @@ class ProofWriter:
             self.registered.add(place)
             self.generators.append([*(rest or ("atom", place))])
 
-    def name(self, place: int, value: sp.Expr) -> None:
-        """Say what the root or function at ``place`` is, unless it is that node."""
-        found = self.table.place(value)
-        if found != place:
-            self.hints["values"][place] = found
+    def name(self, *, place: int, value: int) -> None:
+        """Say that the root or function at ``place`` is the node at ``value``."""
+        if place != value:
+            self.hints["values"][place] = value
 
     def data(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""

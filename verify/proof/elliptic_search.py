@@ -77,7 +77,7 @@ class EllipticSearch:
     def _root(self, base: int, exponent: str, root: sp.Expr) -> None:
         """The root as SymPy writes it, of a node as the checker writes it."""
         self._need(root)
-        self._writer.name(self._made("Pow", base, exponent), root)
+        self._writer.name(place=self._made("Pow", base, exponent), value=self._place(root))
 
     def _station(self, z: sp.Expr, m: sp.Expr, second: type | None) -> None:
         """The Jacobi functions of the arguments whose combination is ``z``."""

@@ -88,7 +88,7 @@ class GeneratorSearch:
             return
         if node in self._values and not _follows_from_others(node):
             value = self._values[node]
-            self._writer.name(self._place(node), value)
+            self._writer.name(value=self._place(value), place=self._place(node))
             self.need(value)
             self.need(node.args[0])
             return
@@ -157,7 +157,7 @@ class GeneratorSearch:
             self.need(root)
         place = self._made("Pow", self._place(base), f"1/{exponent.q}")
         if not root.is_Pow or root.base != base:
-            self._writer.name(place, root)
+            self._writer.name(place=place, value=self._place(root))
         elif root not in self._values:
             self._writer.atom(place)
 
@@ -191,7 +191,7 @@ class GeneratorSearch:
             self._writer.atom(self._place(node))
         elif isinstance(node, sp.atan):
             if isinstance(z, sp.tan):
-                self._writer.name(self._place(node), z.args[0])
+                self._writer.name(value=self._place(z.args[0]), place=self._place(node))
                 self.need(z.args[0])
             else:
                 self._writer.atom(self._place(node))

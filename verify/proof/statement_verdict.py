@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,9 +17,11 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
+from verify.subexpressions import abbreviated, distinct_nodes, replaced
 from verify.verdict import Outcome, ProofVerdict
 
 from . import prover
+from .balls import ball_value
 from .domain_signs import singularities
 from .domains import REAL, Domains, settled_domains
 from .samples import sample
@@ -30,6 +33,14 @@ SMOOTH = "wherever the formulas are smooth"
 
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
+
+NOTES = (
+    "the formulas were put into the equation and differentiated by SymPy",
+    "the formulas were put in and differentiated, and multiple angles expanded, by SymPy",
+)
+"""What a certificate of residual = 0 does not hold."""
+
+WITNESS_BITS = (160, 640)
 
 LARGEST_MULTIPLE = 12
 """Of an angle that is expanded."""
@@ -90,10 +101,16 @@ def prove(
             )
         return prover.prove(equation, solution, **options)
     if not all(textual):
-        raise TypeError("equation and solution must be of one kind, got text and a SymPy object")
+        raise TypeError(
+            "equation and solution must be of one kind, got text and a SymPy object "
+            "(write both as text)"
+        )
     wrong = sorted(options.keys() - {"name"})
     if wrong:
-        raise TypeError(f"{wrong[0]} must be left out with texts, got it (say it in parameters)")
+        raise TypeError(
+            f"options beside texts must be parameters, domain and name, got {wrong[0]} "
+            "(say it in parameters)"
+        )
     return decide_statement(read_statement(equation, solution, parameters, domain, **options))
 
 
@@ -221,8 +238,7 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    note = "the formulas were put into the equation and differentiated by SymPy"
-    return _as_equality(statement, equation, residual_of(statement, equation), note)
+    return _as_equality(statement, equation, lambda formula: formula, NOTES[0])
 
 
 def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -232,32 +248,73 @@ def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     largest = max((abs(n) for f in angles for n in f.args[0].atoms(sp.Integer)), default=0)
     if not angles or largest > LARGEST_MULTIPLE:
         raise ValueError("there is no function of a multiple angle")
-    expanded = residual.xreplace({f: sp.expand_trig(f) for f in angles})
-    note = "the formulas were put in and differentiated, and multiple angles expanded, by SymPy"
-    return _as_equality(statement, equation, expanded, note)
+    expanded = {f: sp.expand_trig(f) for f in angles}
+    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
 
 
 def _as_equality(
-    statement: Statement, equation: sp.Expr, residual: sp.Expr, note: str
+    statement: Statement, equation: sp.Expr, written: Callable[[sp.Expr], sp.Expr], note: str
 ) -> ProofVerdict:
-    """The verdict on residual = 0; ``note`` says what the certificate does not hold."""
-    verdict = prover.prove_equal(
-        residual,
-        sp.S.Zero,
-        statement.variables,
-        name=statement.name,
-        equation_name=equation_text(equation),
-        domains=statement.domains,
+    """The verdict on residual = 0, all ``written`` as it says.
+
+    ``note`` tells what the certificate does not hold.  Raises ValueError where the formulas, or the
+    powers and functions of the equation, are not shown to be defined: what is not may have
+    cancelled in the residual.
+    """
+    nodes = [n for n in distinct_nodes(equation) if n.is_Pow or n.is_Function]
+    parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
+    parts += [residual_of(statement, node) for node in nodes]
+    residual, *parts = (
+        _with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
     )
-    if verdict.outcome is not Outcome.PROVED:
+    parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
+    verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
+    if verdict.outcome is Outcome.REFUTED:
+        whole = _completed(statement, equation, verdict)
+        _check_defined_at(whole.witness or {}, parts)
+        return whole
+    if verdict.outcome is Outcome.UNDECIDED:
         return verdict
-    formulas = [f for u, f in statement.solutions.items() if equation.has(u.func)]
-    places = singularities(formulas, _all_domains(statement, equation))
+    for part in parts:
+        defined = _equal(statement, part, part, "a formula = itself")
+        if defined.outcome is not Outcome.PROVED:
+            raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
+    places = singularities(parts, _all_domains(statement, equation))
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
         assumptions=(*verdict.assumptions, note),
     )
+
+
+def _with_exponentials(expression: sp.Expr) -> sp.Expr:
+    """The expression with x**k as exp(k*log(x)), which is what it means."""
+    powers = [p for p in expression.atoms(sp.Pow) if not p.exp.is_Rational and p.base is not sp.E]
+    for power in sorted(powers, key=sp.default_sort_key):
+        image = sp.exp(power.exp * sp.log(power.base), evaluate=False)
+        expression = replaced(expression, power, image)
+    return expression
+
+
+def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
+    return prover.prove_equal(
+        left,
+        right,
+        statement.variables,
+        name=statement.name,
+        equation_name=said,
+        domains=statement.domains,
+    )
+
+
+def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> None:
+    """Raise ValueError unless each of the formulas has a finite value at the point."""
+    for part in parts:
+        point = {symbol: sp.Rational(witness[str(symbol)]) for symbol in part.free_symbols}
+        with suppress(ZeroDivisionError):
+            if any(ball_value(part, point, bits).is_finite() for bits in WITNESS_BITS):
+                continue
+        raise ValueError(f"formulas must be defined at a witness, got {abbreviated(part)} at none")
 
 
 def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
@@ -354,6 +411,7 @@ def _latex(expression: sp.Expr) -> str:
 def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
     if not isinstance(unknown, AppliedUndef):
         return rf"\left({_latex(unknown)}\right)_{{{''.join(map(str, variables))}}}"
+    variables = sorted(variables, key=unknown.args.index)
     index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
     below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
     return f"{unknown.func.__name__}_{{{below}}}" if below else unknown.func.__name__

@@ -1,14 +1,14 @@
 """The paper's quantitative and comparative statements, with what was measured for them.
 
-Adding one is one function, and one line at the end of the file. Texts hold mathematics between
+Adding one is one function. Texts hold mathematics between
 dollars, in plain names ($eps = 0.05$), for whoever prints them.
 """
 
 import enum
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, wraps
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -64,6 +64,31 @@ def ruling(*holds: bool) -> Ruling:
     return Ruling.DEPENDS if any(holds) else Ruling.NOT_CONFIRMED
 
 
+Found = tuple[Iterable[Measurement], Iterable[bool]]
+"""What was measured for a statement, and what must hold for it to be confirmed."""
+
+CLAIMS: list[Callable[[MeasuredRuns], Claim]] = []
+"""Every statement, in the order in which they are declared below."""
+
+
+def claim(
+    statement: str, depends_on: str
+) -> Callable[[Callable[[MeasuredRuns], Found]], Callable[[MeasuredRuns], Claim]]:
+    """Declare the function below as what is measured for a statement of its name."""
+
+    def declare(measure: Callable[[MeasuredRuns], Found]) -> Callable[[MeasuredRuns], Claim]:
+        @wraps(measure)
+        def made(evidence: MeasuredRuns) -> Claim:
+            found, holds = measure(evidence)
+            name = measure.__name__
+            return Claim(name, statement, tuple(found), ruling(*holds), depends_on)
+
+        CLAIMS.append(made)
+        return made
+
+    return declare
+
+
 ORDERS = range(2, 9)
 ROGUE_MODULI = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)
 LATE = 1e4
@@ -79,32 +104,28 @@ def facts(order: int) -> RationalFacts:
     return rational_facts(order)
 
 
-def peaks() -> Claim:
+@claim(
+    "$Y_2$ and $Y_3$ have the maximum 5 and 7, $Y_j$ in general $2j+1$, at the origin",
+    f"nothing: exact, for $j$ from {ORDERS[0]} to {ORDERS[-1]}",
+)
+def peaks(_: MeasuredRuns) -> Found:
     """The value 2j + 1 at the origin, exactly."""
     found = tuple(Measurement(f"$Y_{j}$", float(facts(j).peak)) for j in ORDERS)
-    return Claim(
-        "peaks",
-        "$Y_2$ and $Y_3$ have the maximum 5 and 7, $Y_j$ in general $2j+1$, at the origin",
-        found,
-        ruling(*(facts(j).peak == 2 * j + 1 for j in ORDERS)),
-        f"nothing: exact, for $j$ from {ORDERS[0]} to {ORDERS[-1]}",
-    )
+    return found, (facts(j).peak == 2 * j + 1 for j in ORDERS)
 
 
-def degrees() -> Claim:
+@claim(
+    "The denominator has two powers more than the numerator",
+    "nothing: exact, in $X$, for the wave less its background",
+)
+def degrees(_: MeasuredRuns) -> Found:
     """Two powers more in the denominator than in the numerator, over the background."""
     excess = {j: _excess(j) for j in (2, 3)}
     found = tuple(
         Measurement(f"$Y_{j}$: degree {facts(j).degree} over {facts(j).degree - excess[j]}, by", e)
         for j, e in excess.items()
     )
-    return Claim(
-        "degrees",
-        "The denominator has two powers more than the numerator",
-        found,
-        ruling(*(e == 2 for e in excess.values())),
-        "nothing: exact, in $X$, for the wave less its background",
-    )
+    return found, (e == 2 for e in excess.values())
 
 
 def _excess(order: int) -> int:
@@ -115,31 +136,27 @@ def _excess(order: int) -> int:
     return int(sp.degree(below, x) - sp.degree(above, x))
 
 
-def localised_in_space() -> Claim:
+@claim(
+    "The rational waves are localised on the backgrounds $+1$ and $-1$: in space",
+    "nothing: exact, at every fixed time",
+)
+def localised_in_space(_: MeasuredRuns) -> Found:
     """The same limit on both sides at every time."""
     found = tuple(Measurement(f"$Y_{j}$, background", float(facts(j).background)) for j in (2, 3))
-    return Claim(
-        "localised_in_space",
-        "The rational waves are localised on the backgrounds $+1$ and $-1$: in space",
-        found,
-        ruling(facts(2).background == 1, facts(3).background == -1),
-        "nothing: exact, at every fixed time",
-    )
+    return found, [facts(2).background == 1, facts(3).background == -1]
 
 
-def localised_in_time() -> Claim:
+@claim(
+    "The rational waves are localised (rogue waves): in time too",
+    "nothing: extrema at distance 4 from the background persist and separate like $t^{1/3}$",
+)
+def localised_in_time(_: MeasuredRuns) -> Found:
     """The largest distance from the background long after the peak."""
     found = tuple(
         Measurement(f"$Y_{j}$, largest distance at $T={LATE:g}$", _late_amplitude(j))
         for j in (2, 3)
     )
-    return Claim(
-        "localised_in_time",
-        "The rational waves are localised (rogue waves): in time too",
-        found,
-        ruling(*(item.value < 0.1 for item in found)),
-        "nothing: extrema at distance 4 from the background persist and separate like $t^{1/3}$",
-    )
+    return found, (item.value < 0.1 for item in found)
 
 
 def _late_amplitude(order: int) -> float:
@@ -153,21 +170,29 @@ def _late_amplitude(order: int) -> float:
     return float(np.max(np.abs(distance)))
 
 
-def rogue_maximum() -> Claim:
+@claim("Higher-order rational solutions have larger maximum amplitudes", "nothing: exact")
+def higher_orders(_: MeasuredRuns) -> Found:
+    """Higher orders exist, with larger peaks."""
+    j = ORDERS[-1]
+    wave = Wave(rational(j), mkdv_normal_form(K2=4, K4=1))
+    return (Measurement(f"$Y_{j}$ at the origin", float(wave(0.0, 0.0).Y)),), [
+        all(facts(j).peak < facts(j + 1).peak for j in ORDERS[:-1])
+    ]
+
+
+@claim(
+    "The cn rogue wave has its global maximum at $(X,T)=(0,0)$",
+    f"$k$; a search over {SEARCH} by {SEARCH} points of 8 wavelengths and $|tau|$ to 40, and "
+    "closer to the origin, finds nothing larger",
+)
+def rogue_maximum(_: MeasuredRuns) -> Found:
     """No value of the cn rogue wave exceeds that at the origin."""
     found, holds = [], []
     for k in ROGUE_MODULI:
         peak, elsewhere = _rogue_search(k)
         found.append(Measurement(f"$k={k}$: at the origin, in units of $k$", peak / k))
         holds.append(elsewhere <= peak * (1 + 1e-12))
-    return Claim(
-        "rogue_maximum",
-        "The cn rogue wave has its global maximum at $(X,T)=(0,0)$",
-        tuple(found),
-        ruling(*holds),
-        f"$k$; a search over {SEARCH} by {SEARCH} points of 8 wavelengths and $|tau|$ to 40, and "
-        "closer to the origin, finds nothing larger",
-    )
+    return found, holds
 
 
 def _rogue_search(k: float) -> tuple[float, float]:
@@ -183,25 +208,30 @@ def _rogue_search(k: float) -> tuple[float, float]:
     return float(wave(0.0, 0.0).Y), largest
 
 
-def higher_orders() -> Claim:
-    """Higher orders exist, with larger peaks."""
-    j = ORDERS[-1]
-    wave = Wave(rational(j), mkdv_normal_form(K2=4, K4=1))
-    return Claim(
-        "higher_orders",
-        "Higher-order rational solutions have larger maximum amplitudes",
-        (Measurement(f"$Y_{j}$ at the origin", float(wave(0.0, 0.0).Y)),),
-        ruling(all(facts(j).peak < facts(j + 1).peak for j in ORDERS[:-1])),
-        "nothing: exact",
-    )
-
-
 TWENTY_PERCENT = 0.2
 RUN_ORDERS = (2, 3)
 EPSILONS = ("0.05", "0.075")
 
 
-def peak_of_the_error(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "$Y_2$ fits reasonably well at $eps=0.05$",
+    "the time step, the crest's place in its cell (here on site 0); 'reasonably' is read as "
+    "below 20 %",
+)
+def second_order_crest(evidence: MeasuredRuns) -> Found:
+    """Second order at t = 0, with an accurate scheme and with RK4's step."""
+    names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
+    tops = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
+    return (Measurement(f"{words}$t=0$", *top) for words, top in tops.items()), [
+        tops[""].value < TWENTY_PERCENT
+    ]
+
+
+@claim(
+    "The error is largest around the time of the largest amplitude ($t=0$)",
+    "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
+)
+def peak_of_the_error(evidence: MeasuredRuns) -> Found:
     """The time of the largest error of each rational run, and what it is at the peak of one."""
     found, near = [], []
     for j in RUN_ORDERS:
@@ -212,13 +242,7 @@ def peak_of_the_error(evidence: MeasuredRuns) -> Claim:
             near.append(abs(time) < 0.1 * (scene.end - scene.t0))
             found.append(Measurement(f"$Y_{j}$, $eps={eps}$, at $t={time:.0f}$", *largest))
     found += _split(evidence)
-    return Claim(
-        "peak_of_the_error",
-        "The error is largest around the time of the largest amplitude ($t=0$)",
-        tuple(found),
-        ruling(*near),
-        "$t_0$, $eps$; 'around' is read as within 10 % of the time shown",
-    )
+    return found, near
 
 
 def _split(evidence: MeasuredRuns) -> list[Measurement]:
@@ -229,7 +253,11 @@ def _split(evidence: MeasuredRuns) -> list[Measurement]:
     return [Measurement(words, *parts["shift"]), *shares]
 
 
-def error_against_order(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "The error is higher, the higher the order",
+    "the time: it may hold for the largest error and not at every moment",
+)
+def error_against_order(evidence: MeasuredRuns) -> Found:
     """Third-order against second-order error, at all times and at their largest."""
     found, always = [], []
     for eps in EPSILONS:
@@ -244,76 +272,68 @@ def error_against_order(evidence: MeasuredRuns) -> Claim:
         ]
         share = 100 * float(higher.mean())
         found.append(Measurement(f"$eps={eps}$, % of the times at which $Y_3$ is higher", share))
-    return Claim(
-        "error_against_order",
-        "The error is higher, the higher the order",
-        tuple(found),
-        ruling(*always),
-        "the time: it may hold for the largest error and not at every moment",
-    )
+    return found, always
 
 
-def twenty_percent(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "The error of $Y_3$ does not exceed 20 % at $eps=0.05$",
+    "the time step, of which the paper states none",
+)
+def twenty_percent(evidence: MeasuredRuns) -> Found:
     """Third order at eps = 0.05, with an accurate scheme and with RK4's step."""
     names = {"": "rational_3_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(3)}
     tops = {words: evidence.largest_error(name)[0] for words, name in names.items()}
-    return Claim(
-        "twenty_percent",
-        "The error of $Y_3$ does not exceed 20 % at $eps=0.05$",
-        tuple(Measurement(f"{words}largest", *top) for words, top in tops.items()),
-        ruling(*(top.value < TWENTY_PERCENT for top in tops.values())),
-        "the time step, of which the paper states none",
+    return (Measurement(f"{words}largest", *top) for words, top in tops.items()), (
+        top.value < TWENTY_PERCENT for top in tops.values()
     )
 
 
-def second_order_crest(evidence: MeasuredRuns) -> Claim:
-    """Second order at t = 0, with an accurate scheme and with RK4's step."""
-    names = {"": "rational_2_eps_0.05", f"RK4, $dt={RK4_STEP}$, ": rk4_name(2)}
-    tops = {words: evidence.relative_error(name, 0.0) for words, name in names.items()}
-    return Claim(
-        "second_order_crest",
-        "$Y_2$ fits reasonably well at $eps=0.05$",
-        tuple(Measurement(f"{words}$t=0$", *top) for words, top in tops.items()),
-        ruling(tops[""].value < TWENTY_PERCENT),
-        "the time step, the crest's place in its cell (here on site 0); 'reasonably' is read as "
-        "below 20 %",
-    )
-
-
-def third_order_agreement(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "Very good agreement of $Y_3$, at $eps=0.05$ and also at $0.075$",
+    "$eps$, and what 'very good' means; here read as below 20 %",
+)
+def third_order_agreement(evidence: MeasuredRuns) -> Found:
     """Third order at both eps."""
     found, good = [], []
     for eps in EPSILONS:
         largest, time = evidence.largest_error(f"rational_3_eps_{eps}")
         found.append(Measurement(f"$eps={eps}$, largest, at $t={time:.0f}$", *largest))
         good.append(largest.value < TWENTY_PERCENT)
-    return Claim(
-        "third_order_agreement",
-        "Very good agreement of $Y_3$, at $eps=0.05$ and also at $0.075$",
-        tuple(found),
-        ruling(*good),
-        "$eps$, and what 'very good' means; here read as below 20 %",
-    )
+    return found, good
 
 
 BREATHER_MODULI = ("0.5", "0.6", "0.7")
 ROGUE, SOLITON = "rogue_cn_k_0.5", "soliton_dn_k_0.7"
 
 
-def breather_and_modulus(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "On the sn background the agreement is better for larger $k$",
+    "$alpha$ (here $K/2$), the time step",
+)
+def breather_and_modulus(evidence: MeasuredRuns) -> Found:
     """The dark breather's largest error at the three moduli."""
     tops = {k: evidence.largest_error(f"breather_sn_k_{k}")[0] for k in BREATHER_MODULI}
     falls = all(a.value > b.value for a, b in pairwise(tops.values()))
-    return Claim(
-        "breather_and_modulus",
-        "On the sn background the agreement is better for larger $k$",
-        tuple(Measurement(f"$k={k}$, largest", *top) for k, top in tops.items()),
-        ruling(falls),
-        "$alpha$ (here $K/2$), the time step",
-    )
+    return (Measurement(f"$k={k}$, largest", *top) for k, top in tops.items()), [falls]
 
 
-def cn_maximum(evidence: MeasuredRuns) -> Claim:
+@claim("The dn soliton fits very well", "$|t| <= 100$; 'very well' is read as below 20 %")
+def dn_fit(evidence: MeasuredRuns) -> Found:
+    """The dn soliton's errors, with both denominators."""
+    last = evidence.scenes[SOLITON].end
+    bare = evidence.relative_error(SOLITON, last)
+    far = evidence.relative_error(SOLITON, last, "error_far_field")
+    return (
+        Measurement(f"$t={last:g}$, over the bare wave", *bare),
+        Measurement(f"$t={last:g}$, over the far field", *far),
+    ), [bare.value < TWENTY_PERCENT]
+
+
+@claim(
+    "On the cn background the lattice's maximum of $y_n/eps$ is always below the wave's",
+    "the time; at $t_0$ the two are equal",
+)
+def cn_maximum(evidence: MeasuredRuns) -> Found:
     """The largest strain of lattice and wave on the cn background at the later snapshots."""
     found, below = [], []
     for time in evidence.scenes[ROGUE].snapshots[1:]:
@@ -323,71 +343,24 @@ def cn_maximum(evidence: MeasuredRuns) -> Claim:
             Measurement(f"$t={time:g}$, lattice", *lattice),
             Measurement(f"$t={time:g}$, wave", wave),
         ]
-    return Claim(
-        "cn_maximum",
-        "On the cn background the lattice's maximum of $y_n/eps$ is always below the wave's",
-        tuple(found),
-        ruling(*below),
-        "the time; at $t_0$ the two are equal",
-    )
+    return found, below
 
 
-def dn_fit(evidence: MeasuredRuns) -> Claim:
-    """The dn soliton's errors, with both denominators."""
-    last = evidence.scenes[SOLITON].end
-    bare = evidence.relative_error(SOLITON, last)
-    far = evidence.relative_error(SOLITON, last, "error_far_field")
-    return Claim(
-        "dn_fit",
-        "The dn soliton fits very well",
-        (
-            Measurement(f"$t={last:g}$, over the bare wave", *bare),
-            Measurement(f"$t={last:g}$, over the far field", *far),
-        ),
-        ruling(bare.value < TWENTY_PERCENT),
-        "$|t| <= 100$; 'very well' is read as below 20 %",
-    )
-
-
-def modulational_instability(evidence: MeasuredRuns) -> Claim:
+@claim(
+    "The deviations on the cn background can result from its modulational instability, the "
+    "good fits on sn and dn from their stability",
+    "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
+)
+def modulational_instability(evidence: MeasuredRuns) -> Found:
     """By how much the fastest perturbation of each background grows within the time shown."""
     found = []
     for name in (ROGUE, SOLITON, "breather_sn_k_0.7"):
         scene = evidence.scenes[name]
         growth = math.exp(trust_in(scene, USUAL_TOLERANCE).rate * (scene.end - scene.t0))
         found.append(Measurement(f"{name.split('_')[1]} background, growth", growth))
-    return Claim(
-        "modulational_instability",
-        "The deviations on the cn background can result from its modulational instability, the "
-        "good fits on sn and dn from their stability",
-        tuple(found),
-        ruling(found[0].value > 2.0),
-        "the time shown, 200 units: read as a growth of the fastest perturbation by more than 2",
-    )
-
-
-ABOUT_WAVES: tuple[Callable[[], Claim], ...] = (
-    peaks,
-    degrees,
-    localised_in_space,
-    localised_in_time,
-    higher_orders,
-    rogue_maximum,
-)
-
-ABOUT_RUNS: tuple[Callable[[MeasuredRuns], Claim], ...] = (
-    second_order_crest,
-    peak_of_the_error,
-    error_against_order,
-    twenty_percent,
-    third_order_agreement,
-    breather_and_modulus,
-    dn_fit,
-    cn_maximum,
-    modulational_instability,
-)
+    return found, [found[0].value > 2.0]
 
 
 def all_claims(evidence: MeasuredRuns) -> list[Claim]:
     """Every statement with the numbers of these runs."""
-    return [claim() for claim in ABOUT_WAVES] + [claim(evidence) for claim in ABOUT_RUNS]
+    return [made(evidence) for made in CLAIMS]

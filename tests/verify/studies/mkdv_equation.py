@@ -15,13 +15,15 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.spectral.exponential import ExponentialAdams, Halving, halve
+from lattice.refine import Progress, StepSearch, refine
+from lattice.spectral.exponential import ORDER, ExponentialAdams
+from lattice.trial import Choices, Trial, rounding_error
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 FIRST_STEP = 0.5
-"""First step of `evolve`, in units of 1/max |U|^3; halving goes on from there."""
+"""First step of `evolve`, in units of 1/max |U|^3."""
 
 
 class PeriodicMkdv:
@@ -86,20 +88,39 @@ class PeriodicMkdv:
         return force
 
 
-def evolve(U: Array, period: float, s: int, times: Sequence[float], tolerance: float) -> Halving:
-    """The solution at the increasing ``times`` >= 0: ``values`` of shape (len(times), M).
+def evolve(U: Array, period: float, s: int, times: Sequence[float], tolerance: float) -> Array:
+    """The solution at the increasing ``times`` >= 0, of shape (len(times), M), to ``tolerance``.
 
-    The step is halved until that changes no value by more than ``tolerance``; ``difference`` says
-    by how much it last did. The samples must resolve the solution, which `PeriodicMkdv` and a
-    second sampling show. Raises ValueError if the tolerance is out of reach.
+    The samples must resolve the solution, which `PeriodicMkdv` and a second sampling show. Raises
+    ValueError if the tolerance is out of reach, FloatingPointError if the solution blows up.
     """
-
-    def solve(step: float) -> Array:
-        solution = PeriodicMkdv(U, period, s, step)
-        with np.errstate(over="ignore", invalid="ignore"):
-            return np.array([solution.at(tau) for tau in times])
-
     scale = float(np.max(np.abs(U)))
     longest = max(times[-1], FIRST_STEP)
     first = min(longest, FIRST_STEP / scale**3) if scale > 0 else longest
-    return halve(solve, first, tolerance)
+    trial = refine(_Evolution(U, period, s, times, first), tolerance).trial
+    if trial.values is None:
+        raise FloatingPointError(
+            f"blow-up: steps down to {trial.choices.step:.3g} do not change it"
+        )
+    return trial.values
+
+
+class _Evolution(StepSearch):
+    """Runs from the samples ``U`` through the times."""
+
+    unstable = 10
+
+    def __init__(
+        self, U: Array, period: float, s: int, times: Sequence[float], first: float
+    ) -> None:
+        super().__init__(ORDER, first, np.array([0.0, times[-1]]))
+        self._given, self._times = (U, period, s), times
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run with that step."""
+        solution = PeriodicMkdv(*self._given, choices.step)
+        with np.errstate(over="ignore", invalid="ignore"):
+            rows = np.array([solution.at(tau) for tau in self._times])
+        values = rows if np.all(np.isfinite(rows)) else None
+        rounding = rounding_error(float(np.max(np.abs(self._given[0]))), solution.integrator.steps)
+        return Trial(choices, values, self.work(choices), 0.0, rounding, None)

@@ -153,14 +153,14 @@ def test_the_order_claim_depends_when_only_the_top_is_higher() -> None:
 
 
 def test_the_peaks_are_exact() -> None:
-    found = claims.peaks()
+    found = claims.peaks(evidence({}))
     assert found.ruling is Ruling.CONFIRMED
     assert [item.value for item in found.measurements] == [5, 7, 9, 11, 13, 15, 17]
 
 
 def test_the_waves_do_not_vanish_in_time() -> None:
     """mathematics of the tau functions: extrema at distance 4 from the background remain."""
-    found = claims.localised_in_time()
+    found = claims.localised_in_time(evidence({}))
     assert found.ruling is Ruling.NOT_CONFIRMED
     assert [item.value for item in found.measurements] == pytest.approx([4, 4], abs=0.01)
 

@@ -1,0 +1,121 @@
+"""What the constants of the lattice's kernels and absorbers rest on, measured anew in a minute.
+
+Kernels: processor time of a ring of 4096 sites with other blocks, in units of that with the ones
+that are chosen, and the elapsed time of long rings on one core in units of that on two. Absorbers:
+how much of a wave packet is left after one passage of the seam.
+"""
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from types import FunctionType
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.kernels import blocked
+from lattice.model import Model
+from lattice.schemes.catalogue import REDUCED_PHASE_6
+from lattice.spectral import absorber
+from lattice.spectral.evolution import SpectralRing
+from lattice.spectral.ring import RingState
+
+Array = NDArray[np.float64]
+ROUNDS = 15
+LINEAR, CUBIC = Model(1.0, 0.0, 0.0), Model(1.0, 0.0, 1.0)
+
+
+def variant(**constants: int) -> Callable[..., None]:
+    """The blocked kernel compiled with other constants."""
+    names: dict[str, Any] = {**vars(blocked), **constants}
+
+    def compiled(kernel: Any) -> Any:
+        return numba.njit(error_model="numpy")(FunctionType(kernel.py_func.__code__, names))
+
+    names["_pass"] = compiled(blocked._pass)
+    found: Callable[..., None] = compiled(blocked.advance_blocked)
+    return found
+
+
+def seconds(
+    advance: Callable[..., None], size: int, steps: int, clock: Callable[[], float]
+) -> Iterator[float]:
+    """What each of ``ROUNDS`` runs takes."""
+    y, s = 0.01 * np.random.default_rng(0).standard_normal((2, size))
+    work = 0.2 * REDUCED_PHASE_6.drifts, 0.2 * REDUCED_PHASE_6.kicks
+    advance(y, s, *work, 1, *CUBIC.kernel)
+    for _ in range(ROUNDS):
+        begun = clock()
+        advance(y, s, *work, steps, *CUBIC.kernel)
+        yield clock() - begun
+
+
+def print_blocks() -> None:
+    """Kernels with other blocks."""
+    whole = min(seconds(blocked.advance_blocked, 4096, 400, time.process_time))
+    for name, values in (("ROWS", (64, 128, 512)), ("STAGES", (13, 52))):
+        shares = [
+            min(seconds(variant(**{name: value}), 4096, 400, time.process_time)) / whole
+            for value in values
+        ]
+        told = ", ".join(f"{v}: {share:.2f}" for v, share in zip(values, shares, strict=True))
+        print(f"{name} = {getattr(blocked, name)} takes 1.00; {told}")
+
+
+def print_cores() -> None:
+    """One core against two."""
+    for size in (8192, blocked.LEAST_SITES, 65_536):
+        steps = 2_000_000 // size
+        one, two = (
+            min(seconds(advance, size, steps, time.perf_counter))
+            for advance in (blocked.advance_blocked, blocked.advance_on_two_cores)
+        )
+        print(f"{size} sites: two cores are {one / two:.2f} times as fast as one")
+
+
+def left_of(wave_number: float, direction: float, **absorbing: float) -> float:
+    """The share of a packet's largest strain that is left when it has gone round the ring once."""
+    length, count, width = 600.0, 2400, 25.0
+    x = length * (np.arange(count) / count - 0.5)
+    modes = np.fft.fft(np.exp(-((x / width) ** 2)) * np.exp(1j * wave_number * x))
+    k = 2.0 * np.pi * np.fft.fftfreq(count, length / count)
+    w = 2.0 * np.sin(0.5 * np.abs(k)) * np.sign(k)
+    s = np.fft.ifft(-1j * direction * w * modes).real
+    state = RingState(0.0, -0.5 * length, length, np.fft.ifft(modes).real, s)
+    speed = direction * math.cos(0.5 * wave_number) - 1.0
+    end = SpectralRing(LINEAR, state, 0.5, **absorbing).at(length / abs(speed))
+    return float(np.max(np.abs(end.y - np.mean(end.y))))
+
+
+def print_absorbers() -> None:
+    """Waves to the left, and short waves to the right, with other widths and strengths."""
+    usual = absorber.ABSORBER_STRENGTH
+    for name, packet, absorbing in (
+        ("WIDTH", (0.1, -1.0), {"absorbed": 1.0}),
+        ("NARROW", (1.5, 1.0), {"short": 0.75}),
+    ):
+        chosen = getattr(absorber, name)
+        for factor in (0.5, 1.0, 2.0):
+            setattr(absorber, name, factor * chosen)
+            left = {
+                f"{share * usual:g}": left_of(*packet, **absorbing, strength=share * usual)
+                for share in (0.5, 1.0, 2.0)
+            }
+            told = ", ".join(f"{strength}: {part:.0e}" for strength, part in left.items())
+            print(f"{name} = 1/{1 / (factor * chosen):g}; left at a strength of {told}")
+        setattr(absorber, name, chosen)
+
+
+def main() -> int:
+    """Print all of it."""
+    print_blocks()
+    print_cores()
+    print_absorbers()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,104 @@
+"""Hostile statements: one line each, within seconds and little memory, nothing evaluated."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from longwave.__main__ import main
+from tests.verify.proof.hostile_texts import generated, written
+
+HOUSE = Path(__file__).parents[3]
+SAMPLE = 60
+SECONDS, MEGABYTES = 5.0, 500.0
+
+SCRIPT = """
+import json, resource, sys, time
+from derive.algebra.formula_text import FormulaError
+from tests.verify.proof.hostile_texts import generated, written
+from verify.proof.statement_text import read_statement
+
+evaluated = []
+
+def watch(event, arguments):
+    if event in ("os.system", "subprocess.Popen", "os.exec", "socket.connect"):
+        evaluated.append(event)
+    if event == "compile" and arguments[1] in ("<string>", "<stdin>"):
+        evaluated.append(str(arguments[0]))
+
+texts = [*written(), *generated(300)][int(sys.argv[1])::int(sys.argv[2])]
+read_statement("u_t + 6*u*u_x", "u = sin(k*x)", "k: k>0", "t > 0")
+sys.addaudithook(watch)
+answers = []
+for given in texts:
+    begun = time.process_time()
+    try:
+        read_statement(*given)
+        said = "read"
+    except FormulaError as error:
+        said = str(error)
+    answers.append([said, time.process_time() - begun])
+memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
+print(json.dumps({"answers": answers, "evaluated": evaluated, "memory": memory}))
+"""
+
+
+def answered(first: int, step: int) -> dict[str, Any]:
+    words = [sys.executable, "-c", SCRIPT, str(first), str(step)]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=HOUSE, check=True)
+    assert done.stderr == ""
+    return dict(json.loads(done.stdout))
+
+
+def check(found: dict[str, Any]) -> None:
+    assert found["evaluated"] == []
+    assert found["memory"] < MEGABYTES
+    for said, seconds in found["answers"]:
+        assert seconds < SECONDS, said
+        assert "\n" not in said
+        assert said.isprintable()
+        assert len(said) < 300, said
+
+
+def test_there_are_as_many_as_are_promised() -> None:
+    assert len({*written(), *generated(300)}) >= 600
+
+
+def test_a_sample_costs_one_line_each() -> None:
+    step = len([*written(), *generated(300)]) // SAMPLE
+    found = answered(7, step)
+    assert len(found["answers"]) >= SAMPLE
+    assert sum(seconds for _, seconds in found["answers"]) < SECONDS
+    check(found)
+
+
+@pytest.mark.slow
+def test_all_cost_one_line_each() -> None:
+    found = answered(0, 1)
+    refused = [said for said, _ in found["answers"] if said != "read"]
+    assert len(refused) > 600
+    check(found)
+
+
+@pytest.mark.slow
+def test_the_command_answers_all_of_them(capsys: pytest.CaptureFixture[str]) -> None:
+    """A message with the place and status 2, or a verdict in the end of the limit."""
+    for equation, solution, parameters, domain in written():
+        words = ["prove", "--equation", equation, "--solution", solution, "--limit", "2", "--json"]
+        words += ["--parameters", parameters] if parameters else []
+        words += ["--domain", domain] if domain else []
+        status = main(words)
+        output = capsys.readouterr()
+        if status == 2:
+            assert output.out == ""
+            message, *picture = output.err.splitlines()
+            assert message.startswith("error: ")
+            assert len(picture) in (0, 2)
+            assert output.err.isascii()
+        else:
+            assert status in (0, 1)
+            (record,) = json.loads(output.out)
+            assert record["seconds"] < SECONDS

@@ -1,0 +1,220 @@
+"""Verdicts on statements in text: right, for all symbols, with a witness and a hint."""
+
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+
+import longwave
+from verify.proof import check_certificate
+from verify.proof.near_misses import near_misses, with_hint
+from verify.proof.prover import prove as prove_expression
+from verify.proof.statement_text import read_statement
+from verify.proof.statement_verdict import (
+    StatementVerdict,
+    decide_statement,
+    prove,
+    residual_of,
+    statement_latex,
+    verified_sentence,
+)
+
+KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
+SOLITON = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
+NLS, BRIGHT = "I*u_t + u_xx + 2*abs(u)**2*u", "u = a*sech(a*x)*exp(I*a**2*t)"
+GORDON, KINK = "u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2)))"
+TODA = "diff(q[n],t,t) - exp(q[n-1]-q[n]) + exp(q[n]-q[n+1])"
+TODA_SOLITON = "q[n] = log((1+exp(2*k*(n-1)-2*b*t))/(1+exp(2*k*n-2*b*t)))"
+SYSTEM = "u_t + u*u_x + v_x ;; v_t + diff(u*v, x)"
+
+EXAMPLES = [
+    (KDV, SOLITON, "k: k>0", "", "PROVED"),
+    (KDV, "u = 2*k**2*sech(k*(x + 4*k**2*t))**2", "k: k>0", "", "REFUTED"),
+    ("u_t - u_xx", "u = exp(-x**2/(4*t))/sqrt(t)", "", "t > 0", "PROVED"),
+    ("u_x - 1", "u = sqrt(x**2)", "", "", "REFUTED"),
+    ("u_x - 1", "u = sqrt(x**2)", "", "x > 0", "PROVED"),
+    (NLS, BRIGHT, "a: a>0", "", "PROVED"),
+    (GORDON, KINK, "c: -1<c<1", "", "PROVED"),
+    (TODA, TODA_SOLITON, "k: k>0; b = sinh(k)", "", "PROVED"),
+    (SYSTEM, "u = x/t ;; v = a/t", "", "t > 0", "PROVED"),
+    # and what is near to them
+    ("u_t - u_xx", "u = exp(-x**2/(4*t))/t", "", "t > 0", "REFUTED"),
+    (NLS, "u = a*sech(a*x)*exp(-I*a**2*t)", "a: a>0", "", "REFUTED"),
+    (NLS, "u = a*sech(a*x)*exp(I*a**2*t)", "a: a<0", "", "PROVED"),
+    ("I*u_t + u_xx + 2*u**2*conjugate(u)", BRIGHT, "a: a>0", "", "PROVED"),
+    ("I*u_t + u_xx + 2*u**3", BRIGHT, "a: a>0", "", "REFUTED"),
+    (GORDON, "u = 4*atan(exp((x - c*t)/sqrt(1 + c**2)))", "c: -1<c<1", "", "REFUTED"),
+    (GORDON, "u = 4*atan(sqrt(1-w**2)/w*cos(w*t)/cosh(sqrt(1-w**2)*x))", "w: 0<w<1", "", "PROVED"),
+    (TODA, TODA_SOLITON, "k: k>0; b = tanh(k)", "", "REFUTED"),
+    (SYSTEM, "u = x/t ;; v = a*x/t", "", "t > 0", "REFUTED"),
+    ("u_x - k*u/x", "u = x**k", "", "x > 0", "PROVED"),
+    ("u_x - sign(x)", "u = abs(x)", "", "", "PROVED"),
+    ("u_x - u/x", "u = sqrt(a**2*x**2)", "", "", "PROVED"),
+    ("u_x - a", "u = sqrt(a**2*x**2)", "", "x > 0", "REFUTED"),
+    ("u_x - a", "u = sqrt(a**2*x**2)", "a: a>0", "x > 0", "PROVED"),
+    ("u_t = u_xx + u_yy", "u = exp(-2*a**2*t)*sin(a*x)*cos(a*y)", "", "", "PROVED"),
+]
+
+
+@pytest.mark.parametrize(("equation", "solution", "parameters", "domain", "expected"), EXAMPLES)
+def test_the_verdict_is_right(
+    equation: str, solution: str, parameters: str, domain: str, expected: str
+) -> None:
+    verdict = prove(equation, solution, parameters=parameters, domain=domain)
+    assert verdict.outcome == expected, verdict.detail
+    assert isinstance(verdict, StatementVerdict)
+    for certificate in verdict.certificates:
+        assert check_certificate(certificate)
+    assert len(verdict.certificates) == (equation.count(";;") + 1) * (expected == "PROVED")
+
+
+def test_a_proof_names_all_parameters_even_those_that_cancel() -> None:
+    solution, parameters = "u = x/t ;; v = a + c", "a: real; c: c>a"
+    verdict = prove("u_t + u*u_x + v_x", solution, parameters=parameters, domain="t > 0")
+    assert verdict.assumptions[0].startswith("for all real a, c, t, x with ")
+    assert "a < c" in verdict.assumptions[0]
+    assert "0 < t" in verdict.assumptions[0]
+    assert any("differentiated by SymPy" in line for line in verdict.assumptions)
+
+
+def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0() -> None:
+    equation, solution = "diff(u, t) + v_x ;; v_t + x", "u = x*t ;; v = a*x - t"
+    statement = read_statement(equation, solution, "a: 1<a<2", "x > 3*t; t > 0")
+    verdict = decide_statement(statement)
+    assert verdict.outcome == "REFUTED"
+    assert verdict.witness is not None
+    point = {name: Fraction(value) for name, value in verdict.witness.items()}
+    assert set(point) == {"a", "t", "x"}
+    assert 1 < point["a"] < 2
+    assert 0 < 3 * point["t"] < point["x"]
+
+
+def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() -> None:
+    as_it_is = prove("u_x - sign(x)", "u = abs(x)")
+    assert as_it_is.singularities == ("jump or corner where x = 0",)
+    by_residual = prove("u_t + u*u_x + v_x", "u = x/t ;; v = log(t)")
+    assert by_residual.outcome == "PROVED"
+    assert "pole where t = 0" in by_residual.singularities
+    assert "branch point where t is not positive" in by_residual.singularities
+
+
+def test_what_cannot_be_taken_is_undecided_with_a_reason() -> None:
+    for equation, solution in [
+        ("I*u_t + abs(u)**2*u", "u = exp(I*t/x**2)/x"),
+        ("u_x - asinh(sinh(u))", "u = exp(x)"),
+    ]:
+        verdict = prove(equation, solution)
+        assert verdict.outcome == "UNDECIDED"
+        assert verdict.detail
+        assert "\n" not in verdict.detail
+
+
+def test_a_system_is_proved_by_all_and_refuted_by_one_of_its_equations() -> None:
+    verdict = prove("u_x - 1 ;; v_x - 1", "u = x ;; v = 2*x")
+    assert (verdict.outcome, verdict.certificate) == ("REFUTED", None)
+    assert verdict.detail.startswith("equation 2: ")
+
+
+NOWHERE = "1/(sin(x)**2 + cos(x)**2 - 1)"
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u_t - v_t", f"u = {NOWHERE} ;; v = {NOWHERE}"),
+        ("u_x - v_x - 1", f"u = {NOWHERE} ;; v = {NOWHERE}"),
+        ("(u_x - v_x)/(u**2 + w**2 - 1)", "u = sin(x) ;; w = cos(x) ;; v = sin(x)"),
+        ("u_t - v_t", "u = log(sin(x)**2 + cos(x)**2 - 1) ;; v = t - t"),
+        ("u_t - v_t - 1", "u = log(sin(x)**2 + cos(x)**2 - 1) ;; v = t - t"),
+        ("u_t + sin(u)*0 - v_t", f"u = {NOWHERE} ;; v = x"),
+    ],
+)
+def test_what_is_nowhere_defined_is_neither_proved_nor_refuted(
+    equation: str, solution: str
+) -> None:
+    assert prove(equation, solution).outcome == "UNDECIDED"
+
+
+def test_the_residual_has_the_formulas_at_shifted_sites() -> None:
+    statement = read_statement("q[n+1]*q[n-1] - q_t[n+2]", "q = n**2*t")
+    n, t = statement.variables
+    shifted = (n + 1) ** 2 * t * (n - 1) ** 2 * t - (n + 2) ** 2
+    assert sp.expand(residual_of(statement, statement.equations[0]) - shifted) == 0
+
+
+HINTS = [
+    (KDV, "u = 2*k**2*sech(k*(x + 4*k**2*t))**2", "k: k>0", "-4*k**2*t in the place of 4*k**2*t"),
+    (KDV, "u = 2*k**2*sech(k*(x - 4*k*t))**2", "k: k>0", "-4*k**2*t in the place of -4*k*t"),
+    (KDV, "u = 2*k**2*sech(k*(x - k**2*t))**2", "k: k>0", "-4*k**2*t in the place of -k**2*t"),
+    (KDV, "u = k**2*sech(k*(x - 4*k**2*t))**2", "k: k>0", "2*k**2*sech"),
+    (MKDV, "u = jacobi_dn(x - (2-k**2)*t, k)", "k: 0<k<1", "k**2 in the place of k as the param"),
+    (MKDV, "u = jacobi_dn(x - (2-m)*t, m**2)", "m: 0<m<1", "m in the place of m**2 as the param"),
+    (MKDV, "u = jacobi_dn(x - (2-m**2)*t, m)", "m: 0<m<1", "m**2 in the place of m as the param"),
+    ("u_t - 6*u*u_x + u_xxx", SOLITON, "k: k>0", "-2*k**2*sech"),
+    ("u_t + u*u_x + u_xxx", SOLITON, "k: k>0", ""),
+    (NLS, "u = a*sech(a*x)*exp(I*a*t)", "a: a>0", "I*a**2*t in the place of I*a*t"),
+    ("I*u_t + u_xx + abs(u)**2*u", BRIGHT, "a: a>0", "2*u*abs(u)**2 in the place of u*abs(u)**2"),
+    (
+        GORDON,
+        "u = 4*atan(exp((x - c*t)/sqrt(1 + c**2)))",
+        "c: -1<c<1",
+        "-c**2 in the place of c**2",
+    ),
+]
+
+
+@pytest.mark.parametrize(("equation", "solution", "parameters", "words"), HINTS)
+def test_a_refuted_statement_comes_with_what_holds(
+    equation: str, solution: str, parameters: str, words: str
+) -> None:
+    statement = read_statement(equation, solution, parameters)
+    hint = with_hint(statement, decide_statement(statement), 60.0).hint
+    assert words in hint
+    assert bool(hint) == bool(words)
+
+
+def test_near_misses_are_each_tried_once_and_keep_the_variables() -> None:
+    statement = read_statement(MKDV, "u = jacobi_dn(x - (2-m)*t, m)", "m: 0<m<1")
+    formulas = [
+        (m.statement.equations, *m.statement.solutions.values()) for m in near_misses(statement)
+    ]
+    assert len(set(formulas)) == len(formulas)
+    for _, formula in formulas:
+        assert formula.free_symbols >= set(statement.variables)
+
+
+def test_a_hint_ends_with_its_time_and_leaves_a_proof_alone() -> None:
+    wrong = read_statement(KDV, "u = 5*k**2*sech(k*(x - 4*k**2*t))**3", "k: k>0")
+    refuted = decide_statement(wrong)
+    assert with_hint(wrong, refuted, 0.0) == refuted
+    right = read_statement(KDV, SOLITON, "k: k>0")
+    proved = decide_statement(right)
+    assert with_hint(right, proved) is proved
+
+
+def test_the_face_takes_texts_and_sympy_objects() -> None:
+    assert longwave.prove(KDV, SOLITON, parameters="k: k>0", name="mine").name == "mine"
+    x = sp.Symbol("x")
+    equation, formula = sp.Function("u")(x).diff(x) - 1, x
+    direct = prove_expression(equation, formula)
+    assert longwave.prove(equation, formula).certificate == direct.certificate
+    assert longwave.prove(["u_x - 1"], ["u = x"]).outcome == "PROVED"
+    with pytest.raises(ValueError, match="parameters and domain must be left out"):
+        longwave.prove(equation, formula, domain="x > 0")
+    with pytest.raises(TypeError, match="equation and solution must be of one kind"):
+        longwave.prove("u_x - 1", formula)
+    with pytest.raises(TypeError, match="must be parameters, domain and name, got points"):
+        longwave.prove("u_x - 1", "u = x", points=[])
+
+
+def test_the_latex_has_jets_sites_and_domains() -> None:
+    statement = read_statement("diff(q[n],t,t) - q[n+1]", "q = n*t", domain="t > 0")
+    assert statement_latex(statement) == (
+        r"- q_{n+1} + q_{n, tt} = 0 \quad\Leftarrow\quad q_{n} = n t \qquad (0 < t)"
+    )
+    refuted = verified_sentence(statement, decide_statement(statement))
+    assert refuted.startswith("We found that\n\\[ q_{n} = n t \\]\ndoes not satisfy\n")
+    right = read_statement("u_xxt + diff(u**2, x)", "u = a", "a: -1<=a<1")
+    proved = verified_sentence(right, decide_statement(right))
+    assert "\n\\[ 2 u u_{x} + u_{xxt} = 0 \\]\n" in proved
+    assert r"for all real $a, t, x$ with $-1 \le a < 1$" in proved
