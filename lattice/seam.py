@@ -26,8 +26,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
-from scipy.special import erfc
 
 from lattice.state import State
 
@@ -49,6 +47,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
     51.7975
     """
+    from scipy.optimize import least_squares  # 0.2 s that only periodic waves need
+
     offsets = wavelength * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
 
     def misses(shifts: Array) -> Array:
@@ -75,6 +75,8 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
     >>> blend_seam(lambda x: x, 10.0, 0.5, x)
     array([0., 0., 0.])
     """
+    from scipy.special import erfc  # 0.1 s that only spectral rings need
+
     values = np.array(profile(x), dtype=np.float64)
     for sign in (-1.0, 1.0):
         inside = sign * x - 0.5 * circumference
