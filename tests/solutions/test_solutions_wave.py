@@ -135,3 +135,12 @@ def test_side_must_be_named(normal_forms: Any) -> None:
     wave = Wave(closed_form("kink"), normal_forms[-1], A=1)
     with pytest.raises(ValueError, match="side must be 'left' or 'right', got 'up'"):
         wave.far_field(0.0, 0.0, "up")  # type: ignore[arg-type]
+
+
+def test_a_wave_shows_itself_in_one_line_and_its_formula_in_notebooks(normal_forms: Any) -> None:
+    wave = Wave(closed_form("wave_cn"), normal_forms[1], k=0.7)
+    assert "wave_cn" in repr(wave)
+    assert "7/10" in repr(wave)
+    assert "\n" not in repr(wave)
+    assert wave._repr_latex_() == wave.form._repr_latex_()
+    assert r"\operatorname{cn}" in wave._repr_latex_()
