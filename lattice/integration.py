@@ -20,7 +20,7 @@ from lattice.schemes.order import check_order
 from lattice.schemes.scheme import Scheme, check_step, stability_limit
 from lattice.state import State
 from lattice.stepper import Stepper, StillRing
-from lattice.trial import NUDGE, Choices, Trial, rounding_error
+from lattice.trial import NUDGE, Choices, Trial, difference, rounding_error
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,8 @@ def integrate(
 
     With a ``tolerance`` the step is found: the error of the strain, over all sites and times, is at
     most that. With a ``step`` it is taken as it is (at most: each of the times is hit), and the
-    error is measured with half of it unless ``measure_error`` is False. ``times`` increase and do
-    not lie before ``state.t``. The state is left alone.
+    error is measured with a shorter one unless ``measure_error`` is False. ``times`` increase and
+    do not lie before ``state.t``. The state is left alone.
 
     Raises ValueError for what cannot be run, for a lattice that blows up before the last time, and
     for a tolerance below what rounding leaves.
@@ -90,8 +90,8 @@ def integrate(
     >>> bool(np.abs(run.strain[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
+    state = _checked_state(state)
     wanted = _checked_times(times, state)
-    _check_state(state)
     if scheme not in SCHEMES:
         check_order(scheme)
     if (tolerance is None) == (step is None):
@@ -120,8 +120,9 @@ def _checked_times(times: ArrayLike, state: State) -> Array:
     except (TypeError, ValueError):
         wanted = np.empty(0)
     if wanted.ndim != 1 or wanted.size == 0 or not np.all(np.isfinite(wanted)):
+        shown = " ".join(repr(times).split())[:60]
         raise ValueError(
-            f"times must be one or more finite numbers, got {times!r} (give a list of them)"
+            f"times must be one or more finite numbers, got {shown} (give a list of them)"
         )
     steps = np.diff(np.concatenate([[state.t], wanted]))
     if steps[0] < 0.0 or not np.all(steps[1:] > 0.0):
@@ -133,12 +134,14 @@ def _checked_times(times: ArrayLike, state: State) -> Array:
     return wanted
 
 
-def _check_state(state: State) -> None:
-    for name, values in (("y", state.y), ("s", state.s)):
-        if np.shape(values) != (np.size(state.y),) or np.size(values) < 3:
+def _checked_state(state: State) -> State:
+    """The state with arrays of doubles."""
+    found = replace(state, y=np.asarray(state.y, np.float64), s=np.asarray(state.s, np.float64))
+    for name, values in (("y", found.y), ("s", found.s)):
+        if values.shape != (found.size,) or found.size < 3:
             raise ValueError(
                 f"state.{name} must hold one number for each of at least 3 sites, got the shape "
-                f"{np.shape(values)} (strain and velocity are arrays of one length)"
+                f"{values.shape} (strain and velocity are arrays of one length)"
             )
         broken = ~np.isfinite(values)
         if np.any(broken):
@@ -147,19 +150,18 @@ def _check_state(state: State) -> None:
                 f"state.{name} must be finite, got {values[place]} at place {place} "
                 "(look at where the state comes from)"
             )
+    return found
 
 
 def _stated(engine: "RingSearch", step: float, measure_error: bool, begun: float) -> Trajectory:
-    """A run with that step, its error measured with half of it."""
+    """A run with that step, its error measured with a shorter one."""
     _check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.model, engine.state.y)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
     if measure_error and trial.values is not None:
-        half = engine.run(replace(choices, step=0.5 * step), True)
-        if half.values is not None:
-            change = float(np.max(np.abs(trial.values - half.values)))
-            error = RING_SAFETY * change + max(trial.rounding, half.rounding)
+        control = engine.run(engine.varied(choices, engine.kinds), True)
+        error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
     return _trajectory(trial, error, begun, engine.scheme)
 
 
@@ -189,9 +191,14 @@ class RingSearch(StepSearch):
         self.fragile = model.kernel[1:] != (None, None)
         self.threads = 2 if blocked.fits(state.size, scheme.stages) else 1
         self._times = times
-        stiffness = np.abs(model.stiffness(state.y))
-        highest = 2.0 * math.sqrt(max(float(np.max(stiffness)), model.K2))
-        longest = LIMIT_SHARE * stability_limit(scheme) / highest
+        with np.errstate(over="ignore", invalid="ignore"):
+            stiffest = max(float(np.max(np.abs(model.stiffness(state.y)))), model.K2)
+        if not math.isfinite(stiffest):
+            raise ValueError(
+                f"state.y must leave K2 + 2 K3 y + 3 K4 y^2 finite, got {stiffest:g} "
+                "(take other units)"
+            )
+        longest = LIMIT_SHARE * stability_limit(scheme) / (2.0 * math.sqrt(stiffest))
         stops = np.concatenate([[state.t], times])
         super().__init__(scheme.order, longest, stops, state.size)
 
@@ -206,12 +213,12 @@ class RingSearch(StepSearch):
             choices.step,
             None,
         )
-        wanted, rows = set(self._times.tolist()), []
+        wanted, rows = set(self._times.tolist()), {}
         for state in stepper.through(self._times.tolist()):
             if state.t in wanted:
-                rows.append((state.strain(state.sites), state.velocity(state.sites)))
+                rows[state.t] = state.strain(state.sites), state.velocity(state.sites)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
-        strain, velocity = np.array(rows).reshape(-1, 2, state.size).swapaxes(0, 1)
+        strain, velocity = np.array([*rows.values()]).reshape(-1, 2, state.size).swapaxes(0, 1)
         values = None
         if stepper.blow_up is None:
             values = np.array([strain, velocity / (2.0 * math.sqrt(self.model.K2))])
@@ -226,8 +233,7 @@ class RingSearch(StepSearch):
 
     def _start(self, nudged: bool) -> State:
         """A copy of the state; ``nudged`` with the last digits of both its arrays changed."""
-        y, s = np.array([self.state.y, self.state.s], dtype=np.float64)
-        start = replace(self.state, y=y, s=s)
+        start = replace(self.state, y=self.state.y.copy(), s=self.state.s.copy())
         if nudged:
             signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, start.size))
             start.y *= 1.0 + signs[0]

@@ -1,4 +1,4 @@
-"""Closing a ring by its circumference.
+"""The seam of a ring: closing it, and letting fade what it sends out.
 
 A localised wave on a periodic background approaches its far field through a phase that decays like
 1/x, so the data at the two ends of m wavelengths miss each other by O(1/m). The circumference of a
@@ -14,8 +14,6 @@ A ring that is so wide that its seam is not felt need not close: a periodic wave
 What is left of the miss leaves a mean velocity, with which the mean strain would drift. It is taken
 off at the seam, not everywhere: the data elsewhere are the wave's own.
 
-Letting fade, on a ring, what can no longer reach a compared site.
-
 What the seam of a closed ring sends out may grow until waves cease to exist there, although the
 lattice itself is sound. The sites beyond the cone of the compared ones, which grows narrower all
 the time, are therefore drawn to a constant strain at rest, gently: a sudden end would send a wave
@@ -28,8 +26,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
-from scipy.special import erfc
 
 from lattice.state import State
 
@@ -51,6 +47,8 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     >>> round(close_circumference(lambda x: np.cos(x - np.arctan(x) / 2), 2 * np.pi, 8), 4)
     51.7975
     """
+    from scipy.optimize import least_squares  # 0.2 s that only periodic waves need
+
     offsets = wavelength * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
 
     def misses(shifts: Array) -> Array:
@@ -77,6 +75,8 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
     >>> blend_seam(lambda x: x, 10.0, 0.5, x)
     array([0., 0., 0.])
     """
+    from scipy.special import erfc  # 0.1 s that only spectral rings need
+
     values = np.array(profile(x), dtype=np.float64)
     for sign in (-1.0, 1.0):
         inside = sign * x - 0.5 * circumference

@@ -1,10 +1,7 @@
-"""The lattice at one time, on a ring of storage.
+"""The lattice at one time, on a ring of storage: its energy, and what can be wrong with it.
 
-The energy of a ring of sites.
-
-When a run must stop: non-finite or runaway strains, or waves that no longer exist.
-
-A monitor of what a window is fed: the feed must fit the sites next to it.
+A run must stop at strains that are not finite or run away, where waves no longer exist, and where
+what a window is fed does not fit the sites next to it.
 """
 
 import math

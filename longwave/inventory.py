@@ -67,7 +67,8 @@ def waves() -> list[Record]:
 def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
     """The bare wave's name where the background is one of the catalogue, else its formula."""
     for other in catalogue:
-        if other.expression == form.background:
+        is_bare = other.period is not None and other.background == 0  # no other formula is made
+        if is_bare and other.expression == form.background:
             return other.name
     return str(form.background)
 

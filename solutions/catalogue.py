@@ -59,6 +59,9 @@ class Catalogue(Sequence["ClosedForm"]):
     def __len__(self) -> int:
         return len(self.names)
 
+    def __repr__(self) -> str:
+        return f"<Catalogue of {len(self)} closed forms: {', '.join(self.names)}>"
+
     @staticmethod
     def module(name: str) -> str:
         """The module with the function ``name``, which makes that form."""
@@ -70,7 +73,9 @@ CATALOGUE = Catalogue()
 
 @cache
 def _made(name: str) -> "ClosedForm":
-    form: ClosedForm = getattr(import_module(Catalogue.module(name)), name)()
+    module = Catalogue.module(name)
+    form: ClosedForm = getattr(import_module(module), name)()
+    object.__setattr__(form, "module", module)
     return form
 
 

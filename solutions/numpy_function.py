@@ -18,10 +18,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from solutions.compile.straight_line import StraightLine
+from solutions.compile.tape import Tape
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import Array
-from solutions.run.jacobi import jacobi_program
+from solutions.run.jacobi_program import jacobi_program
 from solutions.symbols import tau, xi
 
 __all__ = ["numpy_function", "numpy_module"]
@@ -96,7 +96,7 @@ def numpy_function(form: ClosedForm) -> Callable[..., Any]:
     >>> float(U), float(U_xi) == 0.0
     (2.0, True)
     """
-    program = StraightLine()
+    program = Tape()
     value = program.record(form.stable)
     outputs = [value, program.derivative(value, xi), program.derivative(value, tau)]
     arguments = [xi, tau, *(parameter.symbol for parameter in form.parameters)]

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.algebra.exact_numbers import instance
-from solutions.exact import exact_number
+from derive.algebra.exact_numbers import exact_number, instance
 
 __all__ = ["Bound", "Parameter"]
 

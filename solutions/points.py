@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solutions.exact import shown
+from derive.algebra.exact_numbers import shown
 
 __all__ = ["check_points", "evaluate_points"]
 

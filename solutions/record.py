@@ -42,6 +42,10 @@ class Equation:
         if self.s not in (1, -1):
             raise ValueError(f"s must be 1 or -1, got {shown(self.s)} (1 is the focusing equation)")
 
+    def _repr_latex_(self) -> str:
+        sign = "+" if self.s > 0 else "-"
+        return rf"$\displaystyle U_\tau {sign} 6 U^2 U_\xi + U_{{\xi\xi\xi}} = 0$"
+
     def residual(self, U: sp.Expr) -> sp.Expr:
         """The left-hand side of the equation at ``U``, unsimplified."""
         transport = 6 * self.s * U**2 * sp.diff(U, self.xi)
@@ -97,7 +101,7 @@ class ClosedForm:
     ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
     ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
     stable expression
-    (``solutions.run.evaluator.PointEvaluator``).
+    (``solutions.run.program.PointEvaluator``). ``module`` is where the catalogue has it from.
     """
 
     name: str
@@ -113,6 +117,7 @@ class ClosedForm:
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )
+    module: str = field(default="", init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):

@@ -8,16 +8,15 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from derive.algebra.exact_numbers import instance
+from derive.algebra.exact_numbers import exact_number, instance
 from derive.normal_form import NormalForm
-from solutions.compile.program import Variables, long_number
-from solutions.exact import exact_number
+from solutions.compile.compiler import kept_program
 from solutions.points import check_points, evaluate_points
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import split
-from solutions.run.evaluator import Evaluator, PointEvaluator
 from solutions.run.linear_phase import LinearPhase
 from solutions.run.machine import scale_rows
+from solutions.run.program import Evaluator, PointEvaluator, Variables, long_number
 from solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
 
 __all__ = ["Side", "Wave", "WaveValues"]
@@ -85,7 +84,7 @@ class Wave:
         self.normal_form = normal_form
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
         a, b = normal_form.a, normal_form.b
-        self._slow = Variables(a, b)
+        self._slow = Variables(a, b, sp.S.Zero)
         self._scales = tuple(split(long_number(rate)) for rate in (sp.S.One, a, b))
 
     def __repr__(self) -> str:
@@ -208,8 +207,11 @@ class Wave:
         try:
             if own is not None:
                 return own(self.parameters)
-            expression = self.form.stable if part == "wave" else self._expression(part)
-            return Evaluator(expression, self.parameters)
+            make = partial(getattr, self.form, "stable")
+            if part != "wave":
+                make = partial(self._expression, part)
+            program = kept_program(self.form, part, make, tuple(self.parameters))
+            return Evaluator(program, tuple(self.parameters.values()))
         except OverflowError as error:
             raise ValueError(self._out_of_range(error)) from None
 

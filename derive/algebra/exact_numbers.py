@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from contextlib import suppress
 from decimal import Decimal
@@ -10,7 +11,7 @@ from numbers import Integral, Real
 from numbers import Rational as RationalNumber
 from typing import Any, TypeAlias, TypeVar
 
-from sympy import Expr, Float, I, Rational, nan, oo, zoo
+from sympy import Expr, Float, I, N, Rational, nan, nsimplify, oo, zoo
 from sympy.matrices.expressions.matexpr import MatrixExpr
 
 Kind = TypeVar("Kind")
@@ -105,11 +106,59 @@ def _not_real(name: str, value: object) -> ValueError:
 def shown(value: object) -> str:
     """``value`` in one short line, for an error.
 
+    >>> shown(10**5000)
+    'an int of 16610 bits'
     >>> shown("x" * 100)
     "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx..."
     """
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"an int of {value.bit_length()} bits"
     line = " ".join(repr(value).split())
     return line if len(line) <= 60 else f"{line[:60]}..."
+
+
+def exact_number(name: str, value: object) -> Expr:
+    """The exact SymPy number meant by ``value``; a float means its decimal literal.
+
+    ``value`` may be an int, a float, a Fraction, a Decimal, a NumPy scalar or a real SymPy
+    number such as ``elliptic_k(Rational(1, 4)) / 2``. ``name`` is used in the message.
+
+    Raises ValueError for NaN, infinities, complex numbers and anything that is no number.
+
+    >>> exact_number("k", 0.7)
+    7/10
+    >>> exact_number("k", "0.7")
+    Traceback (most recent call last):
+    ...
+    ValueError: k must be a real number, got '0.7' (write it without quotes)
+    """
+    if isinstance(value, Expr):
+        return _exact_number(name, value)
+    if isinstance(value, bool) or not isinstance(value, Real | Decimal):
+        remedy = (
+            "write it without quotes"
+            if isinstance(value, str)
+            else "such as 0.7 or Fraction(7, 10)"
+        )
+        raise ValueError(f"{name} must be a real number, got {shown(value)} ({remedy})")
+    if isinstance(value, Integral):
+        return Rational(int(value))
+    if isinstance(value, RationalNumber):
+        return Rational(int(value.numerator), int(value.denominator))
+    literal = str(value) if isinstance(value, Decimal) else repr(float(value))
+    if not math.isfinite(float(literal)):
+        raise ValueError(f"{name} must be finite, got {literal} (take a number)")
+    fraction = Fraction(literal)
+    return Rational(fraction.numerator, fraction.denominator)
+
+
+def _exact_number(name: str, value: Expr) -> Expr:
+    if value.free_symbols:
+        raise ValueError(f"{name} must be a number, got {value} (substitute its symbols first)")
+    if not (value.is_real and value.is_finite) and not N(value).is_Float:
+        raise ValueError(f"{name} must be real and finite, got {value} (take a real number)")
+    exact: Expr = nsimplify(value, rational=True) if value.has(Float) else value
+    return exact
 
 
 def integer(name: str, value: object, least: int, hint: str) -> int:

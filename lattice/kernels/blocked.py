@@ -50,11 +50,11 @@ from solutions.run.jit import njit
 Array = NDArray[np.float64]
 
 ROWS = 256
-"""Rows by which a block moves up (64 to 512 cost the same to 5 %: see
-`benchmarks/lattice_constants.py`, which has the other constants of this room as well)."""
+"""Rows by which a block moves up. 64 to 512 cost the same to 5 %; `benchmarks/lattice_constants.py`
+measures this and the other constants of the room."""
 
 STAGES = 28
-"""Stages done in a passage, at most, and at least one step's (13 to 52 cost the same to 5 %)."""
+"""Stages done in a passage, or one step's if they are more (13 to 52 cost the same to 5 %)."""
 
 ALIGNMENT = 8
 """Doubles in a line of the cache."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import accumulate, pairwise
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,51 +38,43 @@ class NystroemTable(NamedTuple):
     weights: Sequence[Fraction]
 
 
-class Scheme(Protocol):
-    """What a run needs of a scheme."""
+class Scheme:
+    """A time-stepping scheme: its table, and how a ring is advanced by it.
 
-    def __hash__(self) -> int:
-        """Tables are values: equal tables have equal hashes."""
+    ``name`` is the name by which a scene asks for it, ``order`` that of convergence in the step,
+    ``reference`` says where the coefficients come from. Tables are values: equal ones have equal
+    hashes.
+    """
+
+    name: str
+    order: int
+    reference: str
 
     @property
-    def name(self) -> str:
-        """The name by which a scene asks for it."""
-
-    @property
-    def order(self) -> int:
-        """Order of convergence in the step."""
+    def rounding(self) -> float:
+        """The defect allowed to the conditions: what the digits that are given leave."""
+        return 0.0
 
     @property
     def stages(self) -> int:
         """Force evaluations per step."""
-
-    @property
-    def reference(self) -> str:
-        """Where the coefficients come from."""
-
-    @property
-    def rounding(self) -> float:
-        """Defect allowed to its conditions: what the digits that are given leave."""
+        raise NotImplementedError
 
     def table(self) -> NystroemTable:
         """The scheme as an explicit Nystroem method."""
+        raise NotImplementedError
 
     def advance(self, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
         """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
+        raise NotImplementedError
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
-
-
-class DriftKick:
-    """A step of drifts y += drift h s and kicks s += kick h f(y), in turn, one more drift."""
-
-    name: str
-
-    @property
-    def rounding(self) -> float:
-        """Defect allowed to the conditions."""
         raise NotImplementedError
+
+
+class DriftKick(Scheme):
+    """A step of drifts y += drift h s and kicks s += kick h f(y), in turn, one more drift."""
 
     @cached_property
     def exact(self) -> tuple[Exact, Exact]:
@@ -158,11 +150,7 @@ class Composition(DriftKick):
     order: int
     half: tuple[str, ...]
     reference: str
-
-    @property
-    def rounding(self) -> float:
-        """Defect allowed to the conditions."""
-        return 1e-24
+    rounding = 1e-24
 
     @property
     def gammas(self) -> tuple[str, ...]:
@@ -224,7 +212,7 @@ def _mirrored(half: tuple[str, ...], once: bool) -> Exact:
 
 
 @dataclass(frozen=True)
-class RungeKutta:
+class RungeKutta(Scheme):
     """An explicit Runge-Kutta table (A, b), run in its Nystroem form on y'' = D V'(y).
 
     The two forms are the same method: y' = s is linear, so its stages can be eliminated. Raises
@@ -250,11 +238,6 @@ class RungeKutta:
             )
         if sum(self.b) != 1:
             raise ValueError(f"b must sum to 1, got {sum(self.b)} in {self.name} (check the table)")
-
-    @property
-    def rounding(self) -> float:
-        """No defect is allowed to fractions."""
-        return 0.0
 
     @property
     def stages(self) -> int:

@@ -1,19 +1,15 @@
-"""The phi functions of exponential integrators.
+"""Exponential integrators of p' = L p + N(p), L diagonal, and their phi functions.
 
     phi_0(z) = exp(z),    phi_{m+1}(z) = (phi_m(z) - 1/m!)/z,    phi_m(0) = 1/m!
 
 The recurrence loses digits near 0. Where |z| < RADIUS the highest function is summed as its power
 series, and the others follow by the recurrence read backwards, which loses none.
 
-The exponential Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430).
-
-An exponential Adams method of order 4 with one evaluation a step.
-
-    p' = L p + N(p),    L diagonal
-
-Over a step the linear part is exact and N is replaced by the polynomial through its last values:
-the predictor uses ``VALUES`` of them, the corrector one more, at the predicted point (Hochbruck and
-Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where ETDRK4 evaluates it four times.
+Over a step the linear part is exact. The Adams method, of order 4, replaces N by the polynomial
+through its last values: the predictor uses ``VALUES`` of them, the corrector one more, at the
+predicted point (Hochbruck and Ostermann, BIT 51 (2011) 889). N is evaluated once a step, where the
+Runge-Kutta method ETDRK4 (Cox and Matthews, J. Comput. Phys. 176 (2002) 430), which gives the first
+values, evaluates it four times.
 
 The step is fixed: its error is then a smooth function of it, which a run with a shorter step shows.
 Times that are not whole steps are reached by a shorter step on the side.

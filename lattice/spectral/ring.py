@@ -1,13 +1,11 @@
-"""A real periodic function of position, sampled: strain and velocity on a ring at one time.
+"""Strain and velocity on a ring of real circumference at one time, sampled.
 
-What steps longer than a site's passage cannot tell apart: the lattices of one spectral ring.
-
-A ring of real circumference holds one lattice for each x mod 1, and they do not feel each other.
+Such a ring holds one lattice for each x mod 1, and they do not feel each other.
 A wave that is hardly longer than the distance of sites has, by the place of its crest between two
 sites, a little more or less energy, which each of the lattices keeps for ever: its waves are a
 little larger and faster. In the frame of the wave such a difference turns its phase once a site
 (the wave numbers near 2 pi). Steps that do not resolve that average it, whatever their length, and
-all waves run alike: a run with a shorter step does not show it.
+all waves run alike: a run with a shorter step does not show it. `energy_spread` does.
 """
 
 import math

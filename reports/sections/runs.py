@@ -16,7 +16,6 @@ from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snaps
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
 from verify.comparison import Scene, load_scene, relative_sup_error
-from verify.comparison.initial_data import scene_form
 from verify.studies.lattice_cost import PeakError, peak_laws
 
 if TYPE_CHECKING:
@@ -125,7 +124,7 @@ def caption_part(scene: Scene) -> str:
         f"${name}={escape(value) if isinstance(value, str) else f'{value:g}'}$"
         for name, value in [*parameters, *given]
     )
-    title = scene_form(scene).title
+    title = scene.form.title
     return f"{escape(title[0].upper() + title[1:])} ({values})"
 
 

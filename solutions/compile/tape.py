@@ -1,122 +1,183 @@
-"""Straight-line code with derivatives: one elementary operation a statement.
+"""Straight-line code with derivatives: one elementary operation a line.
 
-Every statement's derivatives follow from SymPy's derivative of that one operation and the chain
-rule. The directions are d/dxi and the derivative along which the carrier phase (that of the first
-Jacobi call) stays fixed, ``d/dtau - drift d/dxi``: most derivatives in it vanish identically.
+The derivative of a line follows from SymPy's derivative of that line alone by the chain rule. A
+third derivative is then a few times the size of the expression, where the expanded SymPy tree is
+hundreds of times as large. The machine's programs and the residuals are both made from a tape.
 """
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 
 import sympy as sp
 
 from solutions.compile.lowering import Lowering
+from solutions.functions.multiprecision import MpmathFormula
+from solutions.symbols import xi
 
-__all__ = ["Statement", "Tape", "tape_of"]
+__all__ = ["Tape", "UnknownDerivativeError", "tape_of"]
 
-Statement = tuple[sp.Symbol, sp.Expr]
-Tangent = tuple[sp.Expr, sp.Expr]
+_ALONG = sp.Dummy("along")
+"""The direction in which the carrier phase, that of the first Jacobi call, stays fixed:
+``d/dtau - drift d/dxi``. Most derivatives in it vanish identically."""
 
-_FIXED: Tangent = (sp.S.Zero, sp.S.Zero)
+
+class UnknownDerivativeError(ValueError):
+    """A function on the tape has no derivative that SymPy knows."""
 
 
 class Tape:
-    """Statements ``symbol = operation`` and the two derivatives of every symbol."""
+    """Lines ``symbol = operation`` in order of evaluation; equal operations share one line.
 
-    def __init__(self) -> None:
-        self.statements: list[Statement] = []
-        self.tangents: dict[sp.Symbol, Tangent] = {}
-        self._recorded: dict[sp.Expr, sp.Expr] = {}
+    An entry is what stands for a value: a symbol with a number as factor, or a number. The
+    derivatives in ``directions`` follow every line at once, others when they are asked for.
 
-    def record(self, expression: sp.Expr) -> sp.Expr:
-        """The symbol (or number) that holds ``expression``."""
-        if expression.is_Atom:
+    >>> from mpmath import mp
+    >>> x = sp.Symbol("x")
+    >>> tape = Tape()
+    >>> entry = tape.record(sp.sin(x**2) + x**2)
+    >>> len(tape.lines)
+    3
+    >>> slope = tape.derivative(entry, x)
+    >>> print(tape.formula([x], [slope])(mp, mp.zero)[0])
+    0.0
+    """
+
+    def __init__(self, directions: Iterable[sp.Symbol] = ()) -> None:
+        self.lines: list[tuple[sp.Symbol, sp.Expr]] = []
+        self._directions = tuple(directions)
+        self._operation: dict[sp.Expr, sp.Expr] = {}
+        self._recorded: dict[sp.Basic, sp.Expr] = {}
+        self._derivative: dict[tuple[sp.Expr, sp.Symbol], sp.Expr] = {}
+        self._depth = 0
+
+    def seed(self, symbol: sp.Symbol, direction: sp.Symbol, rate: sp.Expr) -> None:
+        """Say the derivative of an input; lines of ``rate`` wait until all inputs have theirs."""
+        self._depth += 1
+        self._derivative[symbol, direction] = self.record(rate)
+        self._depth -= 1
+
+    def record(self, expression: sp.Basic) -> sp.Expr:
+        """Append what is new in ``expression``; return the entry of its value.
+
+        Entries that earlier calls returned may stand in ``expression``.
+        """
+        if not expression.args or _is_negated_symbol(expression):
             return expression
         if expression not in self._recorded:
             self._recorded[expression] = self._record(expression)
         return self._recorded[expression]
 
-    def tangent(self, symbol: sp.Expr) -> Tangent:
-        """Both derivatives of a recorded symbol or number."""
-        return self.tangents.get(symbol, _FIXED)
-
-    def _record(self, expression: sp.Expr) -> sp.Expr:
+    def _record(self, expression: sp.Basic) -> sp.Expr:
         if expression.is_Mul:
-            return self._product(list(expression.args))
+            return self._product(expression.args)
         if expression.is_Pow and expression.exp.is_Integer and abs(expression.exp) != 1:
             return self._power(expression.base, int(expression.exp))
-        arguments = [self._term(argument) for argument in expression.args]
-        return self._append(expression.func(*arguments))
+        return self._line(expression.func(*map(self._term, expression.args)))
 
-    def _term(self, argument: sp.Expr) -> sp.Expr:
+    def _term(self, argument: sp.Basic) -> sp.Expr:
         """A term of a sum keeps its numerical factor."""
+        if not isinstance(argument, sp.Expr):
+            return self.record(argument)
         number, rest = argument.as_coeff_Mul()
         return number * self.record(rest)
 
     def _product(self, factors: Sequence[sp.Expr]) -> sp.Expr:
-        ordered = sorted(factors, key=lambda factor: (self._is_varying(factor), str(factor)))
+        """Two factors at a time, constant ones first: the product rule for many is slow."""
+        ordered = sorted(factors, key=self._is_varying)
         result = self.record(ordered[0])
         for factor in ordered[1:]:
-            result = self._append(result * self.record(factor))
+            result = self._line(result * self.record(factor))
         return result
 
     def _is_varying(self, factor: sp.Expr) -> bool:
-        return any(symbol in self.tangents for symbol in factor.free_symbols)
+        return any(
+            (symbol, direction) in self._derivative
+            for symbol in factor.free_symbols
+            for direction in self._directions
+        )
 
     def _power(self, base: sp.Expr, exponent: int) -> sp.Expr:
         if exponent < 0:
-            return self._append(1 / self.record(base**-exponent))
+            return self._line(1 / self.record(base**-exponent))
         half = self.record(base ** (exponent // 2))
-        square = self._append(half * half)
-        return square if exponent % 2 == 0 else self._append(square * self.record(base))
+        square = self._line(half * half)
+        return square if exponent % 2 == 0 else self._line(square * self.record(base))
 
-    def _append(self, operation: sp.Expr) -> sp.Expr:
-        if operation.is_Atom:
+    def _line(self, operation: sp.Expr) -> sp.Expr:
+        if not operation.args or _is_negated_symbol(operation):
             return operation
-        if operation in self._recorded:
-            return self._recorded[operation]
-        symbol = sp.Symbol(f"x_{len(self.statements)}", real=True)
-        self.statements.append((symbol, operation))
-        self._recorded[operation] = symbol
-        self._differentiate(symbol, operation)
-        return symbol
+        if operation not in self._recorded:
+            symbol = sp.Symbol(f"_w{len(self.lines)}", real=True if self._directions else None)
+            self.lines.append((symbol, operation))
+            self._operation[symbol] = operation
+            self._recorded[operation] = symbol
+            if not self._depth:
+                for direction in self._directions:
+                    self.derivative(symbol, direction)
+        return self._recorded[operation]
 
-    def _differentiate(self, symbol: sp.Symbol, operation: sp.Expr) -> None:
-        varying = sorted((s for s in operation.free_symbols if s in self.tangents), key=str)
-        partials = {s: self._partial(symbol, operation, s) for s in varying}
-        tangent = []
-        for place, name in enumerate(("xi", "along")):
-            terms = [partials[s] * self.tangents[s][place] for s in varying]
-            tangent.append(self.define(f"{symbol.name}_{name}", sp.Add(*terms)))
-        if tangent != [0, 0]:
-            self.tangents[symbol] = (tangent[0], tangent[1])
+    def derivative(self, entry: sp.Expr, variable: sp.Symbol) -> sp.Expr:
+        """The entry of the derivative of ``entry`` with respect to the real ``variable``.
 
-    def _partial(self, symbol: sp.Symbol, operation: sp.Expr, variable: sp.Symbol) -> sp.Expr:
-        """``d operation/d variable``; that of tanh as sech**2, for ``1 - tanh**2`` cancels."""
+        Raises UnknownDerivativeError where SymPy leaves the derivative of a function unevaluated.
+        """
+        number, symbol = entry.as_coeff_Mul()
+        if symbol == variable:
+            return number
+        key = (symbol, variable)
+        if key not in self._derivative:
+            if symbol not in self._operation:
+                return sp.S.Zero
+            self._depth += 1
+            self._derivative[key] = self.record(self._chain_rule(symbol, variable))
+            self._depth -= 1
+        return self.record(number * self._derivative[key])
+
+    def _chain_rule(self, symbol: sp.Symbol, variable: sp.Symbol) -> sp.Expr:
+        operation = self._operation[symbol]
+        if isinstance(operation, sp.conjugate | sp.re | sp.im):
+            return operation.func(self.derivative(operation.args[0], variable))
+        products = []
+        for inner in sorted(operation.free_symbols, key=str):
+            slope = self.derivative(inner, variable)
+            if slope != 0:
+                products.append(self._partial(symbol, operation, inner) * slope)
+        return sp.Add(*products)
+
+    def _partial(self, symbol: sp.Symbol, operation: sp.Expr, inner: sp.Symbol) -> sp.Expr:
+        """``d operation/d inner``; that of tanh as sech**2, for ``1 - tanh**2`` cancels."""
         if operation.func is sp.tanh:
             argument = operation.args[0]
-            return self.record(sp.sech(argument)) ** 2 * sp.diff(argument, variable)
-        return sp.diff(operation, variable).subs(operation, symbol)
+            return sp.sech(argument) ** 2 * sp.diff(argument, inner)
+        partial = sp.diff(operation, inner)
+        if partial.has(sp.Derivative, sp.Subs):
+            raise UnknownDerivativeError(
+                f"{operation.func.__name__} has no known derivative in that argument "
+                "(give it an fdiff)"
+            )
+        return partial.subs(operation, symbol)
 
-    def define(self, name: str, value: sp.Expr) -> sp.Expr:
-        """A statement without derivatives; atoms and negated atoms need none."""
-        if value.is_Atom or (-value).is_Atom:
-            return value
-        symbol = sp.Symbol(name, real=True)
-        self.statements.append((symbol, value))
-        return symbol
+    def formula(self, arguments: Sequence[sp.Symbol], entries: Sequence[sp.Expr]) -> MpmathFormula:
+        """The values of ``entries`` as a formula in ``arguments``, for any mpmath context."""
+        return MpmathFormula.of(arguments, entries, self.lines)
 
 
-def tape_of(lowering: Lowering, value: sp.Expr) -> tuple[list[Statement], list[sp.Expr]]:
-    """Statements for a lowered expression; outputs: value, xi derivative, tau derivative."""
-    tape = Tape()
+def _is_negated_symbol(expression: sp.Basic) -> bool:
+    return isinstance(expression, sp.Mul) and bool((-expression).is_Symbol)
+
+
+def tape_of(lowering: Lowering, value: sp.Expr) -> tuple[Tape, list[sp.Expr]]:
+    """A tape of a lowered expression; entries of the value, its xi and its tau derivative."""
+    tape = Tape((xi, _ALONG))
     drift = _seed(tape, lowering)
     replacements, (result,) = sp.cse(value, symbols=sp.numbered_symbols("y_", real=True))
     recorded: dict[sp.Expr, sp.Expr] = {}
     for symbol, right in replacements:
         recorded[symbol] = tape.record(right.xreplace(recorded))
     output = tape.record(result.xreplace(recorded))
-    xi_rate, along = tape.tangent(output)
-    return tape.statements, [output, xi_rate, along + drift * xi_rate]
+    rate, along = (tape.derivative(output, direction) for direction in (xi, _ALONG))
+    return tape, [output, rate, along + drift * rate]
 
 
 def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
@@ -126,17 +187,21 @@ def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
     carrying = [phases[call.phase] for call in calls] + [ph for ph in phases.values() if ph.p != 0]
     if not carrying:
         return sp.S.Zero
-    carrier = carrying[0]
+    carrier, rates = carrying[0], {}
     for phase in phases.values():
         along = sp.S.Zero
         if (phase.p, phase.q) not in ((carrier.p, carrier.q), (-carrier.p, -carrier.q)):
             along = lowering.constant(phase.q - phase.p * carrier.q / carrier.p)
-        tape.tangents[phase.symbol] = (lowering.constant(phase.p), along)
+        rates[phase.symbol] = {xi: lowering.constant(phase.p), _ALONG: along}
     for call in calls:
         mean = lowering.constant(sp.elliptic_e(call.m) / sp.elliptic_k(call.m))
         fixed = {call.m: lowering.constant(call.m)}
         for symbol, rate in call.derivatives(mean).items():
-            slope = tape.define(f"{symbol.name}_u", rate.xreplace(fixed))
-            rates = tape.tangents[call.phase]
-            tape.tangents[symbol] = (rates[0] * slope, rates[1] * slope)
+            rates[symbol] = {
+                direction: of_phase * rate.xreplace(fixed)
+                for direction, of_phase in rates[call.phase].items()
+            }
+    for symbol, along_both in rates.items():
+        for direction, rate in along_both.items():
+            tape.seed(symbol, direction, rate)
     return lowering.constant(carrier.q / carrier.p)

@@ -15,10 +15,15 @@ precision, takes complex arguments, and raises the working precision inside for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 Number = Any
 """An `mpf` or `mpc` of some context, or anything its `convert` takes."""
@@ -148,21 +153,114 @@ IMPLEMENTATIONS: dict[str, Callable[[Any, Number, Number], Number]] = {
 """Name of the SymPy function class -> implementation(ctx, z, m)."""
 
 
-def mp_module(ctx: Any) -> dict[str, Any]:
-    """Return the names SymPy's mpmath printer may emit, all bound to `ctx`.
+@lru_cache(maxsize=32)
+def _functions(ctx: Any) -> dict[str, Callable[..., Number]]:
+    """The functions of a context under SymPy's names."""
+    names = {name: getattr(ctx, name) for name in dir(ctx) if not name.startswith("_")}
+    names |= {"elliptic_k": ctx.ellipk, "elliptic_e": ctx.ellipe, "Abs": ctx.fabs}
+    names |= {"conjugate": ctx.conj}
+    return names | {name: partial(f, ctx) for name, f in IMPLEMENTATIONS.items()}
 
-    Pass it before "mpmath" to `lambdify`; the name "mpmath" then only selects the printer.
+
+@dataclass(frozen=True)
+class MpmathFormula:
+    """Expressions as straight-line code in any mpmath context: the house's way from SymPy to it.
+
+    An instruction is an operation and its operands: numbers of earlier values (the arguments are
+    the first), or integers. All of it is plain data. No value is formed outside the context.
 
     >>> from mpmath import MPContext
-    >>> from sympy import Rational, symbols, sqrt, lambdify
+    >>> from sympy import Rational, symbols, sqrt
     >>> from solutions.functions import jacobi_sn
+    >>> z = symbols("z")
     >>> ctx = MPContext()
     >>> ctx.dps = 40
-    >>> z = symbols("z")
-    >>> f = lambdify(z, sqrt(z) * jacobi_sn(z, Rational(1, 3)), [mp_module(ctx), "mpmath"])
-    >>> print(f(ctx.mpf(2)))
+    >>> print(MpmathFormula.of([z], [sqrt(z) * jacobi_sn(z, Rational(1, 3))])(ctx, ctx.mpf(2))[0])
     1.380710253...
     """
-    names = {name: getattr(ctx, name) for name in dir(ctx) if not name.startswith("_")}
-    names |= {"elliptic_k": ctx.ellipk, "elliptic_e": ctx.ellipe, "I": ctx.j}
-    return names | {name: partial(f, ctx) for name, f in IMPLEMENTATIONS.items()}
+
+    arguments: int
+    code: Sequence[Sequence[Any]]
+    results: Sequence[int]
+
+    @classmethod
+    def of(
+        cls,
+        arguments: Sequence[Expr],
+        expressions: Sequence[Expr],
+        statements: Iterable[tuple[Expr, Expr]] = (),
+    ) -> MpmathFormula:
+        """The formula of ``expressions``, in which symbols stand for the earlier ``statements``."""
+        places: dict[Expr, int] = {argument: n for n, argument in enumerate(arguments)}
+        code: list[Sequence[Any]] = []
+
+        def place(node: Expr) -> int:
+            if node not in places:
+                instruction = _instruction(node, place)
+                places[node] = len(arguments) + len(code)
+                code.append(instruction)
+            return places[node]
+
+        for symbol, expression in statements:
+            places[symbol] = place(expression)
+        return cls(len(arguments), code, [place(expression) for expression in expressions])
+
+    def __call__(self, ctx: Any, *values: Number) -> list[Number]:
+        """The values of the expressions at the context's precision.
+
+        Raises NameError for a function that has no implementation.
+        """
+        functions, known = _functions(ctx), list(values)
+        for operation, *operands in self.code:
+            known.append(_value(ctx, functions, operation, operands, known))
+        return [known[place] for place in self.results]
+
+
+def _instruction(node: Expr, place: Callable[[Expr], int]) -> Sequence[Any]:
+    if node.is_Rational:
+        return "rational", int(node.p), int(node.q)
+    if node.is_Float:
+        return "float", *map(int, node._mpf_)
+    if node.is_Add or node.is_Mul:
+        return "+" if node.is_Add else "*", *map(place, node.args)
+    if node.is_Pow and node.exp.is_Integer:
+        return "integer power", place(node.base), int(node.exp)
+    if node.is_Pow and node.exp.is_Rational and node.exp.q == 2:
+        return "half power", place(node.base), int(node.exp.p)
+    if node.is_Pow:
+        return "power", *map(place, node.args)
+    if node.is_Atom:
+        return "constant", str(node)
+    return node.func.__name__, *map(place, node.args)
+
+
+def _value(
+    ctx: Any, functions: Mapping[str, Any], operation: str, operands: list[Any], known: list[Number]
+) -> Number:
+    match operation:
+        case "rational":
+            return ctx.mpf(operands[0]) / operands[1]
+        case "float":
+            return ctx.make_mpf(tuple(operands))
+        case "constant":
+            return _constant(ctx, operands[0])
+        case "+":
+            return sum((known[i] for i in operands[1:]), known[operands[0]])
+        case "*":
+            return math.prod((known[i] for i in operands[1:]), start=known[operands[0]])
+        case "integer power":
+            return known[operands[0]] ** operands[1]
+        case "half power":
+            return ctx.sqrt(known[operands[0]]) ** operands[1]
+        case "power":
+            return ctx.power(*(known[i] for i in operands))
+    if operation not in functions:
+        raise NameError(f"functions must have values in mpmath, got {operation} (add it)")
+    return functions[operation](*(known[i] for i in operands))
+
+
+def _constant(ctx: Any, name: str) -> Number:
+    constants = {"pi": "pi", "E": "e", "I": "j", "EulerGamma": "euler", "GoldenRatio": "phi"}
+    if name not in constants:
+        raise NameError(f"symbols must have values, got {name} (give it one)")
+    return +getattr(ctx, constants[name])

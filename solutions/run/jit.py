@@ -25,6 +25,7 @@ import uuid
 import warnings
 from collections.abc import Callable, Iterator
 from functools import cached_property, lru_cache, partial
+from importlib import import_module
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -40,6 +41,7 @@ from numba.core.caching import (
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
+from numba.np import linalg as numba_linalg
 
 from solutions.run.source_digest import source_digest
 
@@ -108,6 +110,7 @@ class KernelCache(NullCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel for that signature, None if it is not there."""
+        _load_numba_without_blas()
         try:
             return self._files.load_overload(sig, target_context)
         except Exception:
@@ -119,6 +122,20 @@ class KernelCache(NullCache):
             self._files.save_overload(sig, data)
         except (OSError, pickle.PicklingError):
             return
+
+
+@lru_cache
+def _load_numba_without_blas() -> None:
+    """Spare the 0.2 s that numba takes to import SciPy's BLAS, which is there, before any kernel.
+
+    What needs it (``np.dot`` in a kernel) imports it then.
+    """
+    ensure = numba_linalg.ensure_blas
+    numba_linalg.ensure_blas = lambda: None
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        numba_linalg.ensure_blas = ensure
 
 
 class _FolderCache(FunctionCache):

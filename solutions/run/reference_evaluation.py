@@ -1,6 +1,6 @@
 """Evaluation of an expression in mpmath, at any precision."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -8,12 +8,12 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from solutions.compile.program import Variables
-from solutions.exact import exact_number, shown
-from solutions.functions.multiprecision import mp_module
+from derive.algebra.exact_numbers import exact_number, shown
+from solutions.functions.multiprecision import MpmathFormula
+from solutions.run.program import Variables
 from solutions.symbols import tau, xi
 
-__all__ = ["check_digits", "evaluate_mp", "exact_point", "mp_function"]
+__all__ = ["check_digits", "evaluate_mp", "exact_point"]
 
 GUARD_DIGITS = 30
 MOST_DIGITS = 100_000
@@ -22,16 +22,9 @@ LARGEST = sp.Integer(10) ** 1000
 
 
 @lru_cache(maxsize=64)
-def mp_function(
-    expression: sp.Expr, parameters: tuple[sp.Symbol, ...]
-) -> tuple[Any, Callable[..., Any]]:
-    """A private context and ``expression`` as a function of (xi, tau, *parameters) in it.
-
-    Set the context's precision before calling; the arguments are its mpf.
-    """
-    context = mpmath.MPContext()
-    modules = [mp_module(context), "mpmath"]
-    return context, sp.lambdify([xi, tau, *parameters], expression, modules, cse=True)
+def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, MpmathFormula]:
+    """A private context, and ``expression`` as a formula in (xi, tau, *parameters)."""
+    return mpmath.MPContext(), MpmathFormula.of([xi, tau, *parameters], [expression])
 
 
 def evaluate_mp(
@@ -48,14 +41,14 @@ def evaluate_mp(
     nothing of the derivative rules and so are a check of these. The working precision is doubled
     until two results agree: the printed forms cancel near the ends of their parameters' domains.
     """
-    context, function = mp_function(expression, tuple(parameters))
+    context, formula = _formula(expression, tuple(parameters))
     moving = variables.a * point[0] + variables.d * point[1], variables.b * point[1]
     exact = (*parameters.values(), *moving, *rates)
     guard, before = GUARD_DIGITS, None
     while True:
         with context.workdps(digits + guard):
             *given, x, t, a, b = (_convert(context, number) for number in exact)
-            values = _with_differences(context, function, x, t, given)
+            values = _with_differences(context, formula, x, t, given)
             found = values[0], a * values[1], b * values[2]
             agree = before is not None and _agree(context, found, before, digits)
         if agree:
@@ -65,15 +58,16 @@ def evaluate_mp(
 
 
 def _with_differences(
-    context: Any, function: Callable[..., Any], x: Any, t: Any, point: list[Any]
+    context: Any, formula: MpmathFormula, x: Any, t: Any, point: list[Any]
 ) -> tuple[Any, Any, Any]:
     """Value and slopes from three values at more than twice the precision of the slopes."""
     step = context.ldexp(1, -context.prec)
     size = max(context.mag(x), context.mag(t), 1)
     with context.workprec(2 * context.prec + size):
-        value = function(x, t, *point)
-        slope = (function(x + step, t, *point) - value) / step
-        rate = (function(x, t + step, *point) - value) / step
+        (value,) = formula(context, x, t, *point)
+        (moved,) = formula(context, x + step, t, *point)
+        (later,) = formula(context, x, t + step, *point)
+        slope, rate = (moved - value) / step, (later - value) / step
     return value, slope, rate
 
 

@@ -103,14 +103,21 @@ def _imports(path: Path) -> tuple[tuple[str, str, bool], ...]:
     """What a file imports: the module (with dots if relative), a name in it, and if at once."""
     tree = ast.parse(path.read_bytes())
     found = []
-    for node in ast.walk(tree):
-        at_once = node in tree.body
+    for node, at_once in _statements(tree.body):
         if isinstance(node, ast.Import):
             found += [(alias.name, "", at_once) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             stem = "." * node.level + (node.module or "")
             found += [(stem, alias.name, at_once) for alias in node.names]
     return tuple(found)
+
+
+def _statements(body: Iterable[Any], at_once: bool = True) -> Iterator[tuple[ast.stmt, bool]]:
+    """All statements, and whether they stand in the module itself."""
+    for node in body:
+        yield node, at_once
+        for inner in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from _statements(getattr(node, inner, ()), at_once=False)
 
 
 def _absolute(stem: str, package: list[str]) -> str:

@@ -18,7 +18,7 @@ from lattice.schemes.catalogue import (
     SUZUKI_UMENO_8,
 )
 from lattice.schemes.order import check_order, nystroem_defect, phase_lag_defect
-from lattice.schemes.scheme import Composition, Scheme, Splitting
+from lattice.schemes.scheme import Composition, NystroemTable, Scheme, Splitting
 from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
 COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)
@@ -34,6 +34,13 @@ def test_compositions_have_their_order_to_all_digits_and_no_more(scheme: Composi
 def test_every_table_has_the_order_that_it_claims_and_no_more(scheme: Scheme) -> None:
     check_order(scheme)
     assert nystroem_defect(scheme.table(), scheme.order + 1) > 1e-6
+
+
+def test_a_wrong_position_is_a_defect() -> None:
+    """The conditions of the velocity are those of Verlet's method."""
+    half, one = Fraction(1, 2), Fraction(1)
+    assert nystroem_defect(NystroemTable([half], [[]], [half], [one]), 2) == 0.0
+    assert nystroem_defect(NystroemTable([half], [[]], [one], [one]), 2) == 0.5
 
 
 def off(literal: str, change: str) -> str:

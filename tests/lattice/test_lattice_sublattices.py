@@ -7,6 +7,7 @@ import derive
 from lattice.model import Model
 from lattice.spectral.ring import DENSITY, energy_spread
 from solutions import Wave, closed_form
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import ring_data
 
 LATTICES = 16
@@ -16,7 +17,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
     """The spread of a soliton's energies, and the same from sums over the sites of each lattice."""
     wave = Wave(closed_form("soliton_sech"), derive.mkdv_normal_form(1, 1), A=1)
     eps = steepness / float(wave.normal_form.a)
-    data = ring_data(Model(1.0, 0.0, 1.0), wave, eps, (0.0, 100.0), 60, 1e-4)
+    data = ring_data(MovingWave(wave, Model(1.0, 0.0, 1.0), eps, (0.0, 100.0), 60), 1e-4)
     ring = data.ring(data.smallest)
     state = data.state(ring, 2 * round(points_per_site * ring.circumference / 2))
     sites = round(ring.circumference / 2 - data.seam(ring.circumference))
@@ -28,7 +29,7 @@ def _spread(steepness: float, points_per_site: float = DENSITY) -> tuple[float, 
         velocity = np.cumsum(s) - s
         energies.append(np.sum(y**2 / 2 + y**4 / 4 + velocity**2 / 2))
     parted = 0.5 * (max(energies) - min(energies)) / np.mean(energies)
-    return energy_spread(data.constants, state, data.seam(ring.circumference)), float(parted)
+    return energy_spread(data.moving.constants, state, data.seam(ring.circumference)), float(parted)
 
 
 @pytest.mark.parametrize("steepness", [0.4, 0.5, 0.6])

@@ -145,7 +145,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
     monkeypatch.setattr(verify.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(reports.build, "write_report", keep)
-    verdicts, runs = verify.cli.verdicts.VerdictOptions, verify.cli.run.Options
+    verdicts, runs = verify.cli.verdicts.VerdictOptions, verify.cli.run.RunOptions
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove kink wave_cn kink --json --output c.json",

@@ -102,6 +102,22 @@ def test_a_wrong_call_ends_in_one_line(call: str) -> None:
     assert argument in message.partition("must")[0]
 
 
+def test_objects_are_shown_in_one_line_and_formulas_in_notebooks() -> None:
+    """Never by an address, nor by the whole tree of what they are made of."""
+    reduction = longwave.reduce(FPUT)
+    formulas = (reduction, reduction.pde, FPUT, longwave.Scaling(), NORMAL_FORM, DN, DN.equation)
+    wave = longwave.Wave(DN, NORMAL_FORM, k=0.5)
+    proved = longwave.prove(DN.equation, 0 * DN.equation.xi)
+    scene = longwave.load_scene("rogue_cn_k_0.5")
+    for thing in (*formulas, wave, longwave.CATALOGUE, DN.parameters[0], scene, proved):
+        shown = repr(thing)
+        assert "\n" not in shown
+        assert " at 0x" not in shown
+        assert len(shown) < 300
+    for thing in (*formulas, wave):
+        assert thing._repr_latex_().startswith(r"$\displaystyle ")
+
+
 def test_version_is_the_distributions() -> None:
     assert longwave.__version__ == version("longwave")
 

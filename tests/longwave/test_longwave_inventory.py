@@ -1,6 +1,8 @@
 """`longwave list`: every object is there, tables and JSON agree, text is printed as text."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -75,3 +77,23 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
     )
     assert main(["run", str(path)]) == 0
     assert "[/nope]" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("kind", "unwanted"),
+    [
+        ("lattices", "numpy numba solutions.wave lattice.model verify.comparison"),
+        ("waves", "numba matplotlib lattice.model verify.comparison"),
+        ("schemes", "sympy xarray pandas verify.comparison"),
+        ("scenes", "sympy xarray pandas ducc0 verify.proof"),
+        ("observables", "sympy xarray pandas ducc0 numba"),
+    ],
+)
+def test_a_list_imports_no_more_than_it_shows(kind: str, unwanted: str) -> None:
+    """What the rest of the house needs takes seconds."""
+    code = (
+        f"import sys; from longwave.inventory import inventory; inventory([{kind!r}]);"
+        f"sys.exit(' '.join(set(sys.modules) & set({unwanted.split()!r})) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive import NormalForm, mkdv_normal_form
 from solutions import ClosedForm
-from solutions.functions.multiprecision import mp_module
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import tau, xi
 
 RANGES = {
@@ -58,10 +58,8 @@ def in_mp(ctx: Any) -> Callable[..., Any]:
 
     def function(form: ClosedForm, expression: sp.Expr, values: dict[str, float]) -> Any:
         exact = {s: ctx.mpf(v.p) / v.q for s, v in form.check(values).items()}
-        modules = [mp_module(ctx), "mpmath"]
-        shared = not expression.has(sp.tanh)  # sp.cse asks for seconds whether tanh is finite
-        compiled = sp.lambdify([xi, tau, *exact], expression, modules, cse=shared)
-        return lambda x, t: compiled(ctx.mpf(x), ctx.mpf(t), *exact.values())
+        formula = MpmathFormula.of([xi, tau, *exact], [expression])
+        return lambda x, t: formula(ctx, ctx.mpf(x), ctx.mpf(t), *exact.values())[0]
 
     return function
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from derive.algebra.exact_numbers import exact_number
 from solutions import closed_form
-from solutions.exact import exact_number
 from solutions.symbols import X_0, alpha, k
 
 BREATHER = closed_form("breather_sn")

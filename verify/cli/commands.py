@@ -215,6 +215,6 @@ def run(**options: Any) -> int:
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`).
     """
-    from verify.cli.run import Options, run_and_print
+    from verify.cli.run import RunOptions, run_and_print
 
-    return run_and_print(Options(**options), called_by())
+    return run_and_print(RunOptions(**options), called_by())

@@ -26,7 +26,7 @@ Tell = Callable[[float], None]
 
 
 @dataclass
-class Options:
+class RunOptions:
     """Which scene, with what in the place of what it says, and where the run is written."""
 
     scene: str = ""
@@ -35,7 +35,7 @@ class Options:
     output: str | None = None
 
 
-def run_and_print(options: Options, program: str) -> int:
+def run_and_print(options: RunOptions, program: str) -> int:
     """Run one scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if the run blew up, 2 for bad input, told in one line, and 130 after Ctrl-C,

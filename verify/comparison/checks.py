@@ -7,8 +7,6 @@ import math
 from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 
-from verify.comparison.observables import NAMES
-
 MOST_STEPS = 1e10
 
 USUAL: Mapping[str, str] = {
@@ -102,6 +100,16 @@ def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
             raise ValueError(f"keywords must be known ones, got {key} (one of {', '.join(known)})")
 
 
+def closed_form(value: object) -> None:
+    """Refuse what is no closed form."""
+    from solutions import ClosedForm  # only a wave that is not named needs formulas
+
+    if not isinstance(value, ClosedForm):
+        raise ValueError(
+            f"wave must be a text or a ClosedForm, got {shown(value)} (such as 'rogue_cn')"
+        )
+
+
 def one_of(name: str, value: object, known: tuple[str, ...]) -> None:
     """Refuse a word that is not known."""
     if value not in known:
@@ -127,19 +135,19 @@ def times(values: object, t0: float) -> tuple[float, ...]:
     return checked
 
 
-def observables(values: object) -> tuple[str, ...]:
-    """Known observables."""
+def names(name: str, values: object, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Known names."""
     if not isinstance(values, list | tuple):
         raise ValueError(
-            f'observables must be a list of names, got {shown(values)} (such as ["strain"])'
+            f'{name} must be a list of names, got {shown(values)} (such as ["{known[0]}"])'
         )
     for value in values:
-        one_of("observables", value, NAMES)
+        one_of(name, value, known)
     return tuple(values)
 
 
 def parameters(values: object) -> tuple[tuple[str, float | str], ...]:
-    """The wave's parameters as pairs: finite numbers, or multiples of K (`initial_data.py`)."""
+    """The wave's parameters as pairs: finite numbers, or multiples of K (`moving_wave.py`)."""
     pairs = list(values.items()) if isinstance(values, Mapping) else values
     if not isinstance(pairs, list | tuple) or not all(
         isinstance(pair, list | tuple) and len(pair) == 2 for pair in pairs

@@ -5,7 +5,7 @@ seam is wrong; a domain keeps it away from the compared sites.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,14 +14,18 @@ from numpy.typing import NDArray
 from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
 from lattice.state import WATCHED, BlowUp, InflowCheck, State, empty_state
 from lattice.stepper import Domain
-from solutions import Wave
-from verify.comparison.initial_data import Tail, initial_data
-from verify.comparison.observables import observable_named
-from verify.comparison.scene import Scene
-from verify.comparison.view import frame
-from verify.comparison.wave_bounds import MARGIN, front, seam_room
+from verify.comparison.moving_wave import MovingWave, Tail
 
 Array = NDArray[np.float64]
+
+MARGIN = 64
+"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
+
+FRONT = 12.0
+"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
+
+KINK = 80.0
+"""Room for a kink at the seam, in units of its width."""
 
 STRIDE = 64
 """Most sites by which a window moves at once."""
@@ -30,26 +34,42 @@ BISECTIONS = 40
 """Halvings to the speed that a ring holds."""
 
 
+def front(speed: float, duration: float) -> float:
+    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
+    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
+
+
+def seam_room(moving: MovingWave) -> float:
+    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
+    wave, eps = moving.wave, moving.eps
+    if wave.constant_background is not None:
+        return 0.0
+    if wave.wavelength is not None:
+        return 2.0 * wave.wavelength / eps
+    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
+    return KINK / (float(wave.normal_form.a) * eps * height)
+
+
 def least_window(compared: int) -> int:
     """Fewest sites of a window whose ends keep away from the compared sites."""
     return 2 * (compared + 2 * (STRIDE + MARGIN))
 
 
-def least_ring(scene: Scene, strain: Array) -> int:
+def least_ring(moving: MovingWave, strain: Array) -> int:
     """Fewest sites of a ring whose seam cannot be felt at the compared sites.
 
     ``strain`` holds strains about which waves may run; the fastest of them counts.
     """
-    duration = scene.end - scene.t0
-    fastest = scene.constants.highest_frequency(strain) / 2.0
-    travelled = scene.constants.sound_speed() * duration / 2.0 + fastest * duration
-    return 2 * (scene.compared + math.ceil(travelled + front(fastest, duration)))
+    duration = moving.duration
+    fastest = moving.constants.highest_frequency(strain) / 2.0
+    travelled = moving.speed * duration / 2.0 + fastest * duration
+    return 2 * (moving.compared + math.ceil(travelled + front(fastest, duration)))
 
 
-def speed_held(scene: Scene, sites: float) -> float:
+def speed_held(moving: MovingWave, sites: float) -> float:
     """The fastest signal for which a ring of that many sites is wide enough; see `least_ring`."""
-    duration = scene.end - scene.t0
-    room = 0.5 * sites - scene.compared - scene.constants.sound_speed() * duration / 2.0
+    duration = moving.duration
+    room = 0.5 * sites - moving.compared - moving.speed * duration / 2.0
     slow, fast = 0.0, max(0.0, room) / duration
     for _ in range(BISECTIONS):
         speed = 0.5 * (slow + fast)
@@ -60,46 +80,46 @@ def speed_held(scene: Scene, sites: float) -> float:
     return slow
 
 
-def creeping(scene: Scene, wave: Wave) -> int:
-    """Sites by which sound on the wave's constant background gains on c t during the scene."""
-    background = scene.eps * (wave.constant_background or 0.0)
-    gain = scene.constants.sound_speed(background) - scene.constants.sound_speed()
-    return math.ceil(max(0.0, gain) * (scene.end - scene.t0))
+def creeping(moving: MovingWave) -> int:
+    """Sites by which sound on the wave's constant background gains on c t in that time."""
+    gain = moving.constants.sound_speed(moving.level) - moving.speed
+    return math.ceil(max(0.0, gain) * moving.duration)
 
 
-def window_moves(scene: Scene) -> tuple[float, ...]:
+def window_moves(moving: MovingWave) -> tuple[float, ...]:
     """The times, counted from t0, after which sound has gone ``STRIDE`` sites again."""
-    stay = STRIDE / scene.constants.sound_speed()
-    count = math.ceil((scene.end - scene.t0) / stay)
-    return tuple(scene.t0 + stay * move for move in range(1, count + 1))
+    stay = STRIDE / moving.speed
+    count = math.ceil(moving.duration / stay)
+    return tuple(moving.t0 + stay * move for move in range(1, count + 1))
 
 
 @dataclass
-class SiteRing:
+class SiteRing(Domain):
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
-    On a closed ring they fade once they can no longer reach a compared site, unless all of the
-    sites are asked for.
+    A ``closed`` one passes smoothly over it. If it ``fades``, they do once they can no longer reach
+    a compared site: all of the sites may then not be asked for.
     Raises ValueError if they could reach a compared site before the run ends.
     """
 
-    scene: Scene
-    wave: Wave
-    moves: frozenset[float] = frozenset()
-    mismatch: float = 0.0
-    _fading: Fading | None = field(default=None, init=False)
+    moving: MovingWave
+    size: int
+    closed: bool = False
+    fades: bool = False
 
     def start(self) -> State:
         """The initial state on all sites of the ring."""
-        scene = self.scene
-        middle = (frame(scene, scene.t0) + frame(scene, scene.end)) // 2
-        state = empty_state(
-            scene.t0, middle - scene.discretisation.sites // 2, scene.discretisation.sites
-        )
+        moving = self.moving
+        middle = (moving.frame(moving.t0) + moving.frame(moving.end)) // 2
+        state = empty_state(moving.t0, middle - self.size // 2, self.size)
         state.store(state.sites, *self._data(state))
-        self._check(state)
-        self._fading = self._build_fading()
+        least = least_ring(moving, state.y)
+        if self.size < least:
+            raise ValueError(
+                f"sites must satisfy sites >= {least} on this ring, got {self.size} "
+                "(else signals from the seam reach the compared sites; widen it or end earlier)"
+            )
         return state
 
     def fade(self, state: State) -> None:
@@ -107,15 +127,14 @@ class SiteRing:
         if self._fading is not None:
             self._fading.at(state)
 
-    def _build_fading(self) -> Fading | None:
-        scene, wave = self.scene, self.wave
-        whole = any(observable_named(name).all_sites for name in scene.observables)
-        if scene.discretisation.domain != "closed_ring" or whole or scene.end == scene.t0:
+    @cached_property
+    def _fading(self) -> Fading | None:
+        moving, wavelength = self.moving, self.moving.wave.wavelength
+        if not self.fades or moving.duration == 0.0:
             return None
-        speed = speed_held(scene, scene.discretisation.sites - seam_room(wave, scene.eps))
-        level = scene.eps * (wave.constant_background or 0.0)
-        depth = max(float(FADING_DEPTH), (wave.wavelength or 0.0) / scene.eps)
-        return Fading(scene.t0, speed, level, depth)
+        speed = speed_held(moving, self.size - seam_room(moving))
+        depth = max(float(FADING_DEPTH), (wavelength or 0.0) / moving.eps)
+        return Fading(moving.t0, speed, moving.level, depth)
 
     def _data(self, state: State) -> tuple[Array, Array]:
         """The wave's data; on a closed ring they pass smoothly over the seam.
@@ -123,45 +142,34 @@ class SiteRing:
         A jump there could be more than the lattice bears, and so could two copies of a periodic
         wave that do not fit.
         """
-        scene, wave = self.scene, self.wave
-        room = seam_room(wave, scene.eps)
-        if scene.discretisation.domain == "ring" or room == 0.0:
-            return initial_data(wave, scene, state.sites)
+        moving = self.moving
+        room = seam_room(moving)
+        if not self.closed or room == 0.0:
+            return moving.initial_data(state.sites)
         middle = state.left + 0.5 * state.size
         length, x = float(state.size), np.asarray(state.sites - middle, dtype=np.float64)
-        if wave.wavelength is not None:
-            y, s = initial_data(wave, scene, state.sites)
-            return fade_at_seam(y, s, scene.constants.sound_speed(), length, 0.5 * room, x)
+        if moving.wave.wavelength is not None:
+            y, s = moving.initial_data(state.sites)
+            return fade_at_seam(y, s, moving.speed, length, 0.5 * room, x)
 
         def profile(x: Array) -> Array:
-            return np.stack(initial_data(wave, scene, x + middle))
+            return np.stack(moving.initial_data(x + middle))
 
-        crest = wave.phase_zeros(scene.t0, scene.eps)[0] - middle
+        crest = moving.wave.phase_zeros(moving.t0, moving.eps)[0] - middle
         y, s = negate_at_seam(profile, length, crest, x)
         return y, s
 
-    def follow(self, state: State) -> BlowUp | None:
-        """Nothing: the ring stays where it is."""
-
     def locate(self, found: BlowUp, state: State) -> BlowUp:
         """``found``, with its distance from the seam if the seam's signals can have been there."""
-        if self.scene.discretisation.domain == "closed_ring":
+        if self.closed:
             return found
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
-        reach = self.scene.constants.sound_speed() * (found.t - self.scene.t0) + MARGIN
+        reach = self.moving.speed * (found.t - self.moving.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found
-
-    def _check(self, state: State) -> None:
-        least, sites = least_ring(self.scene, state.y), self.scene.discretisation.sites
-        if sites < least:
-            raise ValueError(
-                f"sites must satisfy sites >= {least} on this ring, got {sites} "
-                "(else signals from the seam reach the compared sites; widen it or end earlier)"
-            )
 
 
 @dataclass
-class Window:
+class Window(Domain):
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
     It moves at fixed times, whatever the time step: two runs that differ in their step alone have
@@ -170,27 +178,27 @@ class Window:
     The front is fed with the initial wave's own far field, moved at the background's speed of
     sound. Cells that the seam's signals can have reached since the last move are fed anew with it;
     the window outruns those at its rear. A monitor compares each feed with the sites behind it.
-    Raises ValueError for a wave without a constant
-    background, and for compared sites too near the window's ends.
+    Raises ValueError for a wave without a constant background, and for compared sites too near the
+    window's ends.
     """
 
-    scene: Scene
-    wave: Wave
+    moving: MovingWave
+    size: int
 
     def __post_init__(self) -> None:
-        background = self.wave.constant_background
+        background = self.moving.wave.constant_background
         if background is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.scene.wave_name}, got 'window' "
+                f"domain must be 'ring' for {self.moving.wave.form.name}, got 'window' "
                 "(its background is not constant)"
             )
-        self.monitor = InflowCheck(self.scene.eps)
-        self.background_speed = self.scene.constants.sound_speed(self.scene.eps * background)
-        self.moves = frozenset(window_moves(self.scene))
-        least, sites = least_window(self.scene.compared), self.scene.discretisation.sites
-        if sites < least:
+        self.monitor = InflowCheck(self.moving.eps)
+        self.background_speed = self.moving.constants.sound_speed(self.moving.level)
+        self.moves = frozenset(window_moves(self.moving))
+        least = least_window(self.moving.compared)
+        if self.size < least:
             raise ValueError(
-                f"sites must satisfy sites >= {least} in this window, got {sites} "
+                f"sites must satisfy sites >= {least} in this window, got {self.size} "
                 "(its ends would touch the compared sites; widen it)"
             )
 
@@ -201,25 +209,14 @@ class Window:
 
     def start(self) -> State:
         """The initial state, centred on c t0."""
-        scene = self.scene
-        state = empty_state(
-            scene.t0,
-            frame(scene, scene.t0) - scene.discretisation.sites // 2,
-            scene.discretisation.sites,
-        )
-        state.store(state.sites, *initial_data(self.wave, scene, state.sites))
+        moving = self.moving
+        state = empty_state(moving.t0, moving.frame(moving.t0) - self.size // 2, self.size)
+        state.store(state.sites, *moving.initial_data(state.sites))
         return state
-
-    def fade(self, state: State) -> None:
-        """Nothing: what is dropped is gone."""
-
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``: a window has no seam."""
-        return found
 
     def follow(self, state: State) -> BlowUp | None:
         """Move the window to c t, feeding the cells in front; a feed that does not fit is told."""
-        left = frame(self.scene, state.t) - self.scene.discretisation.sites // 2
+        left = self.moving.frame(state.t) - self.size // 2
         fed = 2 * (left - state.left) + MARGIN
         state.left = left
         end = left + state.size
@@ -232,15 +229,8 @@ class Window:
     @cached_property
     def _tail(self) -> Tail:
         """The far field on all offsets from the background's sound at which moves feed or watch."""
-        scene = self.scene
-        gain = self.background_speed - scene.constants.sound_speed()
-        drift = gain * (scene.end - scene.t0)
-        end = (scene.discretisation.sites + 1) // 2
+        drift = (self.background_speed - self.moving.speed) * self.moving.duration
+        end = (self.size + 1) // 2
         begin = end - (2 * (STRIDE + 1) + MARGIN + WATCHED)
         low, high = begin - 1 - max(0.0, drift), end + 1 - min(0.0, drift)
-        return Tail(self.wave, scene, self.background_speed, low, high)
-
-
-def build_domain(scene: Scene, wave: Wave) -> Domain:
-    """The domain that the scene asks for."""
-    return Window(scene, wave) if scene.discretisation.domain == "window" else SiteRing(scene, wave)
+        return Tail(self.moving, self.background_speed, low, high)

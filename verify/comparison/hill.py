@@ -10,7 +10,6 @@ Truncated in j it is a matrix; no time step enters (Deconinck, Kutz, J. Comput. 
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -31,6 +30,8 @@ def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     ``U`` are the wave's samples over one wavelength, several for each mode that counts. NaN if
     those are too many: a train of crests that are very far apart.
     """
+    from scipy.optimize import minimize_scalar  # 0.2 s that only periodic waves need
+
     modes = resolving_modes(U)
     if modes > MOST_MODES:
         return float("nan")

@@ -41,7 +41,7 @@ TIME_DIMENSION: Mapping[Moment, str] = {
 """The time dimension of what is seen at each kind of moment.
 
 ``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
-taken where the march stops anyway, so they change no step. A ``refinement`` runs the scene again.
+taken where the run stops anyway, so they change no step. A ``refinement`` runs the scene again.
 """
 
 Measure = Callable[[View], Mapping[str, Any]]

@@ -4,7 +4,6 @@ Recorders measure what the scene asks for; the data set that a run returns holds
 with the scene, the versions and the cost, and so does what Ctrl-C leaves of a run.
 """
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -14,11 +13,6 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from lattice.schemes.scheme import check_step
-from lattice.state import State
-from lattice.stepper import Stepper
-from solutions import Wave
-from verify.comparison.domain import build_domain
 from verify.comparison.observables import (
     TIME_DIMENSION,
     Moment,
@@ -79,10 +73,11 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
 
 
 Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+"""Name -> (dimensions, values, attributes)."""
 
 
 class Observer(Protocol):
-    """Sees the run at its moments; gives its variables at the end."""
+    """Sees the run at its moments."""
 
     @property
     def moments(self) -> Moments:
@@ -90,9 +85,6 @@ class Observer(Protocol):
 
     def see(self, view: View) -> None:
         """Record the run at one of the moments."""
-
-    def variables(self) -> Variables:
-        """Name -> (dimensions, values, attributes)."""
 
 
 class Recorder:
@@ -169,69 +161,6 @@ def _versions() -> str:
 
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, 0 .. 1."""
-
-
-@dataclass(frozen=True)
-class Recording:
-    """A march: where it got to, and what it cost (seconds without compilation).
-
-    ``stopped`` if Ctrl-C ended it.
-    """
-
-    march: Stepper
-    step_limit: float
-    seconds: float
-    stopped: bool = False
-
-
-def prepare(scene: Scene, wave: Wave, restart: State | None = None) -> tuple[Stepper, float]:
-    """The march of a scene, kernels compiled, and the largest stable step.
-
-    It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
-    same scene. Raises ValueError for a step past the stability limit and for a domain that is too
-    small.
-    """
-    domain, step = build_domain(scene, wave), scene.discretisation.step
-    scheme = scene.discretisation.table
-    initial = domain.start()
-    limit = check_step(step, scheme, scene.constants, initial.y)
-    scheme.advance(initial.y, initial.s, step, 0, scene.constants)
-    state = initial if restart is None else restart
-    amplitude = float(np.max(np.abs(initial.y)))
-    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
-
-
-def record(
-    scene: Scene,
-    wave: Wave,
-    observers: Sequence[Observer],
-    progress: Progress,
-    restart: State | None = None,
-) -> Recording:
-    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observable at its moments.
-
-    A run from ``restart`` shows nothing before or at the time of that state.
-    """
-    march, step_limit = prepare(scene, wave, restart)
-    begin = march.state.t
-    exact = {t for observer in observers for t in observer.moments.times}
-    first = {begin} if restart is None else set()
-    times = sorted({t for t in exact if t > begin} | first | {scene.end})
-    begun, stopped = time.perf_counter(), False
-    try:
-        for state in march.through(times):
-            view = View(scene, wave, state)
-            for observer in observers:
-                if observer.moments.due(state.t):
-                    observer.see(view)
-            progress(_share(begin, scene.end, state.t))
-    except KeyboardInterrupt:
-        stopped = True
-    return Recording(march, step_limit, time.perf_counter() - begun, stopped)
-
-
-def _share(begin: float, end: float, t: float) -> float:
-    return (t - begin) / (end - begin) if end > begin else 1.0
 
 
 LONG = 10.0

@@ -58,7 +58,8 @@ def resume(
     later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
-    return run_from(replace(scene, snapshots=later), start, progress)
+    scene = replace(scene, snapshots=later)
+    return run_from(scene, scene.moving_wave, start, progress)
 
 
 def save_run(run: xr.Dataset, path: str | Path) -> None:

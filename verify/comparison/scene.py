@@ -5,15 +5,18 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme
-from solutions import ClosedForm
 from verify.comparison import checks as check
-from verify.comparison.observables import observable_named
+from verify.comparison.observables import NAMES, observable_named
 from verify.comparison.scene_file import read_scene_file
+
+if TYPE_CHECKING:
+    from solutions import ClosedForm
+    from verify.comparison.moving_wave import MovingWave
 
 DOMAINS = ("window", "ring", "closed_ring")
 ENGINES = ("stencil", "spectral")
@@ -107,7 +110,7 @@ class Scene:
     """
 
     name: str
-    wave: str | ClosedForm
+    wave: "str | ClosedForm"
     eps: float
     t0: float
     snapshots: tuple[float, ...]
@@ -151,18 +154,15 @@ class Scene:
     def __post_init__(self) -> None:
         for key in ("name", "title"):
             check.text(key, getattr(self, key))
-        if not isinstance(self.wave, str | ClosedForm):
-            raise ValueError(
-                f"wave must be a text or a ClosedForm, got {check.shown(self.wave)} "
-                "(such as 'rogue_cn')"
-            )
+        if not isinstance(self.wave, str):
+            check.closed_form(self.wave)
         for key in ("eps", "t0", "K2", "K3", "K4"):
             object.__setattr__(self, key, check.finite(key, getattr(self, key)))
         for key in ("compared", "curve_points"):
             object.__setattr__(self, key, check.whole(key, getattr(self, key)))
         check.positive("eps", self.eps)
         object.__setattr__(self, "snapshots", check.times(self.snapshots, self.t0))
-        object.__setattr__(self, "observables", check.observables(self.observables))
+        object.__setattr__(self, "observables", check.names("observables", self.observables, NAMES))
         object.__setattr__(self, "parameters", check.parameters(self.parameters))
         if self.look_points is not None:
             object.__setattr__(self, "look_points", check.whole("look_points", self.look_points))
@@ -236,6 +236,27 @@ class Scene:
     def constants(self) -> Model:
         """The lattice constants."""
         return Model(self.K2, self.K3, self.K4)
+
+    @property
+    def form(self) -> "ClosedForm":
+        """The closed form that is named or given; a ValueError lists the known names."""
+        from solutions import closed_form  # scenes are read, listed and shown without formulas
+
+        if isinstance(self.wave, str):
+            return closed_form(self.wave, dict(self.parameters))
+        return self.wave
+
+    @cached_property
+    def moving_wave(self) -> "MovingWave":
+        """The wave on the lattice; ValueError for parameters and constants that it does not admit.
+
+        What asks for the wave alone finds it in ``moving_wave.wave``.
+        """
+        from verify.comparison.moving_wave import MovingWave, build_wave
+
+        wave = build_wave(self.form, self.constants, dict(self.parameters))
+        times = (self.t0, *self.snapshots)
+        return MovingWave(wave, self.constants, self.eps, times, self.compared)
 
     @property
     def end(self) -> float:

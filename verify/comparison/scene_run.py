@@ -4,17 +4,12 @@ Where none is named or required by what is asked for, the cheaper one by a model
 spectral engine refuses, though it was not named, is run site by site.
 """
 
-from collections.abc import Callable, Mapping
-
 import xarray as xr
 
 from lattice.refine import Announce
-from lattice.trial import Estimate
-from solutions import Wave
 from verify.comparison.checks import shown
-from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Announcer, Progress, UnfinishedRun
-from verify.comparison.scene import ENGINES, Scene
+from verify.comparison.scene import Scene
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import run_from, stated_seconds
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
@@ -24,7 +19,7 @@ SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
 
 
-def choose_engine(scene: Scene, wave: Wave) -> str:
+def choose_engine(scene: Scene) -> str:
     """The engine that the scene names, or the one that its observables need, or the cheaper one.
 
     Raises ValueError if the named one cannot compute an observable.
@@ -39,18 +34,8 @@ def choose_engine(scene: Scene, wave: Wave) -> str:
         return named.engine
     if needing or named.scheme:
         return "stencil"
-    return min(ENGINES, key=lambda engine: SECONDS[engine](scene, wave))
-
-
-SECONDS: Mapping[str, Callable[[Scene, Wave], float]] = {
-    "stencil": stencil_seconds,
-    "spectral": spectral_seconds,
-}
-
-Runner = Callable[[Scene, Wave, Progress, Announce], tuple[xr.Dataset, Estimate, float]]
-
-RUNNERS: Mapping[str, Runner] = {"stencil": run_stencil, "spectral": run_spectral}
-"""Run, estimated error and seconds of planning of a scene with a tolerance."""
+    cheap = stencil_seconds(scene) <= spectral_seconds(scene)
+    return "stencil" if cheap else "spectral"
 
 
 def run_to_tolerance(
@@ -63,21 +48,24 @@ def run_to_tolerance(
     (its part for rounding), ``next_decade`` (the factor by which ten times more accuracy costs
     more) and ``planning_seconds``. Raises ValueError and UnfinishedRun as `run` does.
     """
-    wave = build_wave(scene)
-    name = choose_engine(scene, wave)
-    told = Announcer(announce or (lambda _: None))
-    callbacks = progress or (lambda _: None), told
-    told(SECONDS[name](scene, wave))
+    by_ring = choose_engine(scene) == "spectral"
+    told, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
+    seconds, found = stencil_seconds(scene), None
     try:
-        run, estimate, planning_seconds = RUNNERS[name](scene, wave, *callbacks)
-    except ValueError:
-        if scene.target.engine or name == "stencil":
-            raise
-        told(SECONDS["stencil"](scene, wave))
-        run, estimate, planning_seconds = run_stencil(scene, wave, *callbacks)
+        if by_ring:
+            told(spectral_seconds(scene))
+            try:
+                found = run_spectral(scene, seconds, progress, told)
+            except ValueError:
+                if scene.target.engine:
+                    raise
+        if found is None:
+            told(seconds)
+            found = run_stencil(scene, progress, told)
     except UnfinishedRun as stop:
         stop.run.attrs["tolerance"] = scene.tolerance
         raise
+    run, estimate, planning_seconds = found
     return run.assign_attrs(
         tolerance=scene.tolerance,
         error_estimate=estimate.total,
@@ -111,6 +99,6 @@ def run(
         )
     if scene.tolerance is None:
         Announcer(announce or (lambda _: None))(stated_seconds(scene))
-        return run_from(scene, None, progress)
+        return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)

@@ -1,7 +1,6 @@
-"""The initial data of a spectral ring from a wave, and the scales at which a search begins."""
+"""What the spectral engine begins with, a wave's data on rings and its scales, and gives back."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,9 +10,10 @@ from numpy.typing import NDArray
 from lattice.model import Model
 from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
 from lattice.spectral.ring import RingState, backward, forward
-from solutions import Wave
-from verify.comparison.initial_data import lattice_data
-from verify.comparison.wave_bounds import WaveBounds, find_bounds, front, seam_room
+from lattice.trial import Choices, Estimate
+from verify.comparison.domain import front, seam_room
+from verify.comparison.moving_wave import MovingWave
+from verify.comparison.wave_bounds import WaveBounds, find_bounds
 
 Array = NDArray[np.float64]
 
@@ -57,35 +57,30 @@ class RingPlace:
 
 @dataclass(frozen=True)
 class RingData:
-    """A wave on the lattice at time ``t0``, ready to be put on rings of any size.
+    """A moving wave's data, ready to be put on rings of any size.
 
-    ``bounds`` holds the wave and the compared sites, the ``compared`` ones on either side of c t,
-    at all times. A run that takes the time ``duration`` needs no ring wider than the causal one.
+    ``bounds`` holds the wave and the compared sites at all times. No ring needs to be wider than
+    the causal one.
     """
 
-    constants: Model
-    wave: Wave
-    eps: float
-    t0: float
-    compared: int
+    moving: MovingWave
     bounds: WaveBounds
-    duration: float = math.inf
 
     @property
     def periodic(self) -> bool:
         """Whether the background is a periodic wave."""
-        return self.wave.wavelength is not None
+        return self.moving.wave.wavelength is not None
 
     @property
     def unit(self) -> float:
         """The background's wavelength in sites; one site, if it is constant."""
-        wavelength = self.wave.wavelength
-        return 1.0 if wavelength is None else wavelength / self.eps
+        wavelength = self.moving.wave.wavelength
+        return 1.0 if wavelength is None else wavelength / self.moving.eps
 
     @property
     def steepness(self) -> float:
         """The wave's variable xi per site."""
-        return float(self.wave.normal_form.a) * self.eps
+        return float(self.moving.wave.normal_form.a) * self.moving.eps
 
     @property
     def smallest(self) -> float:
@@ -102,14 +97,14 @@ class RingData:
         A periodic background has such waves of its own, and so has the step in strain that closes
         the ring of a kink.
         """
-        return 0.0 if self.wave.constant_background is None else ABSORBED
+        return 0.0 if self.moving.wave.constant_background is None else ABSORBED
 
     def short(self, circumference: float) -> float:
         """Right-going waves of numbers above this may be absorbed at the seam; 0 if none need be.
 
         Of group velocity c cos(k/2), they fall 2 c sin^2(k/4) a unit of time behind.
         """
-        way = 2.0 * self.constants.sound_speed() * self.duration
+        way = 2.0 * self.moving.speed * self.moving.duration
         behind = PASSED * circumference / way if way > 0.0 else math.inf
         if not self.absorbed or behind >= math.sin(math.pi / 4.0) ** 2:
             return 0.0
@@ -120,27 +115,25 @@ class RingData:
 
         It is the causal ring if that is not wider.
         """
-        limit = self.causal
-        if limit is not None and circumference >= limit.circumference:
-            return limit
+        if circumference >= self.causal.circumference:
+            return self.causal
         ahead = self.bounds.middle + shift * circumference
         return RingPlace(self._closed(circumference, ahead), ahead)
 
     @cached_property
-    def causal(self) -> RingPlace | None:
-        """The ring whose seam cannot be felt within ``duration``, None if that is infinite.
+    def causal(self) -> RingPlace:
+        """The ring whose seam cannot be felt in time.
 
         No signal is faster than sqrt(max V'') about the strains that it runs through, here those
         of the wave, except that the front of a dispersive one is some Airy lengths wide. In the
         frame that moves at c the compared sites rest, and the seam's signals cover the distances
         (c_max - c) t from behind and (c_max + c) t from the front.
         """
-        if math.isinf(self.duration):
-            return None
-        c, fastest = self.constants.sound_speed(), self.fastest
-        reach = self.seam(2.0 * fastest * self.duration + 2 * self.compared)
-        half = self.compared + fastest * self.duration + front(fastest, self.duration) + reach
-        ahead = c * self.duration
+        moving, fastest = self.moving, self.fastest
+        way = fastest * moving.duration
+        reach = self.seam(2.0 * fastest * moving.duration + 2 * moving.compared)
+        half = moving.compared + way + front(fastest, moving.duration) + reach
+        ahead = moving.speed * moving.duration
         return RingPlace(self._closed(2.0 * half + 0.5 * self.unit, ahead), ahead, causal=True)
 
     @property
@@ -148,7 +141,7 @@ class RingData:
         """The largest speed of sound about the strains of the bounds and of the data."""
         x = self.smallest * (np.arange(SEEN) / SEEN - 0.5) + self.bounds.middle
         strain = np.concatenate([self._strain(x), self.bounds.strain])
-        return self.constants.highest_frequency(strain) / 2.0
+        return self.moving.constants.highest_frequency(strain) / 2.0
 
     def state(self, ring: RingPlace, points: int) -> RingState:
         """The ring at t0, blended at its seam, without mean velocity."""
@@ -156,19 +149,23 @@ class RingData:
         x = length * (np.arange(points) / points - 0.5)
         left = self._middle + ring.ahead - 0.5 * length
         if self.kink:
-            crest = self.wave.phase_zeros(self.t0, self.eps)[0] - self._middle - ring.ahead
+            crest = (
+                self.moving.wave.phase_zeros(self.moving.t0, self.moving.eps)[0]
+                - self._middle
+                - ring.ahead
+            )
             y, s = negate_at_seam(lambda x: self._data(x + ring.ahead), length, crest, x)
-            return RingState(self.t0, left, length, y, s)
+            return RingState(self.moving.t0, left, length, y, s)
         width = self.seam(length) / BLEND_REACH
         y, s = blend_seam(lambda x: self._data(x + ring.ahead), length, width, x)
-        return RingState(self.t0, left, length, y, rest_at_seam(s, length, width, x))
+        return RingState(self.moving.t0, left, length, y, rest_at_seam(s, length, width, x))
 
     def seam(self, circumference: float) -> float:
         """The data within this distance of the seam are not the wave's."""
         if self.periodic:
             return self.unit
         if self.kink:
-            return 0.5 * seam_room(self.wave, self.eps)
+            return 0.5 * seam_room(self.moving)
         least = SCALES / self.steepness
         return max(min(circumference, 4.0 * self.bounds.width) / BLEND, least)
 
@@ -179,7 +176,7 @@ class RingData:
         What such a wave sends to the left changes the strain behind it for good: each time that
         comes round a ring it turns its sign, and rings of many sizes show the same of it.
         """
-        return self.wave.constant_background is None and not self.periodic
+        return self.moving.wave.constant_background is None and not self.periodic
 
     def _closed(self, circumference: float, ahead: float) -> float:
         """On a periodic background the length about ``circumference`` that closes the ring."""
@@ -190,38 +187,28 @@ class RingData:
 
     @property
     def _middle(self) -> float:
-        return self.constants.sound_speed() * self.t0
+        return self.moving.speed * self.moving.t0
 
     def _strain(self, x: Array) -> Array:
         strain: Array = self._data(x)[0]
         return strain
 
     def _data(self, x: Array) -> Array:
-        value = self.wave.at(self._middle + x, self.t0, self.eps)
-        return np.stack(lattice_data(value, self.constants.sound_speed(), self.eps))
+        return np.stack(self.moving.initial_data(self._middle + x))
 
 
-def ring_data(
-    constants: Model,
-    wave: Wave,
-    eps: float,
-    times: Sequence[float],
-    compared: int,
-    tolerance: float,
-) -> RingData:
-    """The data of a wave at the first of ``times``, with its bounds until the last of them."""
-    bounds = find_bounds(constants, wave, eps, times, compared, tolerance)
-    t0, duration = times[0], times[-1] - times[0]
-    return RingData(constants, wave, eps, t0, compared, bounds, duration)
+def ring_data(moving: MovingWave, tolerance: float) -> RingData:
+    """The data of a wave with its bounds."""
+    return RingData(moving, find_bounds(moving, tolerance))
 
 
 PER_RADIAN = 2.0
 """First sampling: points per unit of the wave's own variable xi."""
 
 
-def first_density(wave: Wave, eps: float) -> float:
+def first_density(moving: MovingWave) -> float:
     """Points per site to begin with."""
-    return PER_RADIAN * float(wave.normal_form.a) * eps
+    return PER_RADIAN * float(moving.wave.normal_form.a) * moving.eps
 
 
 FEWEST = 16
@@ -268,3 +255,44 @@ def typical_number(state: RingState) -> float:
     strain, slope = (backward(part, state.y.size) for part in (modes, 1j * k * modes))
     flank = float(np.max(np.abs(slope)) / np.max(np.abs(strain)))
     return max(flank, math.sqrt(float(np.sum(power * k[1:] ** 2)) / total))
+
+
+@dataclass(frozen=True)
+class SpectralCost:
+    """A run: ``steps``, ``points``, ``evaluations`` of the force, ``circumference``, ``seconds``.
+
+    ``strain`` is the smallest and the largest that was met; ``planning_seconds`` are those of the
+    runs before it.
+    """
+
+    steps: int
+    points: int
+    evaluations: int
+    circumference: float
+    strain: tuple[float, float]
+    seconds: float
+    planning_seconds: float = 0.0
+
+    @property
+    def work(self) -> float:
+        """Evaluations of the force times points."""
+        return float(self.evaluations) * self.points
+
+
+@dataclass(frozen=True)
+class SpectralRun:
+    """``values`` of y/eps on the compared sites at the times after t0, of shape (times, sites).
+
+    With the choices that it took, its estimated error and its cost.
+    """
+
+    moving: MovingWave
+    values: Array
+    choices: Choices
+    estimate: Estimate
+    cost: SpectralCost
+
+    def strain(self, index: int) -> Array:
+        """Strain on the compared sites at ``moving.times[1 + index]``."""
+        strain: Array = self.values[index] * self.moving.eps
+        return strain

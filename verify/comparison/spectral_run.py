@@ -17,7 +17,7 @@ from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.state import BlowUp, empty_state, find_blow_up
 from lattice.trial import Estimate
-from solutions import Wave
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.recording import (
     LONG,
     Observer,
@@ -28,10 +28,8 @@ from verify.comparison.recording import (
     unfinished,
 )
 from verify.comparison.scene import Scene
-from verify.comparison.spectral_data import first_density, ring_data
-from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, spectral_run
-from verify.comparison.spectral_task import SpectralRun, SpectralTask
-from verify.comparison.stencil_search import scene_bounds, stencil_seconds
+from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
+from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
 from verify.comparison.view import View
 
 START_SECONDS = 0.08
@@ -61,65 +59,50 @@ STEPPING = 2.0
 """Runs on the first ring with all longer steps, in units of the last of them."""
 
 FAR_DEARER = 100.0
-"""The spectral engine gives up at so many times what the stencil takes, and not before ``LONG``."""
+"""The spectral engine gives up at so many times what the stencil takes, and not before ``LONG``.
+
+A ring on which short waves come round for ever improves ever more slowly. Where that takes long and
+a window needs next to nothing, the ring is no help to anyone.
+"""
 
 SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
 
 
-def spectral_seconds(scene: Scene, wave: Wave) -> float:
+def spectral_seconds(scene: Scene) -> float:
     """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
-    tolerance = scene.target.tolerance
-    peak = float(np.max(np.abs(scene_bounds(scene, wave).strain))) / scene.eps
-    turns = float(wave.normal_form.b) * scene.eps**3 * (scene.end - scene.t0) * peak**3
+    moving, tolerance = scene.moving_wave, scene.target.tolerance
+    data, normal_form = ring_data(moving, tolerance), moving.wave.normal_form
+    peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
+    turns = float(normal_form.b) * moving.eps**3 * moving.duration * peak**3
     evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
-    steepness = float(wave.normal_form.a) * scene.eps * peak
+    steepness = float(normal_form.a) * moving.eps * peak
     apart = APART * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
     if apart > ALIKE * tolerance:
-        step = telling_step(scene.constants.sound_speed())
-        evaluations = max(evaluations, (scene.end - scene.t0) / step)
-    first, *wider = _circumferences(scene, wave, peak, turns)
-    density = POINTS * peak * first_density(wave, scene.eps)
+        evaluations = max(evaluations, moving.duration / telling_step(moving.speed))
+    first, *wider = _circumferences(data, tolerance, peak, turns)
+    density = POINTS * peak * first_density(moving)
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
     work = evaluations * float(np.sum(points * np.log2(points)))
     return START_SECONDS + SECONDS_PER_WORK * work
 
 
-def _circumferences(scene: Scene, wave: Wave, peak: float, turns: float) -> list[float]:
+def _circumferences(data: RingData, tolerance: float, peak: float, turns: float) -> list[float]:
     """Those that are tried: doubled until the law says that it is enough, or until the causal one.
 
     On a constant background a doubling changes by the tails, which are cut off at the seam; on a
     periodic one by what the wave radiates. A kink's ring is causal.
     """
-    tolerance = scene.target.tolerance
-    data = ring_data(
-        scene.constants,
-        wave,
-        scene.eps,
-        (scene.t0, *scene.snapshots),
-        scene.compared,
-        tolerance,
-    )
-    assert data.causal is not None
     if data.kink:
         return [data.causal.circumference]
     level, power = (PHASE * turns, 2) if data.periodic else (TAIL * peak, 3)
     tried = [data.smallest]
     while tried[-1] < data.causal.circumference:
-        change = level / (scene.eps * tried[-1]) ** power
+        change = level / (data.moving.eps * tried[-1]) ** power
         tried.append(2.0 * tried[-1])
         if change <= SHARE * tolerance:
             break
     return [min(length, data.causal.circumference) for length in tried]
-
-
-def most_spectral_work(scene: Scene, wave: Wave) -> float:
-    """Points times their log2 times evaluations that rings may take at once.
-
-    A ring on which short waves come round for ever improves ever more slowly. Where that takes long
-    and a window needs next to nothing, the ring is no help to anyone.
-    """
-    return max(LONG, FAR_DEARER * stencil_seconds(scene, wave)) / SECONDS_PER_WORK
 
 
 SCHEME = "exponential_adams"
@@ -127,23 +110,25 @@ SCHEME = "exponential_adams"
 
 
 def run_spectral(
-    scene: Scene, wave: Wave, progress: Progress, announce: Announce
+    scene: Scene, site_by_site: float, progress: Progress, announce: Announce
 ) -> tuple[xr.Dataset, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
-    What the stencil would look at where its march stops is looked at equidistant times here. Only
-    the compared sites are formed, at the times asked for. The run ends where their
-    strains are no longer sound. Raises ValueError for a tolerance that cannot be met and for a
-    lattice that blows up, UnfinishedRun on Ctrl-C.
+    ``site_by_site`` are the seconds that the stencil would take. What it would look at where it
+    stops is looked at equidistant times here. Only the compared sites are formed, at the times
+    asked for. The run ends where their strains are no longer sound. Raises ValueError for a
+    tolerance that cannot be met and for a lattice that blows up, UnfinishedRun on Ctrl-C.
     """
     tolerance = scene.target.tolerance
-    scene_run = _with_looks(scene)
-    recorders = build_recorders(scene_run)
-    task = _task(scene_run, wave, recorders, tolerance)
+    looks = scene.look_points or scene.curve_points
+    recorders = build_recorders(replace(scene, look_points=looks))
+    times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
+    moving = replace(scene.moving_wave, times=(scene.t0, *sorted(times)))
+    most_work = max(LONG, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
     try:
-        solved = spectral_run(task, progress, announce)
+        solved = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
-        raise _stopped(scene, wave, task, stop, recorders) from None
+        raise _stopped(scene, moving, stop, recorders) from None
     except RingTooLargeError as error:
         raise ValueError(
             f"tolerance must be larger than {tolerance:g}: it needs {error} "
@@ -153,7 +138,7 @@ def run_spectral(
         raise ValueError(
             f"engine must be 'stencil' for tolerance {tolerance:g}, got 'spectral': the next "
             f"rings alone would take {SECONDS_PER_WORK * error.work:.2g} s, site by site about "
-            f"{stencil_seconds(scene, wave):.2g} s (or raise the tolerance)"
+            f"{site_by_site:.2g} s (or raise the tolerance)"
         ) from None
     except StepTooShortError as error:
         raise ValueError(
@@ -165,75 +150,53 @@ def run_spectral(
             f"the scene must stay bounded for engine 'spectral': {error} "
             "(take a smaller eps; engine 'stencil' keeps what came before)"
         ) from None
-    run = _recorded(scene, wave, solved, recorders)
+    run = _recorded(scene, solved, recorders)
     return run, solved.estimate, solved.cost.planning_seconds
 
 
 def _stopped(
-    scene: Scene, wave: Wave, task: SpectralTask, stop: StoppedSearch, recorders: list[Recorder]
+    scene: Scene, moving: MovingWave, stop: StoppedSearch, recorders: list[Recorder]
 ) -> KeyboardInterrupt:
     """What the best run that is left shows, as far as it got."""
     trial = stop.trial
     if trial is None or trial.values is None:
         return unfinished(None, None, stop.before)
-    seen = replace(task, times=task.times[: len(trial.values)])
+    seen = replace(moving, times=moving.times[: 1 + len(trial.values)])
     unknown = Estimate(math.nan, trial.rounding, math.nan)
     solved = SpectralRun(seen, trial.values, trial.choices, unknown, trial.payload)
-    run = _recorded(scene, wave, solved, recorders)
-    if seen != task:
-        run.attrs["unfinished"] = f"Ctrl-C after t = {seen.times[-1]:g} of {scene.end:g}"
+    run = _recorded(scene, solved, recorders)
+    if seen != moving:
+        run.attrs["unfinished"] = f"Ctrl-C after t = {seen.end:g} of {scene.end:g}"
     return unfinished(run, stop.error, stop.before)
 
 
-def _recorded(
-    scene: Scene, wave: Wave, solved: SpectralRun, recorders: list[Recorder]
-) -> xr.Dataset:
-    reached, fault = _show(scene, wave, solved, recorders)
+def _recorded(scene: Scene, solved: SpectralRun, recorders: list[Recorder]) -> xr.Dataset:
+    reached, fault = _show(scene, solved, recorders)
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
     return build_dataset(scene, reached, variables, cost)
 
 
-def _with_looks(scene: Scene) -> Scene:
-    return replace(scene, look_points=scene.look_points or scene.curve_points)
-
-
-def _task(
-    scene: Scene, wave: Wave, observables: Sequence[Observer], tolerance: float
-) -> SpectralTask:
-    times = {t for item in observables for t in item.moments.times} | {scene.end}
-    return SpectralTask(
-        scene.constants,
-        wave,
-        scene.eps,
-        scene.t0,
-        tuple(sorted(times)),
-        scene.compared,
-        tolerance,
-        most_spectral_work(scene, wave),
-    )
-
-
 def _show(
-    scene: Scene, wave: Wave, solved: SpectralRun, observables: Sequence[Observer]
+    scene: Scene, solved: SpectralRun, observers: Sequence[Observer]
 ) -> tuple[tuple[float, ...], BlowUp | None]:
-    """Show each observable the compared sites at its moments, as far as they are sound.
+    """Show each observer the compared sites at its moments, as far as they are sound.
 
     Return the snapshots that were shown and what was wrong afterwards, if anything was.
     """
     amplitude = max(map(abs, solved.cost.strain))
-    for index, t in enumerate(solved.task.times):
-        sites = solved.task.sites(t)
+    for index, t in enumerate(solved.moving.times[1:]):
+        sites = solved.moving.compared_sites(t)
         state = empty_state(t, int(sites[0]), sites.size)
         state.store(sites, solved.strain(index), np.zeros(sites.size))
         fault = find_blow_up(scene.constants, state, amplitude)
         if fault is not None:
             return tuple(seen for seen in scene.snapshots if seen < t), fault
-        view = View(scene, wave, state)
-        for item in observables:
+        view = View(solved.moving, state)
+        for item in observers:
             if item.moments.due(t):
                 item.see(view)
-    return tuple(t for t in scene.snapshots if t <= solved.task.times[-1]), None
+    return tuple(t for t in scene.snapshots if t <= solved.moving.end), None
 
 
 def _cost(solved: SpectralRun) -> dict[str, object]:

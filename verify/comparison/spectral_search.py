@@ -21,15 +21,17 @@ from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError,
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import (
     RingPlace,
+    SpectralCost,
+    SpectralRun,
     first_density,
     first_step,
     ring_data,
     turning_time,
     typical_number,
 )
-from verify.comparison.spectral_task import SpectralCost, SpectralRun, SpectralTask
 
 Array = NDArray[np.float64]
 
@@ -94,19 +96,24 @@ class StepTooShortError(ValueError):
     """A tolerance, or a wave, that needs shorter steps than the engine should take."""
 
 
-def spectral_run(
-    task: SpectralTask,
+def solve_on_rings(
+    moving: MovingWave,
+    tolerance: float,
     progress: Progress = lambda _: None,
     announce: Announce = lambda _: None,
+    most_work: float = math.inf,
 ) -> SpectralRun:
-    """Run the task to its tolerance.
+    """Run the wave to a sup error of y/eps on the compared sites at its times after t0.
 
-    ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the tolerance
-    needs too many points, ValueError if it is below what rounding leaves, and FloatingPointError if
-    the lattice blows up.
+    ``most_work`` is the most that the next runs may ever take, in points times their log2 times
+    evaluations. ``progress`` and ``announce`` are as in `refine`. Raises RingTooLargeError if the
+    tolerance needs too many points, ValueError if it is below what rounding leaves, and
+    FloatingPointError if the lattice blows up.
     """
-    engine = SpectralEngine(task)
-    found = refine(engine, task.tolerance, progress, announce)
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must satisfy tolerance > 0, got {tolerance:g} (1e-4 is usual)")
+    engine = SpectralEngine(moving, tolerance, most_work)
+    found = refine(engine, tolerance, progress, announce)
     trial = found.trial
     if trial.values is None:
         step = trial.choices.step
@@ -117,11 +124,11 @@ def spectral_run(
         decade *= 10.0 ** (1.0 / engine.decay)
     estimate = Estimate(found.error, found.rounding, decade)
     cost = replace(trial.payload, planning_seconds=found.before)
-    return SpectralRun(task, trial.values, trial.choices, estimate, cost)
+    return SpectralRun(moving, trial.values, trial.choices, estimate, cost)
 
 
 class SpectralEngine:
-    """Runs of a task on rings, its initial data kept."""
+    """Runs of a wave on rings, its initial data kept."""
 
     kinds: tuple[Kind, ...] = ("step", "sampling", "domain")
     threads = 1
@@ -133,23 +140,15 @@ class SpectralEngine:
     fragile = False
     """Waves so steep that rounding grows soon are refused."""
 
-    def __init__(self, task: SpectralTask) -> None:
-        self._task = task
-        self.most_work = task.most_work
-        self._duration = task.times[-1] - task.t0
-        self._data = ring_data(
-            task.constants,
-            task.wave,
-            task.eps,
-            (task.t0, *task.times),
-            task.compared,
-            task.tolerance,
-        )
+    def __init__(self, moving: MovingWave, tolerance: float, most_work: float) -> None:
+        self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
+        self._duration = moving.duration
+        self._data = ring_data(moving, tolerance)
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
             raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
-        self._density = first_density(task.wave, task.eps)
-        self._started = task.t0
+        self._density = first_density(moving)
+        self._started = moving.t0
         self._rings: dict[tuple[float, float, bool], RingPlace] = {}
         self._states: dict[tuple[RingPlace, int], RingState] = {}
         self._alike = 0.0
@@ -164,12 +163,12 @@ class SpectralEngine:
     def first(self) -> Choices:
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
         choices = self._sized(Choices(1.0, 0.0, density=self._density), self._data.smallest)
-        state, c = self._state(choices), self._task.constants.sound_speed()
+        state, c = self._state(choices), self._moving.speed
         k = typical_number(state)
-        turning = turning_time(self._task.constants, state, k)
+        turning = turning_time(self._moving.constants, state, k)
         step = first_step(c, self._duration, k, turning)
         self._alike = self._apart(self._duration / turning)
-        if self._alike > ALIKE * self._task.tolerance:
+        if self._alike > ALIKE * self._tolerance:
             step = min(step, telling_step(c))
             self._refuse_toil(step)
         length = 1.0 / (c * k)
@@ -177,19 +176,18 @@ class SpectralEngine:
         if not start:
             step = min(step, START * length)
         absorber = ABSORBER_STRENGTH if self._data.absorbed and not choices.causal else 0.0
-        self._started = self._task.t0 + STARTED * length
+        self._started = self._moving.t0 + STARTED * length
         return replace(choices, step=step, absorber=absorber, start=start)
 
     def _refuse_toil(self, step: float) -> None:
         """Refuse so short steps where a run site by site takes much less."""
         limit = self._data.causal
-        assert limit is not None
         widest = replace(Choices(step, limit.circumference), density=RESOLVED)
         if self.work(widest) > MOST_WORK:
             raise StepTooShortError(f"steps below {step:.2g} for so long")
 
     def _steepness(self, strain: Array) -> float:
-        return float(self._task.wave.normal_form.a) * float(np.max(np.abs(strain)))
+        return float(self._moving.wave.normal_form.a) * float(np.max(np.abs(strain)))
 
     def _apart(self, turns: float) -> float:
         """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""
@@ -198,8 +196,8 @@ class SpectralEngine:
             return 0.0
         ring = data.ring(data.smallest)
         state = data.state(ring, _points(DENSITY * ring.circumference))
-        spread = energy_spread(data.constants, state, data.seam(ring.circumference))
-        return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.eps
+        spread = energy_spread(data.moving.constants, state, data.seam(ring.circumference))
+        return (1.0 + turns) * spread * float(np.max(np.abs(bounds.strain))) / data.moving.eps
 
     def scout(self) -> Engine:
         """None: a ring must hold what it holds."""
@@ -252,7 +250,7 @@ class SpectralEngine:
             factor = max(REACHES[0], 0.9 * excess ** (-1.0 / ORDER))
             start = factor * choices.start if math.isfinite(excess) else choices.start
             shorter = replace(choices, step=factor * choices.step, start=start)
-            if shorter.step * self._task.constants.sound_speed() < SHORTEST < self._duration:
+            if shorter.step * self._moving.speed < SHORTEST < self._duration:
                 raise self._soft or StepTooShortError(f"steps below {choices.step:.2g}")
             return shorter
         if kind == "sampling":
@@ -274,15 +272,13 @@ class SpectralEngine:
 
     def _sized(self, choices: Choices, size: float) -> Choices:
         limit = self._data.causal
-        if limit is None:
-            return replace(choices, size=size)
         if self._data.kink or SIZE_RATIO * size >= limit.circumference:
             return replace(choices, size=limit.circumference, causal=True, absorber=0.0)
         return replace(choices, size=size)
 
     def _by_itself(self, error: NotHyperbolicError, step: float) -> bool:
         """Whether waves cease to exist whatever the step: at first, or when they did before."""
-        passed, self._soft = error.t - self._task.t0, error
+        passed, self._soft = error.t - self._moving.t0, error
         apart = SOFTENED * passed + WATCH * step
         alike = [abs(t - passed) <= apart for t in self._softened]
         self._softened = [*self._softened[-1:], passed]
@@ -290,7 +286,7 @@ class SpectralEngine:
 
     def _outrun(self, choices: Choices, met: tuple[float, float]) -> Choices | None:
         """The choices on a wider causal ring, if the strains met were too fast for this one."""
-        data, constants = self._data, self._task.constants
+        data, constants = self._data, self._moving.constants
         strain = np.array([*met, *data.bounds.strain])
         if not choices.causal or constants.highest_frequency(strain) <= 2.0 * data.fastest:
             return None
@@ -299,9 +295,9 @@ class SpectralEngine:
         return self._sized(choices, math.inf)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
-        task = self._task
+        moving = self._moving
         begun = time.perf_counter()
-        tail = TAIL_SHARE * task.tolerance * task.eps
+        tail = TAIL_SHARE * self._tolerance * moving.eps
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, y=(1.0 + NUDGE) * state.y)
@@ -316,7 +312,7 @@ class SpectralEngine:
                 state = state if not rings else rings[-1].at(start)
                 rings.append(
                     SpectralRing(
-                        task.constants,
+                        moving.constants,
                         state,
                         step,
                         tail,
@@ -326,8 +322,8 @@ class SpectralEngine:
                     )
                 )
                 for t in times:
-                    rows.append(rings[-1].at(t).strain(task.sites(t)) / task.eps)
-                    progress((t - task.t0) / self._duration if self._duration > 0 else 1.0)
+                    rows.append(rings[-1].at(t).strain(moving.compared_sites(t)) / moving.eps)
+                    progress((t - moving.t0) / self._duration if self._duration > 0 else 1.0)
         except KeyboardInterrupt:
             if not rows:
                 raise
@@ -339,10 +335,10 @@ class SpectralEngine:
         points = state.y.size
         seconds = time.perf_counter() - begun
         cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
-        rounding = rounding_error(max(map(abs, strain)) / task.eps, evaluations)
-        rounding += clock_error(values, task.constants.sound_speed(), (task.t0, task.times[-1]))
+        rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
+        rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
-        told = choices.step <= telling_step(task.constants.sound_speed())
+        told = choices.step <= telling_step(moving.speed)
         alike = 0.0 if told else self._alike
         trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
         if stopped:
@@ -355,7 +351,7 @@ class SpectralEngine:
         The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
         leaves the wave would replace it by its mean, whatever their length.
         """
-        t0, times, began = self._task.t0, list(self._task.times), self._started
+        t0, times, began = self._moving.t0, list(self._moving.times[1:]), self._started
         if not 0.0 < choices.start < choices.step:
             yield t0, times, choices.step
             return

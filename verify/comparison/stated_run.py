@@ -4,31 +4,107 @@ Discretisation errors are measured on request: the same scene with half the step
 sites.
 """
 
+import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
+from lattice.schemes.scheme import check_step
 from lattice.state import State
-from solutions import Wave
-from verify.comparison.domain import Array
-from verify.comparison.initial_data import build_wave
+from lattice.stepper import Domain, Stepper
+from verify.comparison.domain import Array, SiteRing, Window
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import (
     Moments,
     Observer,
     Progress,
     Recorder,
-    Recording,
     UnfinishedRun,
     Variables,
     build_dataset,
     build_recorders,
-    record,
 )
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
+
+
+@dataclass(frozen=True)
+class Recording:
+    """How far a run got, and what it cost (seconds without compilation).
+
+    ``stopped`` if Ctrl-C ended it.
+    """
+
+    stepper: Stepper
+    step_limit: float
+    seconds: float
+    stopped: bool = False
+
+
+def build_domain(scene: Scene, moving: MovingWave) -> Domain:
+    """The domain that the scene states. A closed ring fades where nothing asks for all sites."""
+    stated = scene.discretisation
+    if stated.domain == "window":
+        return Window(moving, stated.sites)
+    closed = stated.domain == "closed_ring"
+    whole = any(observable_named(name).all_sites for name in scene.observables)
+    return SiteRing(moving, stated.sites, closed, fades=closed and not whole)
+
+
+def prepare(
+    scene: Scene, moving: MovingWave, restart: State | None = None
+) -> tuple[Stepper, float]:
+    """What steps a scene, kernels compiled, and the largest stable step.
+
+    It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
+    same scene. Raises ValueError for a step past the stability limit and for a domain that is too
+    small.
+    """
+    domain, step = build_domain(scene, moving), scene.discretisation.step
+    scheme = scene.discretisation.table
+    initial = domain.start()
+    limit = check_step(step, scheme, scene.constants, initial.y)
+    scheme.advance(initial.y, initial.s, step, 0, scene.constants)
+    state = initial if restart is None else restart
+    amplitude = float(np.max(np.abs(initial.y)))
+    return Stepper(state, scheme, scene.constants, domain, step, amplitude), limit
+
+
+def record(
+    scene: Scene,
+    moving: MovingWave,
+    observers: Sequence[Observer],
+    progress: Progress,
+    restart: State | None = None,
+) -> Recording:
+    """Run the scene to its end, a blow-up or Ctrl-C, showing it to each observable at its moments.
+
+    A run from ``restart`` shows nothing before or at the time of that state.
+    """
+    stepper, step_limit = prepare(scene, moving, restart)
+    begin = stepper.state.t
+    exact = {t for observer in observers for t in observer.moments.times}
+    first = {begin} if restart is None else set()
+    times = sorted({t for t in exact if t > begin} | first | {scene.end})
+    begun, stopped = time.perf_counter(), False
+    try:
+        for state in stepper.through(times):
+            view = View(moving, state)
+            for observer in observers:
+                if observer.moments.due(state.t):
+                    observer.see(view)
+            progress(_share(begin, scene.end, state.t))
+    except KeyboardInterrupt:
+        stopped = True
+    return Recording(stepper, step_limit, time.perf_counter() - begun, stopped)
+
+
+def _share(begin: float, end: float, t: float) -> float:
+    return (t - begin) / (end - begin) if end > begin else 1.0
+
 
 START_SECONDS = 0.03
 """Before the first step, measured with the planning."""
@@ -51,10 +127,6 @@ class StrainSamples:
         """Keep the strains at one time."""
         self.samples.append(view.numeric)
 
-    def variables(self) -> Variables:
-        """Nothing: the samples are only compared."""
-        return {}
-
 
 def refined(scene: Scene, measure: str) -> Scene:
     """The scene with half the step (``time_step_error``) or twice the sites (``domain_error``)."""
@@ -67,7 +139,7 @@ def refined(scene: Scene, measure: str) -> Scene:
 
 
 def measured_error(
-    scene: Scene, wave: Wave, measure: str, samples: Sequence[Array], progress: Progress
+    scene: Scene, moving: MovingWave, measure: str, samples: Sequence[Array], progress: Progress
 ) -> list[float]:
     """Largest difference of y/eps over the compared sites between a run and its refinement.
 
@@ -75,7 +147,7 @@ def measured_error(
     KeyboardInterrupt on Ctrl-C.
     """
     finer = StrainSamples(scene.snapshots[: len(samples)])
-    if record(refined(scene, measure), wave, [finer], progress).stopped:
+    if record(refined(scene, measure), moving, [finer], progress).stopped:
         raise KeyboardInterrupt
     return [
         float(np.max(np.abs(fine - coarse))) / scene.eps
@@ -85,35 +157,35 @@ def measured_error(
 
 def run_from(
     scene: Scene,
+    moving: MovingWave,
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),
 ) -> xr.Dataset:
-    """Run from the scene's initial data or from a state of an earlier run of the same scene.
+    """Run from the wave's initial data or from a state of an earlier run of the same scene.
 
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
     what was recorded on Ctrl-C.
     """
     meter = _Meter(scene, progress)
-    wave = build_wave(scene)
     recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
     measures = [measure for measure in scene.observables if measure in COST]
     seen: list[Observer] = [*recorders, *witnesses]
     if measures:
         seen.append(samples)
-    recording = record(scene, wave, seen, meter.part(1.0), restart)
+    recording = record(scene, moving, seen, meter.part(1.0), restart)
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
     reached, cost = _reached(scene, recorders, recording), _cost(scene, recording)
     if recording.stopped:
-        why = f"Ctrl-C after t = {recording.march.state.t:g} of {scene.end:g}"
+        why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
         raise UnfinishedRun(build_dataset(scene, reached, variables, cost | {"unfinished": why}))
     for measure in measures:
         part = meter.part(COST[measure])
         try:
-            values = measured_error(scene, wave, measure, samples.samples, part)
+            values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
             cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
             raise UnfinishedRun(build_dataset(scene, reached, variables, cost)) from None
@@ -130,9 +202,9 @@ def _reached(
         for recorder in recorders:
             if recorder.dimension == "time":
                 return tuple(recorder.times)
-    elif recording.march.blow_up is None:
+    elif recording.stepper.blow_up is None:
         return scene.snapshots
-    return tuple(t for t in scene.snapshots if t < recording.march.state.t)
+    return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
 class _Meter:
@@ -154,20 +226,20 @@ class _Meter:
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
-    march, scheme = recording.march, scene.discretisation.table
+    stepper, scheme = recording.stepper, scene.discretisation.table
     return {
         "engine": "stencil",
         "scheme": scheme.name,
         "order": scheme.order,
-        "steps": march.steps,
-        "force_evaluations": march.steps * scheme.stages,
+        "steps": stepper.steps,
+        "force_evaluations": stepper.steps * scheme.stages,
         "sites": scene.discretisation.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
-        "least_strain": march.strain[0],
-        "most_strain": march.strain[1],
-        "feed_mismatch": march.domain.mismatch,
-        "blow_up": "" if march.blow_up is None else str(march.blow_up),
+        "least_strain": stepper.strain[0],
+        "most_strain": stepper.strain[1],
+        "feed_mismatch": stepper.domain.mismatch,
+        "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
     }
 
 

@@ -8,18 +8,27 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.refine import SAFETY, Announce, Engine, Kind, StoppedSearch, refine
+from lattice.model import Model
+from lattice.refine import (
+    SAFETY,
+    Announce,
+    Engine,
+    Kind,
+    StoppedSearch,
+    lawful_step,
+    refine,
+    shorter_step,
+)
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme, stability_limit
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
-from solutions import Wave
-from verify.comparison.domain import Array, creeping, least_ring, least_window, window_moves
+from verify.comparison.domain import creeping, least_ring, least_window, seam_room, window_moves
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
 from verify.comparison.recording import Progress, UnfinishedRun, moments_of, unfinished
 from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
-from verify.comparison.trust import USUAL_TOLERANCE
-from verify.comparison.wave_bounds import WaveBounds, find_bounds, seam_room
+from verify.comparison.wave_bounds import WaveBounds, find_bounds
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -34,33 +43,27 @@ SEEN = 16
 """Moves of a window at which runs are compared, beside the times that are asked for."""
 
 
-def scene_bounds(scene: Scene, wave: Wave) -> WaveBounds:
-    """The sites that hold the scene's wave and its compared sites at all times."""
-    times = (scene.t0, *scene.snapshots)
-    tolerance = scene.tolerance or USUAL_TOLERANCE
-    return find_bounds(scene.constants, wave, scene.eps, times, scene.compared, tolerance)
-
-
-def domain_kind(scene: Scene, wave: Wave) -> str:
+def domain_kind(scene: Scene, moving: MovingWave) -> str:
     """A window on a constant background, unless something asked for needs a ring."""
+    background = moving.wave.constant_background
     needs_ring = any(observable_named(name).needs_ring for name in scene.observables)
-    return "ring" if needs_ring or wave.constant_background is None else "window"
+    return "ring" if needs_ring or background is None else "window"
 
 
-def longest_step(scene: Scene, scheme: Scheme, bounds: WaveBounds) -> float:
+def longest_step(model: Model, scheme: Scheme, bounds: WaveBounds) -> float:
     """A step that is stable about the wave's largest strain."""
-    limit = stability_limit(scheme) / scene.constants.highest_frequency(bounds.strain)
+    limit = stability_limit(scheme) / model.highest_frequency(bounds.strain)
     return LIMIT_SHARE * limit
 
 
-def least_sites(scene: Scene, wave: Wave, domain: str, bounds: WaveBounds) -> int:
+def least_sites(moving: MovingWave, domain: str, bounds: WaveBounds) -> int:
     """Fewest sites that hold the wave and the compared sites, in a multiple that suits kernels.
 
     A window's also keep off the rear's signals, which are faster than it on some backgrounds.
     """
     if domain == "ring":
-        return round_up(least_ring(scene, bounds.strain) + seam_room(wave, scene.eps))
-    return round_up(least_window(bounds.reach + creeping(scene, wave)))
+        return round_up(least_ring(moving, bounds.strain) + seam_room(moving))
+    return round_up(least_window(bounds.reach + creeping(moving)))
 
 
 def round_up(sites: float) -> int:
@@ -75,37 +78,12 @@ def exact_times(scene: Scene) -> tuple[float, ...]:
     return tuple(sorted(times.union(scene.snapshots)))
 
 
-def judged_times(scene: Scene, exact: Sequence[float], domain: str) -> tuple[float, ...]:
+def judged_times(moving: MovingWave, exact: Sequence[float], domain: str) -> tuple[float, ...]:
     """The exact times and, in a window, some of the stops that its moves make anyway."""
     if domain == "ring":
         return tuple(exact)
-    moves = [t for t in window_moves(scene) if t < scene.end]
+    moves = [t for t in window_moves(moving) if t < moving.end]
     return tuple(sorted({*moves[:: max(1, len(moves) // SEEN)], *exact}))
-
-
-def mean_step(stops: Array, step: float, order: int) -> float:
-    """The step that would make the same error if the stops did not shorten it.
-
-    Between two stops the steps are equal and at most ``step``.
-
-    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
-    0.5
-    """
-    gaps = np.diff(stops)
-    gaps = gaps[gaps > 0]
-    if gaps.size == 0:
-        return step
-    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
-    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
-
-
-def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
-    wanted = ratio * mean_step(stops, step, order)
-    found = ratio * step
-    while mean_step(stops, found, order) > wanted:
-        found *= 0.97
-    return found
 
 
 STEP_RATIO = 0.85
@@ -128,8 +106,8 @@ DECAY = 5
 CLEARANCE = 128
 """Sites beyond the wave on which runs of a scout are compared."""
 
-REACHES = (0.2, 4.0)
-"""Least factor on a step, and largest factor on a size, from one choice to the next."""
+LARGEST_GROWTH = 4.0
+"""Largest factor on a size from one choice to the next."""
 
 MOST_SITES = 2**20
 """Sites of the largest domain: a run takes 230 bytes a site (measured); two are done at once."""
@@ -140,7 +118,7 @@ or the lattice."""
 
 
 def run_stencil(
-    scene: Scene, wave: Wave, progress: Progress, announce: Announce
+    scene: Scene, progress: Progress, announce: Announce
 ) -> tuple[xr.Dataset, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
@@ -149,7 +127,7 @@ def run_stencil(
     UnfinishedRun on Ctrl-C.
     """
     begun = time.perf_counter()
-    engine = StencilEngine(scene, wave, scene_bounds(scene, wave))
+    engine = StencilEngine(scene, scene.moving_wave)
     try:
         found = refine(engine, scene.target.tolerance, progress, announce)
     except StoppedSearch as stop:
@@ -175,24 +153,22 @@ class StencilEngine:
     unstable = 1
     most_work = math.inf
 
-    def __init__(self, scene: Scene, wave: Wave, bounds: WaveBounds, compared: int = 0) -> None:
+    def __init__(self, scene: Scene, moving: MovingWave) -> None:
         scheme = scheme_named(scene.target.scheme or PREFERRED)
         self.order: int = scheme.order
-        self._scene, self._wave, self._bounds = scene, wave, bounds
-        self.fragile = wave.wavelength is not None
-        self._domain = domain_kind(scene, wave)
+        self._scene, self._moving = scene, moving
+        self._bounds = find_bounds(moving, scene.target.tolerance)
+        self.fragile = moving.wave.wavelength is not None
+        self._domain = domain_kind(scene, moving)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
-        self._least = _checked(least_sites(scene, wave, self._domain, bounds))
-        self._longest = longest_step(scene, scheme, bounds)
-        self._base = replace(
-            scene,
-            numerics=Discretisation(self._longest, self._domain, self._least, scheme.name),
-            compared=compared or scene.compared,
-        )
+        self._least = _checked(least_sites(moving, self._domain, self._bounds))
+        self._longest = longest_step(scene.constants, scheme, self._bounds)
+        stated = Discretisation(self._longest, self._domain, self._least, scheme.name)
+        self._base = replace(scene, numerics=stated)
         exact = exact_times(self._base)
-        self._times = judged_times(scene, exact, self._domain)
-        moves = window_moves(scene) if self._domain == "window" else ()
+        self._times = judged_times(moving, exact, self._domain)
+        moves = window_moves(moving) if self._domain == "window" else ()
         self._stops = np.array(sorted({scene.t0, *exact, *(t for t in moves if t < scene.end)}))
 
     def first(self) -> Choices:
@@ -201,13 +177,12 @@ class StencilEngine:
 
     def scout(self) -> Engine:
         """The same about the wave alone, if that saves sites."""
-        scene = replace(self._scene, compared=1, observables=())
-        bounds = scene_bounds(scene, self._wave)
+        bounds = find_bounds(replace(self._moving, compared=1), self._scene.target.tolerance)
         compared = min(self._scene.compared, bounds.reach + CLEARANCE)
         if self._domain == "ring" or compared == self._scene.compared:
             return self
-        scene = replace(scene, compared=compared)
-        return StencilEngine(scene, self._wave, scene_bounds(scene, self._wave))
+        scene = replace(self._scene, compared=compared, observables=())
+        return StencilEngine(scene, replace(self._moving, compared=compared))
 
     def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         """A run; on a ring that proves not to be causal, another one on a wider ring."""
@@ -217,7 +192,7 @@ class StencilEngine:
             if trial.values is None or not choices.causal:
                 return trial
             bounds = replace(self._bounds, strain=strain)
-            least = least_sites(self._base, self._wave, "ring", bounds)
+            least = least_sites(self._moving, "ring", bounds)
             if choices.size >= least:
                 return trial
             if least > RUNAWAY * choices.size:
@@ -238,21 +213,20 @@ class StencilEngine:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the scheme's order and of the window's size."""
         if kind == "step":
-            factor = max(REACHES[0], 0.95 * excess ** (-1.0 / self.order))
-            return replace(choices, step=factor * choices.step)
+            return replace(choices, step=lawful_step(choices.step, self.order, excess))
         if choices.causal:
             return choices
-        factor = min(REACHES[1], max(1.2, 1.05 * excess ** (1.0 / DECAY)))
+        factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / DECAY)))
         return self._sized(choices, factor * choices.size)
 
     def work(self, choices: Choices) -> float:
         """Site updates."""
-        steps = (self._scene.end - self._scene.t0) / choices.step
+        steps = self._moving.duration / choices.step
         return steps * self._base.discretisation.table.stages * choices.size
 
     def _sized(self, choices: Choices, sites: float) -> Choices:
         """With that many sites, or a causal ring if that takes fewer."""
-        causal = least_sites(self._base, self._wave, "ring", self._bounds)
+        causal = least_sites(self._moving, "ring", self._bounds)
         if not choices.causal and sites >= causal:
             return replace(choices, size=_checked(causal), causal=True)
         return replace(choices, size=_checked(round_up(sites)))
@@ -260,20 +234,18 @@ class StencilEngine:
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
         samples = StrainSamples(self._times)
         looked = (shown or choices.causal) and not choices.nudged
+        domain = "closed_ring" if choices.causal else "window"
+        scheme = self._base.discretisation.scheme
+        eps = self._scene.eps * (1.0 + NUDGE * choices.nudged)
         stated = replace(
             self._base,
-            eps=self._scene.eps * (1.0 + NUDGE * choices.nudged),
-            numerics=Discretisation(
-                choices.step,
-                "closed_ring" if choices.causal else "window",
-                int(choices.size),
-                self._base.discretisation.scheme,
-            ),
+            eps=eps,
+            numerics=Discretisation(choices.step, domain, int(choices.size), scheme),
             observables=self._base.observables if looked else (),
         )
         stopped = False
         try:
-            run = run_from(stated, None, progress, [samples])
+            run = run_from(stated, replace(self._moving, eps=eps), None, progress, [samples])
         except UnfinishedRun as stop:
             run, stopped = stop.run, True
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
@@ -283,8 +255,7 @@ class StencilEngine:
         largest = max(abs(run.attrs["least_strain"]), abs(run.attrs["most_strain"]))
         rounding = rounding_error(largest / self._scene.eps, steps)
         if values is not None:
-            c, times = stated.constants.sound_speed(), (stated.t0, stated.end)
-            rounding += clock_error(values, c, times)
+            rounding += clock_error(values, self._moving.speed, (stated.t0, stated.end))
         seconds = float(run.attrs["seconds"])
         seen = bool(stated.observables)
         trial = Trial(choices, values, float(steps) * size, seconds, rounding, run, seen)
@@ -302,9 +273,10 @@ def _checked(sites: int) -> int:
     )
 
 
-def stencil_seconds(scene: Scene, wave: Wave) -> float:
+def stencil_seconds(scene: Scene) -> float:
     """What a window would take, or on a periodic background a ring."""
-    scheme, bounds = scheme_named(PREFERRED), scene_bounds(scene, wave)
-    steps = (scene.end - scene.t0) / longest_step(scene, scheme, bounds)
-    sites = least_sites(scene, wave, domain_kind(scene, wave), bounds)
+    moving = scene.moving_wave
+    scheme, bounds = scheme_named(PREFERRED), find_bounds(moving, scene.target.tolerance)
+    steps = moving.duration / longest_step(scene.constants, scheme, bounds)
+    sites = least_sites(moving, domain_kind(scene, moving), bounds)
     return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites

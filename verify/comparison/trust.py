@@ -8,7 +8,6 @@ import numpy as np
 
 from solutions import Wave, WaveValues
 from verify.comparison.hill import MOST_MODES, fastest_rate
-from verify.comparison.initial_data import build_wave, scene_form
 from verify.comparison.scene import Scene
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -42,7 +41,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
     """
     if not has_periodic_background(scene):
         return Trust(0.0, math.inf)
-    wave = build_wave(scene)
+    wave = scene.moving_wave.wave
     per_tau = _fastest_rate(wave)
     rate = 0.0 if per_tau <= FLOOR else per_tau * float(wave.normal_form.b) * scene.eps**3
     return Trust(rate, horizon(rate, tolerance, UNIT_ROUNDOFF))
@@ -50,7 +49,7 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
 
 def has_periodic_background(scene: Scene) -> bool:
     """Whether there is anything that could grow about the scene's far field."""
-    return scene_form(scene).period is not None
+    return scene.form.period is not None
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
@@ -96,7 +95,7 @@ def horizon(rate: float, tolerance: float, rounding: float) -> float:
 
 def _most_rate(scene: Scene) -> float:
     """A bound of the growth rate per time: 3 max|(U^2)'|, as the energy of W grows in `hill`."""
-    wave = build_wave(scene)
+    wave = scene.moving_wave.wave
     bare = _background(wave)
     steepest = float(np.max(np.abs(bare.Y * bare.Y_X))) / float(wave.normal_form.a)
     return 6.0 * steepest * float(wave.normal_form.b) * scene.eps**3

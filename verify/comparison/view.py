@@ -1,6 +1,5 @@
 """The lattice against the wave on the compared sites at one time, and the paper's error figure."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -8,25 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.algebra.exact_numbers import shown
-from lattice.model import Model
 from lattice.state import Sites, State
-from solutions import Wave, WaveValues
+from verify.comparison.checks import shown
 
 if TYPE_CHECKING:
-    from verify.comparison.scene import Scene
+    from solutions import WaveValues
+    from verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
-
-
-def frame(scene: "Scene", t: float) -> int:
-    """The site nearest to c t: the middle of the compared region."""
-    return math.floor(scene.constants.sound_speed() * t + 0.5)
-
-
-def compared_sites(scene: "Scene", t: float) -> Sites:
-    """The sites within ``compared`` of c t."""
-    return frame(scene, t) + np.arange(-scene.compared, scene.compared + 1)
 
 
 def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> float:
@@ -72,14 +60,13 @@ def relative_sup_error(numeric: Array, analytic: Array, background: Array) -> fl
 class View:
     """Strains of the run and of the wave on the compared sites; each is made when first used."""
 
-    scene: "Scene"
-    wave: Wave
+    moving: "MovingWave"
     state: State
 
     @cached_property
     def sites(self) -> Sites:
         """The compared sites."""
-        return compared_sites(self.scene, self.state.t)
+        return self.moving.compared_sites(self.state.t)
 
     @cached_property
     def numeric(self) -> Array:
@@ -89,35 +76,25 @@ class View:
     @cached_property
     def analytic(self) -> Array:
         """Strains eps Y of the wave."""
-        return self._strain(self.wave.at(*self._place))
+        return self._strain(self.moving.wave.at(*self._place))
 
     @cached_property
     def background(self) -> Array:
         """Strains of the bare wave of the same phase."""
-        return self._strain(self.wave.background_at(*self._place))
+        return self._strain(self.moving.wave.background_at(*self._place))
 
     @cached_property
     def far_field(self) -> Array:
         """Strains of the wave's true far field: the left one behind c t, the right one ahead."""
-        left = self._strain(self.wave.far_field_at(*self._place, "left"))
-        right = self._strain(self.wave.far_field_at(*self._place, "right"))
-        return np.where(np.arange(left.size) < self.scene.compared, left, right)
-
-    @property
-    def constants(self) -> Model:
-        """The lattice constants."""
-        return self.scene.constants
-
-    @property
-    def level(self) -> float:
-        """Strain of the constant background, 0 on a periodic one."""
-        return self.scene.eps * (self.wave.constant_background or 0.0)
+        left = self._strain(self.moving.wave.far_field_at(*self._place, "left"))
+        right = self._strain(self.moving.wave.far_field_at(*self._place, "right"))
+        return np.where(np.arange(left.size) < self.moving.compared, left, right)
 
     def displaced(self, shift: float) -> tuple[Array, Array, Array, Array]:
         """Wave, background and their slopes in n, at n - ``shift`` for the compared sites n."""
-        place = (self.sites - shift, self.state.t, self.scene.eps)
-        wave, background = self.wave.at(*place), self.wave.background_at(*place)
-        eps = self.scene.eps
+        eps = self.moving.eps
+        place = (self.sites - shift, self.state.t, eps)
+        wave, background = self.moving.wave.at(*place), self.moving.wave.background_at(*place)
         slopes = eps**2 * wave.Y_X, eps**2 * background.Y_X
         return self._strain(wave), self._strain(background), *slopes
 
@@ -128,8 +105,9 @@ class View:
         There is none on a constant background, where it is the first one, and for a bare periodic
         wave, whose far field is the wave itself.
         """
-        form = self.wave.form
-        return self.wave.constant_background is None and form.far_fields.left != form.expression
+        wave = self.moving.wave
+        left, whole = wave.form.far_fields.left, wave.form.expression
+        return wave.constant_background is None and left != whole
 
     @property
     def error(self) -> float:
@@ -143,7 +121,7 @@ class View:
 
     @property
     def _place(self) -> tuple[Sites, float, float]:
-        return self.sites, self.state.t, self.scene.eps
+        return self.sites, self.state.t, self.moving.eps
 
-    def _strain(self, values: WaveValues) -> Array:
-        return self.scene.eps * values.Y
+    def _strain(self, values: "WaveValues") -> Array:
+        return self.moving.eps * values.Y

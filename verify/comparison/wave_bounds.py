@@ -3,8 +3,6 @@
 The wave is looked for on the whole line, not on the compared sites alone: outwards from where its
 phases vanish, on a grid whose spacing grows with the distance. A domain that holds the bounds holds
 the wave at all times, so nothing of it can come back round a ring or be cut off by a window.
-
-How far ahead of sound a signal's front runs, and how much room a seam takes, is told here, too.
 """
 
 from collections.abc import Sequence
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from lattice.model import Model
 from solutions import Wave
+from verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 
@@ -65,22 +64,17 @@ class WaveBounds:
         return int(np.ceil(max(-self.low, self.high)))
 
 
-def find_bounds(
-    constants: Model,
-    wave: Wave,
-    eps: float,
-    times: Sequence[float],
-    compared: int,
-    tolerance: float,
-) -> WaveBounds:
-    """The bounds of ``compared`` sites about c t and of the wave from the first of ``times`` on.
+def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
+    """The bounds of compared sites and wave at all times from the first to the last.
 
     The wave is where y/eps deviates from its far fields by more than a share of ``tolerance``, or,
     if it decays like a power, by more than a share of its largest deviation: the rest is a matter
     of the domain's size.
     """
-    ends, strain = _wave_at_all_times(constants, wave, eps, tuple(times), tolerance)
-    edge = float(compared)
+    ends, strain = _wave_at_all_times(
+        moving.constants, moving.wave, moving.eps, moving.times, tolerance
+    )
+    edge = float(moving.compared)
     return WaveBounds(min(-edge, ends[0]), max(edge, ends[1]), strain)
 
 
@@ -150,28 +144,3 @@ def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
     beyond = crest + 2.0 * (x[index] - crest)
     rest = x >= beyond if x[index] > crest else x <= beyond
     return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])
-
-
-MARGIN = 64
-"""Sites beyond the distance of sound that a window leaves for a signal's dispersive front."""
-
-FRONT = 12.0
-"""Airy lengths by which a signal's front runs ahead of the sound: Ai(12) is 1e-13."""
-
-KINK = 80.0
-"""Room for a kink at the seam, in units of its width."""
-
-
-def front(speed: float, duration: float) -> float:
-    """Sites by which the dispersive front of a signal of that speed is ahead of it."""
-    return max(MARGIN, FRONT * (speed * duration / 8.0) ** (1.0 / 3.0))
-
-
-def seam_room(wave: Wave, eps: float) -> float:
-    """Sites that a ring's ends take to pass into each other; 0 if they fit as they are."""
-    if wave.constant_background is not None:
-        return 0.0
-    if wave.wavelength is not None:
-        return 2.0 * wave.wavelength / eps
-    height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-    return KINK / (float(wave.normal_form.a) * eps * height)

@@ -20,8 +20,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.compile.straight_line import StraightLine, UnknownDerivativeError
-from solutions.functions.multiprecision import mp_module
+from solutions.compile.tape import Tape, UnknownDerivativeError
 from solutions.parameter import Bound, Parameter
 from solutions.record import ClosedForm, Equation
 from verify.verdict import Outcome, Verdict
@@ -219,12 +218,12 @@ class ResidualProgram:
     def __init__(self, expression: sp.Expr, equation: Equation) -> None:
         self.symbols = tuple(sorted({equation.xi, equation.tau} | expression.free_symbols, key=str))
         self._context = mpmath.mp.clone()
-        tape = StraightLine()
+        tape = Tape()
         try:
             entries = _term_entries(tape, expression, equation)
         except UnknownDerivativeError as error:
             raise EvaluationError(str(error)) from error
-        self._terms = tape.compile(self.symbols, entries, mp_module(self._context))
+        self._terms = tape.formula(self.symbols, entries)
 
     def level(self, point: Point, digits: int) -> float:
         """log10 of |residual| / sum of |terms| at ``point``; -inf if the residual is 0.
@@ -235,7 +234,7 @@ class ResidualProgram:
         context.dps = digits
         values = [context.mpf(point[s].p) / point[s].q for s in self.symbols]
         try:
-            terms = self._terms(*values)
+            terms = self._terms(context, *values)
             total, size = abs(context.fsum(terms)), context.fsum(terms, absolute=True)
         except (ArithmeticError, ValueError, TypeError, NameError) as error:
             raise EvaluationError(f"{type(error).__name__}: {error}") from error
@@ -244,7 +243,7 @@ class ResidualProgram:
         return float(context.log10(total / size)) if total else float("-inf")
 
 
-def _term_entries(tape: StraightLine, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
+def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[sp.Expr]:
     """The terms of the residual in the tape's registers.
 
     The field is first an undefined function, whose derivatives stand unevaluated in the terms.

@@ -7,13 +7,27 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 `check_certificate`.
 """
 
-from verify.verdict import ProofVerdict
+from typing import TYPE_CHECKING
 
-from .catalogue_proofs import check_certificate, form_domains, prove_form, prove_stable
-from .checker import CertificateError
-from .domains import Domain
-from .prover import prove, prove_equal
-from .rational_proofs import RationalFacts, prove_bilinear, prove_rational, rational_facts
+from derive.lazy_face import lazy_face
+
+if TYPE_CHECKING:
+    from verify.proof.catalogue_proofs import (
+        check_certificate,
+        form_domains,
+        prove_form,
+        prove_stable,
+    )
+    from verify.proof.checker import CertificateError
+    from verify.proof.domains import Domain
+    from verify.proof.prover import prove, prove_equal
+    from verify.proof.rational_proofs import (
+        RationalFacts,
+        prove_bilinear,
+        prove_rational,
+        rational_facts,
+    )
+    from verify.verdict import ProofVerdict
 
 __all__ = [
     "CertificateError",
@@ -30,3 +44,16 @@ __all__ = [
     "prove_stable",
     "rational_facts",
 ]
+
+__getattr__, __dir__ = lazy_face(
+    __name__,
+    {
+        "verify.proof.catalogue_proofs": "check_certificate form_domains prove_form prove_stable",
+        "verify.proof.checker": "CertificateError",
+        "verify.proof.domains": "Domain",
+        "verify.proof.prover": "prove prove_equal",
+        "verify.proof.rational_proofs": "RationalFacts prove_bilinear prove_rational "
+        "rational_facts",
+        "verify.verdict": "ProofVerdict",
+    },
+)

@@ -21,13 +21,13 @@ from flint import acb, arb, ctx, fmpq
 from solutions.functions.jacobi import JacobiFunction
 
 from . import taylor as functions
-from .domain_signs import Signs
+from .domain_signs import DomainSigns
 from .domains import Point
 
 Index = tuple[int, ...]
 
 
-class Shape:
+class JetShape:
     """The multi-indices below some given ones, with the pairs whose sum stays among them."""
 
     def __init__(self, tops: Sequence[Index]) -> None:
@@ -57,7 +57,7 @@ def _lowered(index: Index, place: int) -> Index:
 class Jet:
     """Coefficients in the order of ``shape.indices``; the first is the value."""
 
-    shape: Shape
+    shape: JetShape
     coefficients: tuple[acb, ...]
 
     @property
@@ -90,17 +90,15 @@ class Jet:
         return Jet(self.shape, tuple(parts))
 
 
-def constant(shape: Shape, value: acb) -> Jet:
+def constant(shape: JetShape, value: acb) -> Jet:
     """A constant as a jet."""
     return Jet(shape, (value,) + (acb(0),) * (len(shape.indices) - 1))
 
 
-def variable(shape: Shape, place: int, value: acb) -> Jet:
+def variable(shape: JetShape, place: int, value: acb) -> Jet:
     """The variable number ``place`` at ``value``."""
     unit = tuple(int(i == place) for i in range(len(shape.indices[0])))
-    slopes = {unit: acb(1)}
-    rest: Mapping[Index, acb] = slopes
-    return Jet(shape, (value, *(rest.get(index, acb(0)) for index in shape.indices[1:])))
+    return Jet(shape, (value, *(acb(int(index == unit)) for index in shape.indices[1:])))
 
 
 PERIODIC = (sp.sin, sp.cos, sp.sinh, sp.cosh)
@@ -131,13 +129,13 @@ class BallEvaluator:
 
     def __init__(
         self,
-        shape: Shape,
+        shape: JetShape,
         variables: Sequence[sp.Symbol],
         point: Point,
-        signs: Signs | None = None,
+        signs: DomainSigns | None = None,
     ) -> None:
         self._shape = shape
-        self._signs = Signs({}) if signs is None else signs
+        self._signs = DomainSigns({}) if signs is None else signs
         self._found: dict[sp.Expr, Jet] = {
             symbol: constant(shape, exact(value)) for symbol, value in point.items()
         }
@@ -262,10 +260,12 @@ def exact(value: sp.Rational) -> acb:
     return acb(arb(fmpq(int(value.p), int(value.q))))
 
 
-def ball_value(expression: sp.Expr, point: Point, bits: int, signs: Signs | None = None) -> acb:
+def ball_value(
+    expression: sp.Expr, point: Point, bits: int, signs: DomainSigns | None = None
+) -> acb:
     """A ball around the value of ``expression`` at ``point``; ``signs`` tell what is real."""
     with ctx.workprec(bits):
-        return BallEvaluator(Shape([(0,)]), (), point, signs).jet(expression).value
+        return BallEvaluator(JetShape([(0,)]), (), point, signs).jet(expression).value
 
 
 def residual_ball(
@@ -274,7 +274,7 @@ def residual_ball(
     expression: sp.Expr,
     point: Point,
     bits: int,
-    signs: Signs | None = None,
+    signs: DomainSigns | None = None,
 ) -> acb:
     """A ball around the residual of ``equation`` with ``expression`` for ``unknown``."""
     variables = unknown.args
@@ -286,7 +286,7 @@ def residual_ball(
             symbol: coefficients[index] * reduce(mul, map(factorial, index))
             for symbol, index in zip(symbols, tops, strict=True)
         }
-        flat = BallEvaluator(Shape([(0,)]), (), point, signs)
+        flat = BallEvaluator(JetShape([(0,)]), (), point, signs)
         flat.know(values)
         return flat.jet(flat_equation).value
 
@@ -294,13 +294,13 @@ def residual_ball(
 @lru_cache(maxsize=4)
 def _in_jets(
     equation: sp.Expr, unknown: sp.Expr
-) -> tuple[sp.Expr, list[sp.Symbol], list[Index], Shape]:
+) -> tuple[sp.Expr, list[sp.Symbol], list[Index], JetShape]:
     """The equation in symbols for the unknown and its derivatives, their orders and shape."""
     jets = [unknown, *(d for d in equation.atoms(sp.Derivative) if d.expr == unknown)]
     tops = [_index(jet, unknown.args) for jet in jets]
     symbols = [sp.Dummy() for _ in jets]
     flat = equation.xreplace(dict(zip(jets, symbols, strict=True)))
-    return flat, symbols, tops, Shape(tops)
+    return flat, symbols, tops, JetShape(tops)
 
 
 def _index(jet: sp.Expr, variables: Sequence[sp.Symbol]) -> Index:

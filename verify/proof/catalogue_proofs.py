@@ -20,9 +20,9 @@ from typing import Any
 import sympy as sp
 
 from derive import mkdv_normal_form, mkdv_reduction
+from derive.algebra.exact_numbers import shown
 from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.exact import shown
 from solutions.forms.rational import rational, rational_tau
 from solutions.record import ClosedForm
 from verify.verdict import ProofVerdict

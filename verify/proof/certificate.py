@@ -23,7 +23,7 @@ from flint import acb, ctx, fmpq_mpoly
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Dependence
-from .balls import BallEvaluator, Shape
+from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
 from .checker.field import Field
@@ -31,7 +31,7 @@ from .checker.limits import CertificateError
 from .checker.nodes import Nodes
 from .checker.ring import Element
 from .checker.statement import read_statement
-from .domain_signs import Signs
+from .domain_signs import DomainSigns
 from .domains import Domains, Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
@@ -54,7 +54,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     """
     table = NodeTable()
     statement = statement_data(problem, table)
-    rewriting = Rewriting(Signs(problem.domains))
+    rewriting = Rewriting(DomainSigns(problem.domains))
     for expression in problem.expressions:
         rewriting(expression)
     point = regular_point(problem)
@@ -94,7 +94,7 @@ def regular_point(problem: Problem) -> Point:
     """A point at which all of a problem's formulas are finite; raises ValueError without one."""
     for bits, point in product((BITS, 2 * BITS), problem.points):
         with ctx.workprec(bits):
-            balls = BallEvaluator(Shape([(0,)]), (), point)
+            balls = BallEvaluator(JetShape([(0,)]), (), point)
             try:
                 values = [balls.jet(expression).value for expression in problem.expressions]
             except ValueError as error:
@@ -138,7 +138,7 @@ def find_lemmas(
     elsewhere too.
     """
     with ctx.workprec(LEMMA_BITS):
-        balls = BallEvaluator(Shape([(0,)]), (), point)
+        balls = BallEvaluator(JetShape([(0,)]), (), point)
         sums = [_values(formula, variables, balls) for formula in (left, right)]
         pairs = [
             (own, other)

@@ -20,7 +20,7 @@ from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import abbreviated, distinct_nodes
 
-from .domains import INFINITY, Domain, Domains, Number, Range
+from .domains import INFINITY, Domain, Domains, Number, ValueRange
 
 FACTORABLE_NODES = 20
 FACTORABLE_POWER = 8
@@ -31,11 +31,11 @@ FACTORABLE_SYMBOLS = 2
 
 BELOW_PI = Fraction(31415926, 10**7)
 
-REAL = Range()
+REAL = ValueRange()
 ZERO, ONE = Fraction(0), Fraction(1)
-POSITIVE = Range(ZERO, INFINITY, True)
-NONNEGATIVE = Range(ZERO, INFINITY)
-UNIT = Range(-ONE, ONE)
+POSITIVE = ValueRange(ZERO, INFINITY, True)
+NONNEGATIVE = ValueRange(ZERO, INFINITY)
+UNIT = ValueRange(-ONE, ONE)
 
 
 def is_small_polynomial(expression: sp.Expr) -> bool:
@@ -52,14 +52,14 @@ def _is_polynomial_node(node: sp.Expr) -> bool:
     return bool(node.is_Add or node.is_Mul or node.is_Symbol or node.is_Rational)
 
 
-class Signs:
+class DomainSigns:
     """Ranges of formulas on ``domains``; a symbol without a domain is real."""
 
     def __init__(self, domains: Domains) -> None:
         self._domains = domains
-        self._found: dict[sp.Expr, Range | None] = {}
+        self._found: dict[sp.Expr, ValueRange | None] = {}
 
-    def range(self, expression: sp.Expr) -> Range | None:
+    def range(self, expression: sp.Expr) -> ValueRange | None:
         """A range that holds all values; None if they are not known to be real."""
         if expression not in self._found:
             self._found[expression] = None  # no rule asks for its own node
@@ -100,10 +100,10 @@ class Signs:
         found = self.range(expression)
         return found is not None and found.excludes_zero
 
-    def _range(self, node: sp.Expr) -> Range | None:
+    def _range(self, node: sp.Expr) -> ValueRange | None:
         if node.is_Rational:
             value = Fraction(int(node.p), int(node.q))
-            return Range(value, value)
+            return ValueRange(value, value)
         if node.is_Symbol:
             return self._symbol(self._domains.get(node, Domain()))
         if node in CONSTANTS:
@@ -127,20 +127,20 @@ class Signs:
         inner = self.range(node.args[0]) if rule else None
         return None if rule is None or inner is None else rule(inner)
 
-    def _symbol(self, domain: Domain) -> Range:
+    def _symbol(self, domain: Domain) -> ValueRange:
         lower, upper = self._end(domain.lower), self._end(domain.upper)
-        return Range(
+        return ValueRange(
             -INFINITY if lower is None else lower.lower,
             INFINITY if upper is None else upper.upper,
             domain.lower_open or (lower is not None and lower.lower_open),
             domain.upper_open or (upper is not None and upper.upper_open),
         )
 
-    def _end(self, end: sp.Expr) -> Range | None:
+    def _end(self, end: sp.Expr) -> ValueRange | None:
         return None if end in (sp.oo, -sp.oo) else self.range(end)
 
-    def _sum(self, node: sp.Expr) -> Range | None:
-        total = Range(ZERO, ZERO)
+    def _sum(self, node: sp.Expr) -> ValueRange | None:
+        total = ValueRange(ZERO, ZERO)
         for part in node.args:
             inner = self.range(part)
             if inner is None:
@@ -151,7 +151,7 @@ class Signs:
             return total
         return self._factored(node) or total
 
-    def _factored(self, node: sp.Expr) -> Range | None:
+    def _factored(self, node: sp.Expr) -> ValueRange | None:
         """The range of a polynomial's factors; that of a sum without real root in the domain."""
         factored = sp.factor(node)
         if not factored.is_Add and factored != node:
@@ -159,7 +159,7 @@ class Signs:
         symbols = node.free_symbols
         return self._without_root(node, symbols.pop()) if len(symbols) == 1 else None
 
-    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> Range | None:
+    def _without_root(self, node: sp.Expr, symbol: sp.Symbol) -> ValueRange | None:
         polynomial = sp.Poly(node, symbol, domain="QQ")
         found = self.range(symbol)
         if found is None:
@@ -175,8 +175,8 @@ class Signs:
             return None
         return POSITIVE if polynomial(_between(low, high)) > 0 else -POSITIVE
 
-    def _product(self, node: sp.Expr) -> Range | None:
-        total = Range(ONE, ONE)
+    def _product(self, node: sp.Expr) -> ValueRange | None:
+        total = ValueRange(ONE, ONE)
         for part in node.args:
             inner = self.range(part)
             if inner is None:
@@ -184,7 +184,7 @@ class Signs:
             total = total * inner
         return total
 
-    def _power(self, node: sp.Expr) -> Range | None:
+    def _power(self, node: sp.Expr) -> ValueRange | None:
         base = self.range(node.base)
         if base is None:
             return None
@@ -196,7 +196,7 @@ class Signs:
             return NONNEGATIVE
         return _fractional(base, node.exp)
 
-    def _jacobi(self, node: sp.Expr) -> Range | None:
+    def _jacobi(self, node: sp.Expr) -> ValueRange | None:
         argument, parameter = (self.range(inner) for inner in node.args)
         if argument is None or parameter is None:
             return None
@@ -207,73 +207,73 @@ class Signs:
         return UNIT if parameter.is_nonnegative and _is_below_one(parameter) else REAL
 
 
-def _is_below_one(inner: Range) -> bool:
+def _is_below_one(inner: ValueRange) -> bool:
     return inner.upper < 1 or (inner.upper == 1 and inner.upper_open)
 
 
-def _fractional(base: Range, exponent: sp.Rational) -> Range:
+def _fractional(base: ValueRange, exponent: sp.Rational) -> ValueRange:
     """A power of non-negative numbers: the sign, and the place with respect to 1."""
     rising = exponent > 0
     low = ONE if (base.lower >= 1 if rising else base.upper <= 1) else ZERO
     high = ONE if (base.upper <= 1 if rising else base.lower >= 1) else INFINITY
     is_open = low == 0 and (base.is_positive or not rising)
-    return Range(low, high, is_open)
+    return ValueRange(low, high, is_open)
 
 
-def _signed(inner: Range, size: Number = INFINITY) -> Range:
+def _signed(inner: ValueRange, size: Number = INFINITY) -> ValueRange:
     """The range of an odd rising function between -size and size."""
     low: Number = ZERO if inner.is_nonnegative else -size
     high: Number = ZERO if inner.is_nonpositive else size
-    return Range(low, high, low != 0 or inner.is_positive, high != 0 or inner.is_negative)
+    return ValueRange(low, high, low != 0 or inner.is_positive, high != 0 or inner.is_negative)
 
 
-def _exponential(inner: Range) -> Range:
+def _exponential(inner: ValueRange) -> ValueRange:
     low = ONE if inner.is_nonnegative else ZERO
     high: Number = ONE if inner.is_nonpositive else INFINITY
-    return Range(low, high, low == 0 or inner.is_positive, high != 1 or inner.is_negative)
+    return ValueRange(low, high, low == 0 or inner.is_positive, high != 1 or inner.is_negative)
 
 
-def _logarithm(inner: Range) -> Range | None:
+def _logarithm(inner: ValueRange) -> ValueRange | None:
     if not inner.is_nonnegative:
         return None
-    return _signed(inner + Range(-ONE, -ONE))
+    return _signed(inner + ValueRange(-ONE, -ONE))
 
 
-def _sign(inner: Range) -> Range:
+def _sign(inner: ValueRange) -> ValueRange:
     low = ONE if inner.is_positive else ZERO if inner.is_nonnegative else -ONE
     high = -ONE if inner.is_negative else ZERO if inner.is_nonpositive else ONE
-    return Range(low, high)
+    return ValueRange(low, high)
 
 
-def _half_wave(inner: Range) -> Range:
+def _half_wave(inner: ValueRange) -> ValueRange:
     """The cosine, positive between -pi/2 and pi/2."""
     narrow = inner.lower >= -BELOW_PI / 2 and inner.upper <= BELOW_PI / 2
-    return Range(ZERO, ONE, True) if narrow else UNIT
+    return ValueRange(ZERO, ONE, True) if narrow else UNIT
 
 
 CONSTANTS = {
-    sp.pi: Range(Fraction(3), Fraction(4)),
-    sp.E: Range(Fraction(2), Fraction(3)),
+    sp.pi: ValueRange(Fraction(3), Fraction(4)),
+    sp.E: ValueRange(Fraction(2), Fraction(3)),
 }
 
-RULES: dict[type, Callable[[Range], Range | None]] = {
+RULES: dict[type, Callable[[ValueRange], ValueRange | None]] = {
     sp.exp: _exponential,
     sp.log: _logarithm,
     sp.sign: _sign,
     sp.sinh: _signed,
-    sp.cosh: lambda _: Range(ONE),
+    sp.cosh: lambda _: ValueRange(ONE),
     sp.tanh: lambda inner: _signed(inner, ONE),
-    sp.sech: lambda _: Range(ZERO, ONE, True),
+    sp.sech: lambda _: ValueRange(ZERO, ONE, True),
     sp.coth: _signed,
     sp.csch: _signed,
-    sp.sin: lambda inner: _half_wave(inner + Range(-BELOW_PI / 2, -BELOW_PI / 2)),
+    sp.sin: lambda inner: _half_wave(inner + ValueRange(-BELOW_PI / 2, -BELOW_PI / 2)),
     sp.cos: _half_wave,
     **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
     sp.atan: lambda inner: _signed(inner, Fraction(2)),
     sp.asinh: _signed,
     sp.acosh: lambda inner: NONNEGATIVE if inner.lower >= 1 else None,
     sp.asin: lambda inner: _signed(inner, Fraction(2)) if inner.absolute().upper <= 1 else None,
-    sp.acos: lambda inner: Range(ZERO, Fraction(4)) if inner.absolute().upper <= 1 else None,
+    sp.acos: lambda inner: ValueRange(ZERO, Fraction(4)) if inner.absolute().upper <= 1 else None,
     sp.atanh: lambda inner: _signed(inner) if _is_below_one(inner.absolute()) else None,
     **dict.fromkeys(
         (sp.elliptic_k, sp.elliptic_e), lambda inner: POSITIVE if _is_below_one(inner) else None
@@ -306,13 +306,13 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
     >>> singularities([sp.sqrt(x) / (1 + x**2)], {})
     ('branch point where x is not positive',)
     """
-    signs = Signs(domains)
+    signs = DomainSigns(domains)
     nodes = (node for expression in expressions for node in distinct_nodes(expression))
     found = (line for node in nodes for line in _lines(node, signs))
     return tuple(dict.fromkeys(found))
 
 
-def _lines(node: sp.Expr, signs: Signs) -> list[str]:
+def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if not node.free_symbols:
         return []
     lines = []
@@ -334,13 +334,13 @@ def _lines(node: sp.Expr, signs: Signs) -> list[str]:
     return lines
 
 
-def _is_off_cuts(node: sp.Expr, signs: Signs) -> bool:
+def _is_off_cuts(node: sp.Expr, signs: DomainSigns) -> bool:
     """Whether the argument is shown to be off the ends of the cuts."""
     inner = signs.range(node.args[0])
     if inner is None:
         return False
     if isinstance(node, sp.acosh):
-        return (inner + Range(-ONE, -ONE)).is_positive
+        return (inner + ValueRange(-ONE, -ONE)).is_positive
     return _is_below_one(inner.absolute())
 
 

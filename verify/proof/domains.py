@@ -1,7 +1,7 @@
 """Real intervals: where a variable or parameter lives, and where the values of a formula do.
 
-A `Domain` has ends in symbols, from assumptions and from what is stated; a `Range` has numbers, and
-exact arithmetic.
+A `Domain` has ends in symbols, from assumptions and from what is stated; a `ValueRange` has
+numbers, and exact arithmetic.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from solutions.exact import shown
+from derive.algebra.exact_numbers import shown
 
 
 @dataclass(frozen=True)
@@ -250,11 +250,11 @@ LARGEST_POWER = 64
 
 
 @dataclass(frozen=True)
-class Range:
+class ValueRange:
     """Values of a formula: all real numbers between two ends; an infinite end is open.
 
-    >>> Range(Fraction(-2), Fraction(1)) ** 2
-    Range(lower=Fraction(0, 1), upper=Fraction(4, 1), lower_open=False, upper_open=False)
+    >>> ValueRange(Fraction(-2), Fraction(1)) ** 2
+    ValueRange(lower=Fraction(0, 1), upper=Fraction(4, 1), lower_open=False, upper_open=False)
     """
 
     lower: Number = -INFINITY
@@ -287,18 +287,18 @@ class Range:
         """Whether 0 lies outside."""
         return self.is_positive or self.is_negative
 
-    def __neg__(self) -> Range:
-        return Range(-self.upper, -self.lower, self.upper_open, self.lower_open)
+    def __neg__(self) -> ValueRange:
+        return ValueRange(-self.upper, -self.lower, self.upper_open, self.lower_open)
 
-    def __add__(self, other: Range) -> Range:
-        return Range(
+    def __add__(self, other: ValueRange) -> ValueRange:
+        return ValueRange(
             _sum(self.lower, other.lower),
             _sum(self.upper, other.upper),
             self.lower_open or other.lower_open,
             self.upper_open or other.upper_open,
         )
 
-    def __mul__(self, other: Range) -> Range:
+    def __mul__(self, other: ValueRange) -> ValueRange:
         ends = [
             _product(left, right)
             for left in ((self.lower, self.lower_open), (self.upper, self.upper_open))
@@ -306,33 +306,31 @@ class Range:
         ]
         lower = min(value for value, _ in ends)
         upper = max(value for value, _ in ends)
-        return Range(
+        return ValueRange(
             lower,
             upper,
             all(is_open for value, is_open in ends if value == lower),
             all(is_open for value, is_open in ends if value == upper),
         )
 
-    def __pow__(self, exponent: int) -> Range:
+    def __pow__(self, exponent: int) -> ValueRange:
         """The powers with an integer exponent; of a negative one, those of the reciprocals."""
         if exponent < 0:
             return (self**-exponent).reciprocal()
         if exponent > LARGEST_POWER:
             return self._sign_of_power(exponent)
-        if exponent % 2:
-            ends = [(value**exponent) for value in (self.lower, self.upper)]
-            return Range(ends[0], ends[1], self.lower_open, self.upper_open)
-        size = self.absolute()
-        return Range(size.lower**exponent, size.upper**exponent, size.lower_open, size.upper_open)
+        size = self if exponent % 2 else self.absolute()
+        low, high = size.lower**exponent, size.upper**exponent
+        return ValueRange(low, high, size.lower_open, size.upper_open)
 
-    def _sign_of_power(self, exponent: int) -> Range:
+    def _sign_of_power(self, exponent: int) -> ValueRange:
         if exponent % 2 == 0 or self.is_nonnegative:
-            return Range(Fraction(0), INFINITY, self.excludes_zero)
+            return ValueRange(Fraction(0), INFINITY, self.excludes_zero)
         if self.is_nonpositive:
-            return Range(-INFINITY, Fraction(0), False, self.excludes_zero)
-        return Range()
+            return ValueRange(-INFINITY, Fraction(0), False, self.excludes_zero)
+        return ValueRange()
 
-    def absolute(self) -> Range:
+    def absolute(self) -> ValueRange:
         """The absolute values."""
         if self.is_nonnegative:
             return self
@@ -341,17 +339,17 @@ class Range:
         mirrored = -self
         upper = max(self.upper, mirrored.upper)
         opens = [side.upper_open for side in (self, mirrored) if side.upper == upper]
-        return Range(Fraction(0), upper, False, all(opens))
+        return ValueRange(Fraction(0), upper, False, all(opens))
 
-    def reciprocal(self) -> Range:
+    def reciprocal(self) -> ValueRange:
         """The reciprocals of what is not 0; everything if both signs occur."""
         if self.is_nonnegative:
-            return Range(
+            return ValueRange(
                 _inverse(self.upper), _inverse(self.lower), self.upper_open, self.lower_open
             )
         if self.is_nonpositive:
             return -(-self).reciprocal()
-        return Range()
+        return ValueRange()
 
 
 def _product(left: End, right: End) -> End:

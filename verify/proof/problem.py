@@ -10,13 +10,13 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from solutions.exact import shown
+from derive.algebra.exact_numbers import shown
 from solutions.record import Equation
 from verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball
 from .checker.limits import JETS
-from .domain_signs import Signs
+from .domain_signs import DomainSigns
 from .domains import Domain, Domains, Point, settled_domains
 from .samples import sample
 
@@ -74,7 +74,7 @@ class Problem:
             return [(sp.S.One, [], [[0] * len(self.variables)]), (-sp.S.One, [self.right], [])]
         return [self._term(term) for term in terms_in(self.left, self.unknown)]
 
-    def residual(self, point: Point, bits: int, signs: Signs) -> acb:
+    def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
         """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
         if self.right is not None:
             return ball_value(self.left, point, bits, signs)

@@ -17,7 +17,7 @@ from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
 from .checker import check_certificate
-from .domain_signs import Signs, singularities
+from .domain_signs import DomainSigns, singularities
 from .domains import Point
 from .problem import Problem, Stated, equality_problem, solution_problem
 
@@ -115,7 +115,7 @@ def find_witness(
     problem: Problem, points: Sequence[Point], bits: Sequence[int] = BITS
 ) -> tuple[Point, str] | None:
     """A point at which the residual's ball does not contain 0, and that ball in words."""
-    signs = Signs(problem.domains)
+    signs = DomainSigns(problem.domains)
     for precision in bits:
         for point in points[:LONG_POINTS] if precision > LONG else points:
             try:

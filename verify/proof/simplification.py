@@ -18,7 +18,7 @@ from collections.abc import Iterator, Sequence
 import sympy as sp
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
-from .domain_signs import BELOW_PI, Signs
+from .domain_signs import BELOW_PI, DomainSigns
 from .factors import Quotients, TooLong, factored
 
 DIGITS, LARGEST = 40, 10**6
@@ -35,7 +35,7 @@ class Rewriting:
     stood in the expression, and what took its place.
     """
 
-    def __init__(self, signs: Signs) -> None:
+    def __init__(self, signs: DomainSigns) -> None:
         self.signs = signs
         self.found: dict[sp.Expr, sp.Expr] = {}
         self._images: dict[sp.Expr, sp.Expr] = {}
@@ -306,11 +306,11 @@ def _rebuilt(node: sp.Expr, arguments: Sequence[sp.Expr]) -> sp.Expr:
     return node.func(*arguments, evaluate=False) if plain else node.func(*arguments)
 
 
-def conjugated(expression: sp.Expr, signs: Signs) -> sp.Expr | None:
+def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     """The complex conjugate on the domains; None where no rule gives it.
 
     >>> x = sp.Symbol("x", real=True)
-    >>> conjugated(sp.exp(sp.I * x), Signs({})), conjugated(sp.sqrt(x), Signs({}))
+    >>> conjugated(sp.exp(sp.I * x), DomainSigns({})), conjugated(sp.sqrt(x), DomainSigns({}))
     (exp(-I*x), None)
     """
     if signs.is_real(expression):

@@ -21,10 +21,7 @@ from numpy.typing import NDArray
 
 from lattice.schemes.catalogue import scheme_named
 from lattice.schemes.scheme import Scheme, stability_limit
-from solutions import Wave
-from verify.comparison.initial_data import initial_data
 from verify.comparison.scene import Scene
-from verify.comparison.view import compared_sites
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 
@@ -88,9 +85,8 @@ class CausalReference:
     ``faster`` is the factor on the speed in the data that is tried at first.
     """
 
-    def __init__(self, scene: Scene, wave: Wave, faster: float = FASTER) -> None:
+    def __init__(self, scene: Scene, faster: float = FASTER) -> None:
         self.scene = scene
-        self._wave = wave
         self._scheme: Scheme = scheme_named(SCHEME)
         self._faster = faster
 
@@ -120,7 +116,7 @@ class CausalReference:
                 steps += done
                 work += float(done) * span.y.size * self._scheme.stages
                 if t in self.scene.snapshots:
-                    sites = compared_sites(self.scene, t)
+                    sites = self.scene.moving_wave.compared_sites(t)
                     strains.append(span.part(int(sites[0]), int(sites[-1]))[0])
             if met <= self._cone.fastest:
                 return CausalRun(np.array(strains), steps, work)
@@ -150,7 +146,7 @@ class CausalReference:
         return _Cone(self.scene, fastest, min(quiet), max(quiet))
 
     def _data(self, first: int, last: int) -> _Span:
-        return _Span(first, *initial_data(self._wave, self.scene, np.arange(first, last + 1)))
+        return _Span(first, *self.scene.moving_wave.initial_data(np.arange(first, last + 1)))
 
     def _fastest(self, strain: Array) -> float:
         """The fastest signal about the strains, not slower than the frame."""
@@ -212,11 +208,11 @@ class _Cone:
     def needed(self, t: float) -> tuple[int, int]:
         """First and last site that matter at ``t``."""
         scene = self.scene
-        sites = compared_sites(scene, scene.end)
+        sites = scene.moving_wave.compared_sites(scene.end)
         front = _front(self._way)
         reach = math.ceil(self.fastest * (scene.end - t)) + front
         grown = math.ceil(self.fastest * (t - scene.t0)) + front
-        compared = compared_sites(scene, t)
+        compared = scene.moving_wave.compared_sites(t)
         first = max(int(sites[0]) - reach, self.left - grown)
         last = min(int(sites[-1]) + reach, self.right + grown)
         return int(min(first, compared[0])), int(max(last, compared[-1]))

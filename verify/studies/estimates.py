@@ -18,7 +18,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from verify.comparison.initial_data import build_wave
 from verify.comparison.scene import ENGINES, Scene
 from verify.comparison.scene_run import run
 from verify.processes import Job, Key, OutOfTime, time_limit
@@ -235,7 +234,7 @@ def _verdict(scene: Scene, given: _Answer) -> tuple[str, float, float]:
 
 def _softens(scene: Scene) -> bool:
     """Whether waves cease to exist in the reference, too."""
-    reference = CausalReference(scene, build_wave(scene))
+    reference = CausalReference(scene)
     try:
         reference.run(FIRST * reference.longest_step)
     except SoftenedError:
@@ -248,7 +247,7 @@ def _true_error(scene: Scene, strain: Array, estimate: float) -> tuple[float, fl
 
     Where a shorter step makes the reference worse, rounding is what is left.
     """
-    reference = CausalReference(scene, build_wave(scene))
+    reference = CausalReference(scene)
     wanted = GOOD * max(estimate, 1e-13)
     share = max(FINE, FIRST * min(1.0, wanted / 1e-6) ** (1.0 / (ORDER + 1)))
     coarse = reference.run(share * reference.longest_step).strain

@@ -19,11 +19,11 @@ import sympy as sp
 from flint import acb, ctx
 
 from solutions import CATALOGUE
-from solutions.compile.straight_line import StraightLine
-from solutions.functions.multiprecision import mp_module
+from solutions.compile.tape import Tape
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import tau, xi
 from verify.processes import Job, Key
-from verify.proof.balls import BallEvaluator, Shape
+from verify.proof.balls import BallEvaluator, JetShape
 from verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
 
 PLACES: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
@@ -147,7 +147,7 @@ def _balls(
     U: sp.Expr, parameters: Mapping[sp.Symbol, sp.Expr], place: sp.Rational
 ) -> tuple[acb, ...]:
     """U, U_xi, U_tau at one point."""
-    shape = Shape([(1, 0), (0, 1)])
+    shape = JetShape([(1, 0), (0, 1)])
     point = {**parameters, xi: place, tau: TIME}
     coefficients: tuple[acb, ...] = BallEvaluator(shape, (xi, tau), point).jet(U).coefficients
     return coefficients
@@ -160,24 +160,24 @@ def exact_values(case: WaveCase) -> list[Row]:
 
 
 @lru_cache(maxsize=1)
-def _mp_program(case: WaveCase) -> tuple[Any, Callable[..., Row]]:
+def _mp_program(case: WaveCase) -> tuple[Any, MpmathFormula]:
     """A private context, and U, U_xi, U_tau as a function of (xi, tau, *parameters) in it."""
-    context, tape = mpmath.MPContext(), StraightLine()
+    context, tape = mpmath.MPContext(), Tape()
     value = tape.record(case.form.expression)
     entries = [value, *(tape.derivative(value, variable) for variable in (xi, tau))]
     symbols = (xi, tau, *case.wave().parameters)
-    return context, tape.compile(symbols, entries, mp_module(context))
+    return context, tape.formula(symbols, entries)
 
 
 def _mp_values(case: WaveCase, digits: int) -> list[Row]:
     """Y, Y_X, Y_T at the points, working with so many digits."""
     wave = case.wave()
-    context, function = _mp_program(case)
+    context, formula = _mp_program(case)
     with context.workdps(digits):
         given = [context.mpf(value.p) / value.q for value in (*wave.parameters.values(), TIME)]
         a, b = (_long(context, getattr(wave.normal_form, name)) for name in ("a", "b"))
         rows = [
-            function(a * context.mpf(place.p) / place.q, b * given[-1], *given[:-1])
+            formula(context, a * context.mpf(place.p) / place.q, b * given[-1], *given[:-1])
             for place in PLACES
         ]
         return [(row[0], a * row[1], b * row[2]) for row in rows]

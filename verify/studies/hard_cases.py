@@ -19,7 +19,6 @@ from lattice.state import State, ring_energy
 from lattice.stepper import Stepper
 from verify.comparison import Scene, load_scene, resume, run
 from verify.comparison.domain import SiteRing, Window
-from verify.comparison.initial_data import build_wave
 from verify.comparison.trust import UNIT_ROUNDOFF, horizon
 from verify.processes import Job, Key
 from verify.studies.doubledouble_ring import advance_doubled, doubled
@@ -153,7 +152,7 @@ def soft_scene() -> Scene:
         compared=50,
         observables=("strain",),
     )
-    return replace(scene, eps=float(build_wave(scene).wavelength or math.nan) / 7.0)
+    return replace(scene, eps=float(scene.moving_wave.wave.wavelength or math.nan) / 7.0)
 
 
 @hard_case(
@@ -176,7 +175,7 @@ def _soft_lattice() -> Reading:
 
 def _first_soft_site(scene: Scene) -> tuple[float, int]:
     """When and where V'' <= 0 is first met, in double-double arithmetic and step by step."""
-    state = SiteRing(scene, build_wave(scene)).start()
+    state = SiteRing(scene.moving_wave, scene.discretisation.sites).start()
     y, s = doubled(state.y), doubled(state.s)
     h = scene.discretisation.step
     for step in range(1, round((scene.end - scene.t0) / h) + 1):
@@ -218,10 +217,10 @@ def _wrong_feed() -> Reading:
     scene = scene.changed(sites=2048, compared=500)
     found, stated = [], scene.discretisation
     for factor in (1.0, 1.001):
-        window = Window(scene, build_wave(scene))
+        window = Window(scene.moving_wave, stated.sites)
         state = window.start()
         amplitude = float(np.max(np.abs(state.y)))
-        window.scene = replace(scene, eps=factor * scene.eps)
+        window.moving = replace(window.moving, eps=factor * scene.eps)
         run = Stepper(state, stated.table, scene.constants, window, stated.step, amplitude)
         found.append((sum(1 for _ in run.through([0.0])), run.blow_up, window.mismatch))
     (sound_moves, sound_end, mismatch), (moves, end, _) = found

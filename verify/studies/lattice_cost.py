@@ -27,7 +27,6 @@ from verify.comparison import (
     run,
     stability_limit,
 )
-from verify.comparison.initial_data import build_wave
 from verify.comparison.scene import Tolerance
 from verify.comparison.scene_catalogue import EPS, ORDERS
 from verify.comparison.spectral_data import RingPlace, ring_data
@@ -123,9 +122,7 @@ def warmed(scheme: str) -> None:
 
 def march_seconds(scene: Scene, found: xr.Dataset) -> float:
     """Seconds of a ring's last march, done once more from data that are there already."""
-    task_times = (scene.t0, *scene.snapshots)
-    wave, tolerance = build_wave(scene), scene.tolerance or FINEST_TOLERANCE
-    data = ring_data(scene.constants, wave, scene.eps, task_times, scene.compared, tolerance)
+    data = ring_data(scene.moving_wave, scene.tolerance or FINEST_TOLERANCE)
     ring = RingPlace(float(found.attrs["circumference"]))
     state, step = data.state(ring, int(found.attrs["sites"])), float(found.attrs["step"])
     begun = time.perf_counter()

@@ -12,10 +12,10 @@ from typing import Any
 import xarray as xr
 
 from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
-from verify.comparison.initial_data import build_wave
 from verify.comparison.recording import Progress
 from verify.comparison.saved_run import scene_of
-from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step, scene_bounds
+from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
+from verify.comparison.wave_bounds import find_bounds
 from verify.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
@@ -71,10 +71,10 @@ def by_sites(name: str, share: float, progress: Progress | None = None) -> xr.Da
 
 def site_by_site(scene: Scene, share: float) -> Scene:
     """The scene on a ring of whole sites whose seam is out of hearing, with its step stated."""
-    wave = build_wave(scene)
-    bounds = scene_bounds(scene, wave)
-    step = share * longest_step(scene, scheme_named(PREFERRED), bounds)
-    sites = least_sites(scene, wave, "ring", bounds)
+    scheme, moving = scheme_named(PREFERRED), scene.moving_wave
+    bounds = find_bounds(moving, scene.target.tolerance)
+    step = share * longest_step(scene.constants, scheme, bounds)
+    sites = least_sites(moving, "ring", bounds)
     return replace(scene, numerics=Discretisation(step, "ring", sites, PREFERRED))
 
 

@@ -44,15 +44,15 @@ def test_jacobi_function_of_a_nonlinear_phase_is_refused() -> None:
 
 @pytest.mark.parametrize("power", [-3, -1, 2, 5])
 def test_tape_differentiates(power: int) -> None:
-    """The statements, substituted back, give SymPy's own derivatives."""
+    """The lines, substituted back, give SymPy's own derivatives."""
     expression = (2 + sp.tanh(xi - tau) + xi * tau) ** power
     lowering = Lowering()
-    statements, outputs = tape_of(lowering, lowering.lower(expression))
+    tape, outputs = tape_of(lowering, lowering.lower(expression))
     point = {xi: sp.Rational(1, 3), tau: sp.Rational(2, 7)}
     known = {ph.symbol: (ph.p * xi + ph.q * tau + ph.r) for ph in lowering.phases.values()}
     values = {symbol: phase.subs(point) for symbol, phase in known.items()}
     values |= {symbol: constant for constant, symbol in lowering.constants.items()}
-    for symbol, right in statements:
+    for symbol, right in tape.lines:
         values[symbol] = right.xreplace(values)
     wanted = (expression, expression.diff(xi), expression.diff(tau))
     for output, exact in zip(outputs, wanted, strict=True):

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from solutions.forms import rogue_cn, soliton_dn
-from solutions.functions.multiprecision import mp_module
+from solutions.functions.multiprecision import MpmathFormula
 from solutions.symbols import k
 
 u = sp.Symbol("u", real=True)
@@ -14,9 +14,9 @@ UPPER_LIMITS = ["7.3", "-2.6"]
 
 
 def quadrature(ctx: Any, integrand: sp.Expr, modulus: Any, upper: Any) -> Any:
-    function = sp.lambdify([u, k], integrand, [mp_module(ctx), "mpmath"])
+    formula = MpmathFormula.of([u, k], [integrand])
     pieces = [upper * j / 6 for j in range(7)]
-    return ctx.quad(lambda y: function(y, modulus), pieces)
+    return ctx.quad(lambda y: formula(ctx, y, modulus)[0], pieces)
 
 
 @pytest.mark.parametrize("upper", UPPER_LIMITS)
@@ -24,7 +24,7 @@ def quadrature(ctx: Any, integrand: sp.Expr, modulus: Any, upper: Any) -> Any:
 def test_dn_integral(upper: str, modulus: str, ctx: Any) -> None:
     ctx.dps = 25
     value, K = ctx.mpf(upper), ctx.mpf(modulus)
-    closed = sp.lambdify([u, k], soliton_dn.integral(u), [mp_module(ctx), "mpmath"])(value, K)
+    (closed,) = MpmathFormula.of([u, k], [soliton_dn.integral(u)])(ctx, value, K)
     assert abs(quadrature(ctx, soliton_dn.integrand(u), K, value) - closed) < 1e-20
 
 
@@ -33,8 +33,7 @@ def test_dn_integral(upper: str, modulus: str, ctx: Any) -> None:
 def test_cn_integral(upper: str, modulus: str, ctx: Any) -> None:
     ctx.dps = 25
     value, K = ctx.mpf(upper), ctx.mpf(modulus)
-    modules = [mp_module(ctx), "mpmath"]
-    real, imaginary = sp.lambdify([u, k], rogue_cn.integral(u), modules)(value, K)
+    real, imaginary = MpmathFormula.of([u, k], rogue_cn.integral(u))(ctx, value, K)
     printed = quadrature(ctx, rogue_cn.integrand(u), K, value)
     assert abs(printed.real - real) < 1e-20
     assert abs(printed.imag - imaginary) < 1e-20

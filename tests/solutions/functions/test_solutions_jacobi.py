@@ -33,7 +33,7 @@ from solutions.functions import (
     jacobi_zeta,
 )
 from solutions.functions.jacobi import ParameterDerivativeError
-from solutions.functions.multiprecision import mp_module
+from solutions.functions.multiprecision import MpmathFormula
 
 FUNCTIONS = (
     jacobi_sn,
@@ -133,12 +133,11 @@ def test_numpy_printing_finds_the_functions_by_itself() -> None:
         assert abs(compiled(1.25, 0.375) - float(exact)) < 1e-15
 
 
-def test_mp_module_binds_everything_to_the_context() -> None:
+def test_a_formula_keeps_the_digits_of_its_context() -> None:
     ctx = MPContext()
     ctx.dps = 60
     expression = Rational(1, 3) * sqrt(z) * jacobi_zeta(z, k**2) * elliptic_k(k**2) * tanh(z)
-    compiled = lambdify((z, k), expression, [mp_module(ctx), "mpmath"])
-    value = compiled(ctx.mpf(2), ctx.mpf(3) / 5)
+    (value,) = MpmathFormula.of([z, k], [expression])(ctx, ctx.mpf(2), ctx.mpf(3) / 5)
     exact = expression.subs({z: 2, k: Rational(3, 5)}).n(60)
     assert abs(value - ctx.convert(exact._to_mpmath(220))) < ctx.mpf(10) ** -57
 

@@ -9,10 +9,8 @@ import pytest
 from lattice.state import LARGEST_MISFIT, State
 from verify.comparison import Scene, load_scene, run
 from verify.comparison import domain as domain_module
-from verify.comparison import initial_data as tail
 from verify.comparison.domain import Window
-from verify.comparison.initial_data import build_wave, rigid_data, rigid_offsets
-from verify.comparison.view import frame
+from verify.comparison.moving_wave import INTERPOLATION_ERROR, MovingWave
 
 
 def strain(scene: Scene) -> np.ndarray:
@@ -50,15 +48,17 @@ def test_a_wrong_far_field_stops_the_run(
     factor: float,
     shift: float,
 ) -> None:
+    right = MovingWave.rigid_data
+
     def wrong(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
-        y, s = rigid_data(*arguments)  # type: ignore[arg-type]
+        y, s = right(*arguments)  # type: ignore[arg-type]
         return factor * y + 0.1 * shift, s
 
-    monkeypatch.setattr(tail, "rigid_data", wrong)
+    monkeypatch.setattr(MovingWave, "rigid_data", wrong)
     measured = run(window_scene())
     text = measured.attrs["blow_up"]
     assert "the window's feed misses the lattice by" in text
-    front = frame(window_scene(), -200.0 + 32.0) + 512 - 192
+    front = window_scene().moving_wave.frame(-200.0 + 32.0) + 512 - 192
     assert text.endswith(f"at t = -168, site {front - 8}")
     assert measured.attrs["feed_mismatch"] > 5e-4
 
@@ -77,18 +77,18 @@ def test_a_moved_window_keeps_its_cells_and_feeds_the_front(
     window_scene: Callable[..., Scene],
 ) -> None:
     scene = window_scene()
-    window = Window(scene, build_wave(scene))
+    window = Window(scene.moving_wave, scene.discretisation.sites)
     state = window.start()
     kept = state.strain(state.sites)
     state.t += 10.0
     window.follow(state)
-    assert state.left == frame(scene, state.t) - scene.discretisation.sites // 2
+    assert state.left == scene.moving_wave.frame(state.t) - scene.discretisation.sites // 2
     fed = 2 * 20 + domain_module.MARGIN
     np.testing.assert_array_equal(state.strain(state.sites)[:-fed], kept[20 : 20 - fed])
     speed = window.background_speed
-    offsets = rigid_offsets(scene, speed, state.sites[-fed:], state.t)
-    expected = rigid_data(window.wave, scene, speed, offsets)
-    bound = 1.1 * tail.INTERPOLATION_ERROR * np.abs(expected[0]).max()
+    offsets = window.moving.rigid_offsets(speed, state.sites[-fed:], state.t)
+    expected = window.moving.rigid_data(speed, offsets)
+    bound = 1.1 * INTERPOLATION_ERROR * np.abs(expected[0]).max()
     np.testing.assert_allclose(state.strain(state.sites[-fed:]), expected[0], rtol=0, atol=bound)
     np.testing.assert_allclose(state.velocity(state.sites[-fed:]), expected[1], rtol=0, atol=bound)
 
@@ -97,13 +97,14 @@ def test_the_feed_moves_at_the_sound_speed_of_the_background(
     window_scene: Callable[..., Scene],
 ) -> None:
     scene = window_scene()
-    window = Window(scene, build_wave(scene))
+    window = Window(scene.moving_wave, scene.discretisation.sites)
     assert window.background_speed == pytest.approx(np.sqrt(4.0 + 3.0 * 0.1**2), abs=1e-14)
 
 
 def test_the_middle_is_the_site_nearest_to_c_t(window_scene: Callable[..., Scene]) -> None:
-    scene = window_scene()
-    assert [frame(scene, t) for t in (-0.3, -0.2, 0.0, 0.2, 0.3, 100.0)] == [-1, 0, 0, 0, 1, 200]
+    moving = window_scene().moving_wave
+    assert [moving.frame(t) for t in (-0.3, -0.2, 0.0, 0.2, 0.3)] == [-1, 0, 0, 0, 1]
+    assert moving.frame(100.0) == 200
 
 
 def test_storage_survives_negative_sites() -> None:

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene, load_scene
-from verify.comparison import initial_data as tail
 from verify.comparison.domain import Window, window_moves
-from verify.comparison.initial_data import Tail, build_wave, rigid_data, rigid_offsets
+from verify.comparison.moving_wave import INTERPOLATION_ERROR, MovingWave, Tail
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {
@@ -30,14 +29,14 @@ SCENES = {
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_every_move_feeds_the_transported_wave(scene: Scene) -> None:
-    window = Window(scene, build_wave(scene))
+    window = Window(scene.moving_wave, scene.discretisation.sites)
     state = window.start()
-    for t in window_moves(scene):
+    for t in window_moves(scene.moving_wave):
         state.t = t
         window.follow(state)
         fed = state.sites[-192:]
-        offsets = rigid_offsets(scene, window.background_speed, fed, t)
-        y, s = rigid_data(window.wave, scene, window.background_speed, offsets)
+        offsets = window.moving.rigid_offsets(window.background_speed, fed, t)
+        y, s = window.moving.rigid_data(window.background_speed, offsets)
         assert np.abs(state.strain(fed) - y).max() <= 1e-14 * scene.eps
         assert np.abs(state.velocity(fed) - s).max() <= 1e-14 * scene.eps
 
@@ -50,24 +49,23 @@ def test_what_no_degree_resolves_is_not_interpolated(
 ) -> None:
     """Far in front of the wave, across its crest, and from there to where nothing is left."""
     scene = replace(SCENE, wave=name, parameters=tuple(WAVES[name].items()), t0=0.0, eps=eps)
-    wave = build_wave(scene)
-    one = Tail(wave, scene, 2.0, low, high)
+    one = Tail(scene.moving_wave, 2.0, low, high)
     sites = np.arange(int(low), int(high))
     found = np.stack(one.at(sites, 0.0))
-    exact = np.stack(rigid_data(wave, scene, 2.0, sites.astype(float)))
-    bound = 2.0 * tail.INTERPOLATION_ERROR * max(eps, float(np.abs(exact).max()))
+    exact = np.stack(scene.moving_wave.rigid_data(2.0, sites.astype(float)))
+    bound = 2.0 * INTERPOLATION_ERROR * max(eps, float(np.abs(exact).max()))
     assert np.abs(found - exact).max() <= bound
 
 
 def test_a_far_field_is_evaluated_on_a_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluated = []
+    evaluated, exact = [], MovingWave.rigid_data
 
     def counting(*arguments: object) -> tuple[np.ndarray, np.ndarray]:
         evaluated.append(np.size(arguments[-1]))
-        return rigid_data(*arguments)  # type: ignore[arg-type]
+        return exact(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(tail, "rigid_data", counting)
-    one = Tail(build_wave(SCENE), SCENE, 2.0, 1500.0, 1800.0)
+    monkeypatch.setattr(MovingWave, "rigid_data", counting)
+    one = Tail(SCENE.moving_wave, 2.0, 1500.0, 1800.0)
     for t in SCENE.t0 + np.arange(0.0, 3200.0, 32.0):
         one.at(np.arange(1550, 1750) + round(2.0 * t), t)
     assert sum(evaluated) < 100

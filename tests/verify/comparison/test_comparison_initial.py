@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene
-from verify.comparison.initial_data import build_wave, initial_data, rigid_data, rigid_offsets
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])
@@ -15,9 +14,9 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
 ) -> None:
     """eps^4 Y_T is 1e-4 of s here: dropping it must be seen, so the difference is 6th order."""
     scene = (ring_scene if kind == "ring" else window_scene)(eps=0.3, t0=-2.0, snapshots=(0.0,))
-    wave = build_wave(scene)
+    wave = scene.moving_wave.wave
     sites = np.arange(-40, 41)
-    strain, velocity = initial_data(wave, scene, sites)
+    strain, velocity = scene.moving_wave.initial_data(sites)
     h = 0.004
     weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     difference = sum(
@@ -31,20 +30,18 @@ def test_the_initial_velocity_is_the_time_derivative_of_the_ansatz(
 
 
 def test_rigid_data_start_as_the_initial_strain(window_scene: Callable[..., Scene]) -> None:
-    scene = window_scene()
-    wave = build_wave(scene)
+    moving = window_scene().moving_wave
     sites = np.arange(-300, -100)
-    strain, _ = rigid_data(wave, scene, 2.01, rigid_offsets(scene, 2.01, sites, scene.t0))
-    np.testing.assert_allclose(strain, initial_data(wave, scene, sites)[0], rtol=0, atol=1e-12)
+    strain, _ = moving.rigid_data(2.01, moving.rigid_offsets(2.01, sites, moving.t0))
+    np.testing.assert_allclose(strain, moving.initial_data(sites)[0], rtol=0, atol=1e-12)
 
 
 def test_rigid_data_move_rigidly(window_scene: Callable[..., Scene]) -> None:
-    scene = window_scene()
-    wave = build_wave(scene)
+    moving = window_scene().moving_wave
     sites = np.arange(-300, -100)
-    begun = rigid_data(wave, scene, 2.0, rigid_offsets(scene, 2.0, sites, scene.t0))
-    offsets = rigid_offsets(scene, 2.0, sites + 50, scene.t0 + 25.0)
-    later = rigid_data(wave, scene, 2.0, offsets)
+    begun = moving.rigid_data(2.0, moving.rigid_offsets(2.0, sites, moving.t0))
+    offsets = moving.rigid_offsets(2.0, sites + 50, moving.t0 + 25.0)
+    later = moving.rigid_data(2.0, offsets)
     np.testing.assert_allclose(later[0], begun[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(later[1], begun[1], rtol=0, atol=1e-12)
     slope = np.gradient(later[0], sites)[1:-1]

@@ -7,16 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from lattice.schemes.catalogue import SCHEMES
 from lattice.schemes.scheme import Composition
 from lattice.state import State, empty_state
 from solutions import Wave
-from verify.comparison import Scene, load_scene, run
-from verify.comparison import measures as conserved
-from verify.comparison import measures as split
-from verify.comparison.domain import build_domain
-from verify.comparison.initial_data import build_wave
+from verify.comparison import Scene, load_scene, measures, run
 from verify.comparison.observables import (
     NAMES,
     OBSERVABLES,
@@ -25,7 +22,8 @@ from verify.comparison.observables import (
     observable_named,
 )
 from verify.comparison.recording import LOOK_EVALUATIONS
-from verify.comparison.view import View, compared_sites
+from verify.comparison.stated_run import build_domain
+from verify.comparison.view import View
 
 FLOPS = 9
 """Operations a site and force evaluation in the kernels with K2, K4: drift 2, force 3, kick 4."""
@@ -57,8 +55,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     for name in WAVE_CALLS:
         count(Wave, name)
-    count(conserved, "ring_energy")
-    count(split, "least_squares")
+    count(measures, "ring_energy")
+    count(scipy.optimize, "least_squares")
     count(np.fft, "rfft")
     advance = Composition.advance
 
@@ -125,11 +123,10 @@ class CountedArray(np.ndarray[Any, np.dtype[np.float64]]):
 
 def operations(scene: Scene, entry: Observable) -> float:
     """Elementary array operations of one look, 5 N log2 N for a Fourier transform."""
-    wave = build_wave(scene)
-    state = build_domain(scene, wave).start()
+    state = build_domain(scene, scene.moving_wave).start()
     counted = State(state.t, state.left, state.y.view(CountedArray), state.s.view(CountedArray))
     CountedArray.operations = 0
-    entry.measure(View(scene, wave, counted))
+    entry.measure(View(scene.moving_wave, counted))
     size = 2 * scene.compared + 1
     return CountedArray.operations + (5 * size * np.log2(size) if entry.name == "spectrum" else 0)
 
@@ -190,9 +187,9 @@ def state_of(t: float, sites: Any, y: Any) -> State:
 def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Scene]) -> None:
     """Against the wave itself, displaced by a quarter of a site: 5 eps at its centre."""
     scene = replace(load_scene("rational_2_eps_0.05"), snapshots=(0.0,), t0=0.0, observables=())
-    wave, sites = build_wave(scene), compared_sites(scene, 0.0)
+    wave, sites = scene.moving_wave.wave, scene.moving_wave.compared_sites(0.0)
     y = scene.eps * wave.at(sites - 0.25, 0.0, scene.eps).Y
-    view = View(scene, wave, state_of(0.0, sites, y))
+    view = View(scene.moving_wave, state_of(0.0, sites, y))
     found = observable_named("crest_track").measure(view)
     assert found["crest_position"] == pytest.approx(0.25, abs=5e-3)
     missed = 5.0 * scene.eps - np.max(y)
@@ -203,11 +200,11 @@ def test_the_crest_of_Y2_is_tracked_between_sites(window_scene: Callable[..., Sc
 def test_the_error_is_split_into_shift_amplitude_and_shape(name: str) -> None:
     """A wave displaced by 0.3 sites and raised by 2 % over its background, and nothing else."""
     scene = replace(load_scene(name), observables=())
-    wave, sites = build_wave(scene), compared_sites(scene, scene.t0)
-    shown = View(scene, wave, state_of(scene.t0, sites, np.zeros(sites.size)))
+    sites = scene.moving_wave.compared_sites(scene.t0)
+    shown = View(scene.moving_wave, state_of(scene.t0, sites, np.zeros(sites.size)))
     w, b, _, _ = shown.displaced(0.3)
     y = b + 1.02 * (w - b)
-    view = View(scene, wave, state_of(scene.t0, sites, y))
+    view = View(scene.moving_wave, state_of(scene.t0, sites, y))
     found = observable_named("error_split").measure(view)
     assert found["shift"] == pytest.approx(0.3, abs=1e-7)
     assert found["scale"] == pytest.approx(1.02, abs=1e-8)
@@ -242,11 +239,11 @@ def test_momentum_is_conserved_and_the_mean_moves_with_it(
 def test_the_spectrum_finds_the_carrier_and_noise_at_the_zone_boundary() -> None:
     amplitudes = observable_named("spectrum").measure
     scene = load_scene("soliton_dn_k_0.7")
-    sites = compared_sites(scene, scene.t0)
+    sites = scene.moving_wave.compared_sites(scene.t0)
     n = np.arange(sites.size)
     k = 2.0 * np.pi * 40.0 / sites.size
     y = 0.05 * np.cos(k * n) + 1e-9 * (-1.0) ** n
-    view = View(scene, build_wave(scene), state_of(scene.t0, sites, y))
+    view = View(scene.moving_wave, state_of(scene.t0, sites, y))
     found = amplitudes(view)["spectrum"]
     assert found[40] == pytest.approx(0.05, rel=1e-6)
     assert 1e-10 < found[-1] < 1e-8

@@ -76,8 +76,9 @@ from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import A, tau, xi
 
 kink = A * sp.tanh(A * (xi + 2 * A**2 * tau))
-form = ClosedForm("mine", "mine", kink, DEFOCUSING_MKDV, (Parameter(A, Bound(sp.S(0), "0")),),
-                  sp.S(0), FarFields(-A, A), Reference("me", "here"))
+form = ClosedForm(name="mine", title="mine", expression=kink, equation=DEFOCUSING_MKDV,
+                  parameters=(Parameter(A, Bound(sp.S(0), "0")),), background=sp.S(0),
+                  far_fields=FarFields(-A, A), reference=Reference("me", "here"))
 print(longwave.prove(form.equation, form.expression).outcome.value)
 scene = longwave.Scene.of(name="s", wave=form, parameters={"A": 1}, eps=0.1, t0=0, snapshots=[10],
                           K2=1, K4=-1, compared=40, tolerance=1e-4)

@@ -11,9 +11,8 @@ from scipy.integrate import solve_ivp
 
 from lattice.state import BlowUp
 from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import SiteRing, build_domain
-from verify.comparison.initial_data import build_wave, initial_data
-from verify.comparison.stated_run import refined
+from verify.comparison.domain import SiteRing
+from verify.comparison.stated_run import build_domain, refined
 from verify.comparison.view import View
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
@@ -64,8 +63,8 @@ def test_the_true_far_field_doubles_the_denominator(name: str) -> None:
 def test_each_side_has_its_own_far_field() -> None:
     """The dark breather shifts the sn wave: the two sides exchanged are off by order eps."""
     scene = load_scene("breather_sn_k_0.7")
-    wave = build_wave(scene)
-    comparison = View(scene, wave, SiteRing(scene, wave).start())
+    moving = scene.moving_wave
+    comparison = View(moving, SiteRing(moving, scene.discretisation.sites).start())
     ends = np.abs(comparison.sites - comparison.sites.mean()) > 300
     deviation = np.abs(comparison.analytic - comparison.far_field)
     assert np.max(deviation[ends]) < 1e-6 * scene.eps
@@ -85,7 +84,7 @@ def test_run_agrees_with_dop853(ring_scene: Callable[..., Scene]) -> None:
     """An independent integrator, on all sites in the lab frame."""
     scene = ring_scene(step=0.25, snapshots=(0.0,), observables=("strain",))
     sites = np.arange(-210, 191)
-    state = np.concatenate(initial_data(build_wave(scene), scene, sites))
+    state = np.concatenate(scene.moving_wave.initial_data(sites))
 
     def rate(_: float, values: np.ndarray) -> np.ndarray:
         y, s = np.split(values, 2)
@@ -138,7 +137,7 @@ def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None
 def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None:
     """A bare sn wave that closes up exactly: eps is chosen so that 4 K is 100 sites."""
     scene = ring_scene(wave="wave_sn", K4=-1.0, sites=500, observables=("energy",), look_points=5)
-    wavelength = build_wave(scene).wavelength
+    wavelength = scene.moving_wave.wave.wavelength
     assert wavelength is not None
     measured = run(replace(scene, eps=float(wavelength) / 100.0, snapshots=(20.0,)))
     energy = measured.energy.values
@@ -149,7 +148,7 @@ def test_energy_of_a_commensurate_ring(ring_scene: Callable[..., Scene]) -> None
 def test_blow_up_keeps_what_came_before(ring_scene: Callable[..., Scene]) -> None:
     """A steep sn wave, 7 sites long: its strains pass 1/sqrt(3), where the lattice goes soft."""
     scene = ring_scene(wave="wave_sn", parameters=(("k", 0.9),), K4=-1.0, sites=1680, t0=-20.0)
-    wavelength = build_wave(scene).wavelength
+    wavelength = scene.moving_wave.wave.wavelength
     assert wavelength is not None
     scene = replace(scene, eps=float(wavelength) / 7.0, snapshots=(-20.0, -10.0, 200.0))
     measured = run(replace(scene, observables=("strain", "time_step_error")))
@@ -164,7 +163,7 @@ def test_blow_up_keeps_what_came_before(ring_scene: Callable[..., Scene]) -> Non
 def test_blow_up_is_found_to_the_step(ring_scene: Callable[..., Scene]) -> None:
     """A chunk of 64 steps ends in NaN here: without repeating it the criterion would be lost."""
     scene = ring_scene(wave="wave_sn", parameters=(("k", 0.9),), K4=-1.0, sites=1680, t0=-20.0)
-    wavelength = build_wave(scene).wavelength
+    wavelength = scene.moving_wave.wave.wavelength
     assert wavelength is not None
     scene = replace(scene, eps=float(wavelength) / 6.0, snapshots=(-20.0, 200.0))
     measured = run(replace(scene, observables=("strain",)))
@@ -202,7 +201,7 @@ def test_a_blow_up_at_the_seam_is_told_from_one_of_the_wave(sites: int, closes: 
 
 
 def test_a_blow_up_far_from_the_seam_does_not_blame_it(ring_scene: Callable[..., Scene]) -> None:
-    domain = build_domain(scene := ring_scene(), build_wave(scene))
+    domain = build_domain(scene := ring_scene(), scene.moving_wave)
     state = domain.start()
     middle = BlowUp("broken", scene.t0, state.left + state.size // 2)
     assert domain.locate(middle, state).from_seam is None

@@ -1,5 +1,6 @@
 """Runs to a tolerance by the spectral engine: the true error, measured by the stencil."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,10 +11,9 @@ from lattice.model import Model
 from lattice.schemes.catalogue import scheme_named
 from lattice.spectral.evolution import SpectralRing
 from solutions import Wave, closed_form
-from verify.comparison.initial_data import lattice_data
+from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import ring_data
-from verify.comparison.spectral_search import spectral_run
-from verify.comparison.spectral_task import SpectralTask
+from verify.comparison.spectral_search import solve_on_rings
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),
@@ -26,36 +26,35 @@ SCENES = {
 """eps, K2 and parameters: none of them is a shipped scene."""
 
 
-def _task(name: str, tolerance: float, end: float = 80.0) -> SpectralTask:
+def _moving(name: str, end: float = 80.0) -> MovingWave:
     eps, K2, parameters = SCENES[name]
     form = closed_form(name)
     K4 = float(form.equation.s)
     wave = Wave(form, derive.mkdv_normal_form(K2, K4), **parameters)
     constants = Model(K2, 0.0, K4)
-    return SpectralTask(constants, wave, eps, -60.0, (-10.0, end), 120, tolerance)
+    return MovingWave(wave, constants, eps, (-60.0, -10.0, end), 120)
 
 
 @cache
 def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
     """y/eps on the compared sites, on a ring whose seam is out of reach."""
-    task = _task(name, 1.0, end)
-    t = task.times[index]
-    duration = t - task.t0
-    c = task.constants.sound_speed()
+    moving = _moving(name, end)
+    t = moving.times[1 + index]
+    duration = t - moving.t0
+    c = moving.speed
     reach = 120 + int(3.2 * c * duration) + 100
-    sites = round(c * task.t0) + np.arange(-reach, reach + int(c * duration))
-    value = task.wave.at(sites, task.t0, task.eps)
-    y, s = lattice_data(value, c, task.eps)
+    sites = round(c * moving.t0) + np.arange(-reach, reach + int(c * duration))
+    y, s = moving.initial_data(sites)
     steps = round(20 * duration)
-    scheme_named("kahan_li_8").advance(y, s, duration / steps, steps, task.constants)
-    return np.asarray(y[task.sites(t) - sites[0]] / task.eps)
+    scheme_named("kahan_li_8").advance(y, s, duration / steps, steps, moving.constants)
+    return np.asarray(y[moving.compared_sites(t) - sites[0]] / moving.eps)
 
 
 def _check(name: str, tolerance: float, end: float = 80.0) -> None:
-    task = _task(name, tolerance, end)
-    run = spectral_run(task)
+    moving = _moving(name, end)
+    run = solve_on_rings(moving, tolerance)
     error = max(
-        float(np.abs(run.strain(i) / task.eps - _stencil(name, i, end)).max()) for i in (0, 1)
+        float(np.abs(run.strain(i) / moving.eps - _stencil(name, i, end)).max()) for i in (0, 1)
     )
     assert error <= tolerance
     assert error <= run.estimate.total <= tolerance
@@ -105,8 +104,9 @@ def test_cost_does_not_depend_on_eps() -> None:
     work = []
     for eps in (0.08, 0.02):
         times = (-0.3 / eps**3, 0.0)
-        task = SpectralTask(Model(4.0, 0.0, 1.0), wave, eps, times[0], times, round(10 / eps), 1e-3)
-        work.append(spectral_run(task).cost.work)
+        times = (times[0], *times)
+        moving = MovingWave(wave, Model(4.0, 0.0, 1.0), eps, times, round(10 / eps))
+        work.append(solve_on_rings(moving, 1e-3).cost.work)
     assert work[1] < 2.5 * work[0]
 
 
@@ -115,29 +115,27 @@ def test_cost_does_not_depend_on_eps() -> None:
 def test_long_runs_on_periodic_backgrounds(name: str, k: float) -> None:
     wave = Wave(closed_form(name), derive.mkdv_normal_form(1, 1), k=k)
     times = tuple(np.linspace(-1e4, 1e4, 11))
-    task = SpectralTask(Model(1.0, 0.0, 1.0), wave, 0.05, -1e4, times, 400, 1e-4)
-    run = spectral_run(task)
+    moving = MovingWave(wave, Model(1.0, 0.0, 1.0), 0.05, (-1e4, *times), 400)
+    run = solve_on_rings(moving, 1e-4)
     assert run.estimate.total <= 1e-4
-    data = ring_data(task.constants, wave, 0.05, times, 400, 1e-4)
-    assert data.causal is not None
+    data = ring_data(moving, 1e-4)
     points = 2 * round(run.cost.points * data.causal.circumference / run.cost.circumference / 2)
-    ring = SpectralRing(task.constants, data.state(data.causal, points), run.choices.step)
+    ring = SpectralRing(moving.constants, data.state(data.causal, points), run.choices.step)
     for i, t in enumerate(times):
-        assert np.abs(run.strain(i) - ring.at(t).strain(task.sites(t))).max() <= 1e-4 * 0.05
+        exact = ring.at(t).strain(moving.compared_sites(t))
+        assert np.abs(run.strain(i) - exact).max() <= 1e-4 * 0.05
 
 
 def test_progress_ends_at_one() -> None:
     seen: list[float] = []
-    spectral_run(_task("wave_cn", 1e-2), seen.append)
+    solve_on_rings(_moving("wave_cn"), 1e-2, seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [({"tolerance": 0.0}, "tolerance must satisfy"), ({"times": (-90.0,)}, "times must increase")],
-)
-def test_bad_input(change: dict[str, object], message: str) -> None:
-    good = vars(_task("wave_cn", 1e-2))
-    with pytest.raises(ValueError, match=message):
-        SpectralTask(**(good | change))  # type: ignore[arg-type]
+def test_bad_input() -> None:
+    good = _moving("wave_cn")
+    with pytest.raises(ValueError, match="times must increase"):
+        replace(good, times=(-60.0, -90.0))
+    with pytest.raises(ValueError, match="tolerance must satisfy"):
+        solve_on_rings(good, 0.0)

@@ -8,13 +8,17 @@ import pytest
 from numpy.typing import NDArray
 
 from lattice.spectral.evolution import SpectralRing
-from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
-from verify.comparison import spectral_search as spectral_run
-from verify.comparison.initial_data import build_wave
+from verify.comparison import (
+    Scene,
+    load_scene,
+    run,
+    shipped_scenes,
+    spectral_search,
+    with_tolerance,
+)
 from verify.comparison.scene_catalogue import rational_family_scenes
 from verify.comparison.scene_run import choose_engine
 from verify.comparison.spectral_data import ring_data
-from verify.comparison.view import compared_sites
 
 Array = NDArray[np.float64]
 
@@ -45,14 +49,13 @@ def stencil_reference(scene: Scene) -> Array:
 
 def spectral_reference(scene: Scene) -> Array:
     """The same by the spectral ring, with stated step, sampling and circumference."""
-    wave, duration = build_wave(scene), scene.end - scene.t0
-    times = (scene.t0, *scene.snapshots)
-    data = ring_data(scene.constants, wave, scene.eps, times, scene.compared, 1e-8)
+    moving = scene.moving_wave
+    data = ring_data(moving, 1e-8)
     where = data.ring(RING_UNITS * (2 * scene.compared + 1))
     state = data.state(where, 2 * round(RING_DENSITY[scene.eps] * where.circumference / 2))
-    step = duration / RING_STEPS[scene.wave]
+    step = moving.duration / RING_STEPS[scene.wave_name]
     ring = SpectralRing(scene.constants, state, step, absorbed=data.absorbed)
-    return np.array([ring.at(t).strain(compared_sites(scene, t)) for t in scene.snapshots])
+    return np.array([ring.at(t).strain(moving.compared_sites(t)) for t in scene.snapshots])
 
 
 def check(scene: Scene, exact: Array) -> None:
@@ -135,7 +138,7 @@ def test_both_engines_keep_every_tolerance_on_periodic_backgrounds(name: str, en
 def test_the_model_takes_the_cheaper_engine() -> None:
     """Sites and steps of the window grow as eps falls, those of the ring do not."""
     family = rational_family_scenes(orders=(2,))
-    chosen = {name: choose_engine(scene, build_wave(scene)) for name, scene in family.items()}
+    chosen = {name: choose_engine(scene) for name, scene in family.items()}
     assert chosen["Y2_eps_0.1"] == chosen["Y2_eps_0.05"] == "stencil"
     assert chosen["Y2_eps_0.0125"] == chosen["Y2_eps_0.00625"] == "spectral"
 
@@ -144,14 +147,13 @@ def test_the_engine_follows_from_the_duration_and_from_what_is_asked(
     ring_scene: Callable[..., Scene],
 ) -> None:
     scene = with_tolerance(ring_scene(), 1e-3)
-    wave = build_wave(scene)
-    assert choose_engine(scene, wave) == "stencil"
+    assert choose_engine(scene) == "stencil"
     scene = replace(scene, snapshots=(2e4,))
-    assert choose_engine(scene, wave) == "spectral"
-    assert choose_engine(replace(scene, observables=("energy",)), wave) == "stencil"
-    assert choose_engine(scene.changed(engine="stencil"), wave) == "stencil"
+    assert choose_engine(scene) == "spectral"
+    assert choose_engine(replace(scene, observables=("energy",))) == "stencil"
+    assert choose_engine(scene.changed(engine="stencil")) == "stencil"
     with pytest.raises(ValueError, match="engine must be 'stencil' for energy, got 'spectral'"):
-        choose_engine(scene.changed(engine="spectral", observables=("energy",)), wave)
+        choose_engine(scene.changed(engine="spectral", observables=("energy",)))
 
 
 def test_a_stencil_run_carries_the_scene_that_was_run(
@@ -248,7 +250,7 @@ def test_a_tolerance_that_no_ring_meets_is_refused_with_the_users_number(
     ring_scene: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Catches: the share of it that the engine asks of itself."""
-    monkeypatch.setattr(spectral_run, "MOST_POINTS", 100)
+    monkeypatch.setattr(spectral_search, "MOST_POINTS", 100)
     scene = with_tolerance(ring_scene(), 1e-3).changed(engine="spectral")
     with pytest.raises(ValueError, match=r"larger than 0\.001: it needs a ring of more than 100 p"):
         run(scene)

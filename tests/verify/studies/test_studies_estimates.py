@@ -10,7 +10,6 @@ import xarray as xr
 
 from solutions import CATALOGUE
 from verify.comparison import Discretisation, Scene, run
-from verify.comparison.initial_data import build_wave
 from verify.studies import estimates
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import WAVES, RandomScene, random_scene
@@ -81,7 +80,7 @@ REFERENCES = (
 @pytest.mark.parametrize("told", REFERENCES, ids=lambda told: told.wave)
 def test_the_reference_is_a_wide_ring_site_by_site(told: Scene) -> None:
     """A fixed ring, twice as wide as its least, with another scheme."""
-    reference = CausalReference(told, build_wave(told))
+    reference = CausalReference(told)
     found = reference.run(0.1 * reference.longest_step).strain
     plain = replace(told, numerics=Discretisation(0.15, "ring", 8192))
     wide = np.asarray(run(plain)["strain"])
@@ -90,7 +89,7 @@ def test_the_reference_is_a_wide_ring_site_by_site(told: Scene) -> None:
 
 def test_the_reference_begins_again_with_a_larger_speed() -> None:
     told = REFERENCES[3]
-    good, slow = (CausalReference(told, build_wave(told), faster) for faster in (1.01, 0.2))
+    good, slow = (CausalReference(told, faster) for faster in (1.01, 0.2))
     step = 0.3 * good.longest_step
     assert np.max(np.abs(slow.run(step).strain - good.run(step).strain)) / told.eps < 1e-9
 
@@ -106,14 +105,14 @@ def test_the_reference_does_not_soften_at_its_own_ends() -> None:
         compared=709,
         parameters=(("k", 0.993163335), ("alpha", 2.559), ("X_0", 0.0)),
     )
-    reference = CausalReference(told, build_wave(told))
+    reference = CausalReference(told)
     assert np.abs(reference.run(0.5 * reference.longest_step).strain).max() < 0.22
 
 
 def test_the_reference_tells_that_waves_cease_to_exist() -> None:
     told = scene("kink", -1.0, eps=0.2, parameters=(("A", 2.9),))
     with pytest.raises(SoftenedError):
-        CausalReference(told, build_wave(told)).run(0.5)
+        CausalReference(told).run(0.5)
 
 
 @pytest.mark.parametrize("index", QUICK)

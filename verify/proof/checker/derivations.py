@@ -72,13 +72,10 @@ AXIOMS = ("symbol", "exp", "log", "atan", *(f"jacobi_{name}" for name in ELLIPTI
 
 
 class Slopes:
-    """The derivatives of the generators of ``images``.
+    """The derivatives of the generators of ``images``."""
 
-    ``circles`` maps each symbol s to the node of sqrt(1 - s**2) that is a generator in its place.
-    """
-
-    def __init__(self, images: Images, circles: Mapping[int, int]) -> None:
-        self._images, self._circles = images, circles
+    def __init__(self, images: Images) -> None:
+        self._images = images
         self._slopes: dict[tuple[int, int], Element] = {}
         self._rates: dict[tuple[int, int], Element] = {}
 
@@ -138,7 +135,7 @@ class Slopes:
                 return self._rate(f, variable) / images.image(f)
             case ("atan", f):
                 return self._rate(f, variable) / (images.one + images.image(f) ** 2)
-            case ("Pow", *_) if node in self._circles.values():
+            case ("Pow", *_) if node in self._images.circles.values():
                 return images.zero
             case ("Pow", base, exponent):
                 rate = self._rate(base, variable)

@@ -7,16 +7,17 @@ by an axiom whose premises are checked here, by exact arithmetic on images.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import cached_property
 
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
 from .derivations import Slopes
 from .functions import Functions
-from .images import Form, Generator, Hints, Images
+from .images import Form, Generator, Images
 from .limits import CertificateError
-from .nodes import Balls, Nodes, children, value_at
+from .nodes import Balls, children, value_at
 from .ring import Element
 from .signs import BELOW_ONE
 
@@ -45,22 +46,15 @@ FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
 
 
 class Field(Images):
-    """Generators, images of nodes, and derivatives.
+    """Generators, images of nodes, and derivatives."""
 
-    ``positive`` are the nodes that the domain states to be positive (True: or 0).
-    """
+    @cached_property
+    def _functions(self) -> Functions:
+        return Functions(self)
 
-    def __init__(
-        self,
-        nodes: Nodes,
-        count: int,
-        variables: Sequence[int],
-        positive: Mapping[int, bool],
-        hints: Hints,
-    ) -> None:
-        super().__init__(nodes, count, variables, positive, hints)
-        self._circles: dict[int, int] = {}
-        self._functions, self._slopes = Functions(self), Slopes(self, self._circles)
+    @cached_property
+    def _slopes(self) -> Slopes:
+        return Slopes(self)
 
     def register(self, node: int) -> None:
         """The next generator stands for ``node``, a function or a symbol.
@@ -74,8 +68,8 @@ class Field(Images):
             self._images[node] = known
             return
         match self.nodes.all[node]:
-            case ("symbol", *_) if node in self._circles:
-                self._algebraic(node, 2, self.one - self.image(self._circles[node]) ** 2)
+            case ("symbol", *_) if node in self.circles:
+                self._algebraic(node, 2, self.one - self.image(self.circles[node]) ** 2)
             case ("I",):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
@@ -112,7 +106,7 @@ class Field(Images):
         if self.nodes.all[symbol][0] != "symbol" or symbol in self.variables:
             raise CertificateError("a circle must be of a parameter")
         self._add(root, self._next, Generator(root))
-        self._circles[symbol] = root
+        self.circles[symbol] = root
 
     def register_quotient(self, node: int, below: int) -> None:
         """The next generator stands for ``node/below``, two theta functions."""

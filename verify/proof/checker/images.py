@@ -60,7 +60,8 @@ class Generator:
 class Images(ABC):
     """The nodes of a certificate as elements of a ring.
 
-    ``positive`` are the nodes that the domain states to be positive (True: or 0).
+    ``positive`` are the nodes that the domain states to be positive (True: or 0).  ``circles`` maps
+    each symbol s to the node of sqrt(1 - s**2) that is a generator in its place.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class Images(ABC):
     ) -> None:
         self.nodes, self.ring, self.hints = nodes, Ring(count), hints
         self.variables, self.generators = variables, list[Generator]()
+        self.circles: dict[int, int] = {}
         self.signs = Signs(nodes, self.image, positive, hints.signs)
         self.one = self.ring.number(1)
         self.zero = self.ring.number(0)

@@ -5,8 +5,7 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import closed_form
-from solutions.compile.straight_line import StraightLine
-from solutions.functions.multiprecision import mp_module
+from solutions.compile.tape import Tape
 from solutions.symbols import k, tau, xi
 
 x, y = sp.symbols("x y", real=True)
@@ -21,12 +20,11 @@ EXPRESSIONS = [
 def _value(expression: sp.Expr, variables: list[sp.Symbol]) -> mpmath.mpf:
     context = mpmath.mp.clone()
     context.dps = 40
-    tape = StraightLine()
+    tape = Tape()
     entry = tape.record(expression)
     for variable in variables:
         entry = tape.derivative(entry, variable)
-    evaluate = tape.compile([x, y], [entry], mp_module(context))
-    return evaluate(context.mpf("0.7"), context.mpf("-0.3"))[0]
+    return tape.formula([x, y], [entry])(context, context.mpf("0.7"), context.mpf("-0.3"))[0]
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
@@ -38,13 +36,13 @@ def test_derivatives_agree_with_sympy(expression: sp.Expr, variables: list[sp.Sy
 
 
 def test_equal_subexpressions_share_a_line() -> None:
-    tape = StraightLine()
+    tape = Tape()
     tape.record(sp.sin(x * y) ** 2 + sp.cos(x * y))
     assert sum(node == x * y for _, node in tape.lines) == 1
 
 
 def test_third_derivatives_stay_small() -> None:
-    tape = StraightLine()
+    tape = Tape()
     entry = tape.record(closed_form("soliton_dn").expression)
     for variable in (xi, xi, xi):
         entry = tape.derivative(entry, variable)
@@ -52,15 +50,15 @@ def test_third_derivatives_stay_small() -> None:
 
 
 def test_a_constant_has_derivative_zero() -> None:
-    tape = StraightLine()
+    tape = Tape()
     assert tape.derivative(tape.record(sp.sqrt(1 - k**2)), tau) == 0
 
 
 def test_an_unknown_function_is_an_error_at_the_call() -> None:
-    tape = StraightLine()
-    evaluate = tape.compile([x], [tape.record(sp.airyai(x))], {})
-    with pytest.raises(NameError):
-        evaluate(1)
+    tape = Tape()
+    formula = tape.formula([x], [tape.record(sp.Function("unheard_of")(x))])
+    with pytest.raises(NameError, match="must have values in mpmath, got unheard_of"):
+        formula(mpmath.mp, 1)
 
 
 def test_the_global_precision_is_left_alone() -> None:

@@ -1,0 +1,90 @@
+"""The evaluation of a closed form as a program: value and both derivatives.
+
+The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
+(``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk, in
+the folder of the compiled kernels: its key is made of the sources that write programs and of the
+expression, or of the source of the closed form, which need not be made then.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import uuid
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import sympy as sp
+
+from solutions.compile.assembler import Assembler
+from solutions.compile.lowering import Lowering
+from solutions.compile.tape import tape_of
+from solutions.functions.multiprecision import MpmathFormula
+from solutions.record import ClosedForm
+from solutions.run.jit import cache_folder
+from solutions.run.program import Program
+from solutions.run.source_digest import source_digest
+
+__all__ = ["compile_program", "kept_program"]
+
+Parameters = tuple[sp.Symbol, ...]
+
+
+def kept_program(
+    form: ClosedForm, part: str, expression: Callable[[], sp.Expr], parameters: Parameters
+) -> Program:
+    """The program of a part of a closed form: from disk, or compiled and kept there.
+
+    ``expression`` makes the part's expression; it is not called if the program is there. A cache
+    can only save time: whatever goes wrong in it means that the program is compiled.
+    """
+    folder = cache_folder(__name__)
+    if folder is None:
+        return compile_program(expression(), parameters)
+    if form.module:
+        key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
+    else:
+        key = f"{sp.srepr(expression())} {sp.srepr(parameters)}"
+    path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
+    try:
+        return Program.read(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, KeyError, TypeError):
+        program = compile_program(expression(), parameters)
+        _keep(program, path)
+        return program
+
+
+def _keep(program: Program, path: Path) -> None:
+    """Write the program down; readers see the whole file or none."""
+    draft = path.with_suffix(f".{uuid.uuid4().hex[:16]}")
+    with suppress(OSError):
+        draft.write_text(program.text(), encoding="utf-8")
+        draft.replace(path)
+    with suppress(OSError):
+        draft.unlink(missing_ok=True)
+
+
+def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:
+    """Compile ``expression`` in xi, tau and ``parameters``."""
+    lowering = Lowering()
+    tape, outputs = tape_of(lowering, lowering.lower(expression))
+    phases, calls = tuple(lowering.phases.values()), tuple(lowering.calls.values())
+    jacobi = [symbol for call in calls for symbol in call.symbols]
+    assembler = Assembler([*(phase.symbol for phase in phases), *jacobi])
+    for symbol, right in tape.lines:
+        assembler.define(symbol, right)
+    bytecode = assembler.assemble([assembler.value(output) for output in outputs])
+    back = {symbol: constant for constant, symbol in lowering.constants.items()}
+    used = set().union(*(right.free_symbols for _, right in tape.lines))
+    fixed = [
+        *(entry.xreplace(back) for entry in bytecode.pool),
+        *(c for phase in phases for c in (phase.p, phase.q, phase.r)),
+        *(call.m for call in calls),
+    ]
+    places = [phase.symbol for phase in phases]
+    return Program(
+        calls=[places.index(call.phase) for call in calls],
+        wanted=[[s in used for s in call.symbols] for call in calls],
+        bytecode=bytecode,
+        fixed=MpmathFormula.of(parameters, fixed),
+    )

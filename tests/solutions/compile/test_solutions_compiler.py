@@ -1,0 +1,82 @@
+"""Programs on disk: the same numbers, never a stale one, and no need of a folder."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from solutions import Wave, closed_form
+from solutions.compile import compiler
+from solutions.compile.compiler import compile_program, kept_program
+from solutions.run.program import Program
+from solutions.symbols import tau, xi
+
+NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: tmp_path)
+    return tmp_path
+
+
+def values(name: str, normal_forms: Any, **changes: Any) -> list[list[float]]:
+    form = replace(closed_form(name), **changes) if changes else closed_form(name)
+    given = {"k": 0.6, "alpha": 0.8, "A": 1.1, "A_1": 1.5, "A_2": 0.7}
+    known = {p.name: given[p.name] for p in form.parameters if p.name in given}
+    wave = Wave(form, normal_forms[form.equation.s], **known)
+    return [part.tolist() for part in wave([-1.0, 0.3, 70.0], 0.2)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_kept_program_gives_the_same_numbers(name: str, folder: Path, normal_forms: Any) -> None:
+    first = values(name, normal_forms)
+    assert len(list(folder.glob("*.json"))) == 1
+    assert values(name, normal_forms) == first
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_program_survives_being_written_down(name: str) -> None:
+    form = closed_form(name)
+    program = compile_program(form.stable, tuple(p.symbol for p in form.parameters))
+    assert Program.read(program.text()).text() == program.text()
+
+
+def test_a_kept_program_needs_no_expression(folder: Path, normal_forms: Any) -> None:
+    values("kink", normal_forms)
+    form = closed_form("kink")
+
+    def never() -> sp.Expr:
+        raise AssertionError("the expression was made")
+
+    kept_program(form, "wave", never, tuple(p.symbol for p in form.parameters))
+
+
+def test_another_formula_under_the_same_name_has_its_own_program(
+    folder: Path, normal_forms: Any
+) -> None:
+    """A form that was changed has no source in the catalogue: its formula is the key."""
+    own = values("kink", normal_forms)
+    other = values("kink", normal_forms, expression=sp.tanh(xi) + tau)
+    assert other != own
+    assert values("kink", normal_forms, expression=sp.tanh(xi) - tau) not in (own, other)
+    assert len(list(folder.glob("*.json"))) == 3
+
+
+def test_a_damaged_program_is_written_anew(folder: Path, normal_forms: Any) -> None:
+    first = values("kink", normal_forms)
+    (path,) = folder.glob("*.json")
+    for text in ("", "{}", "[1]", '{"calls": 1}'):
+        path.write_text(text)
+        assert values("kink", normal_forms) == first
+    assert Program.read(path.read_text()).text() == path.read_text()
+
+
+def test_without_a_folder_it_runs(monkeypatch: pytest.MonkeyPatch, normal_forms: Any) -> None:
+    first = values("kink", normal_forms)
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: None)
+    assert values("kink", normal_forms) == first
+    monkeypatch.setattr(compiler, "cache_folder", lambda _: Path("/dev/null/nowhere"))
+    assert values("kink", normal_forms) == first
