@@ -15,6 +15,14 @@ class FormulaPrinter(StrPrinter):
     def _print_Abs(self, node: sp.Expr) -> str:
         return f"abs({self._print(node.args[0])})"
 
+    def _print_Mul(self, node: sp.Expr) -> str:
+        """With x/(y + z)/2 for SymPy's x/(2*(y + z)), which is read as x/(2*y + 2*z)."""
+        number, rest = node.as_coeff_Mul()
+        under = [f for f in sp.Mul.make_args(rest) if f.is_Pow and f.base.is_Add and f.exp == -1]
+        if under and number.is_Rational and number.q != 1:
+            return f"{self._print(number.p * rest)}/{number.q}"
+        return super()._print_Mul(node)
+
     def _print_Exp1(self, _: sp.Expr) -> str:
         return "exp(1)"
 

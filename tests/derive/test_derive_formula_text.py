@@ -237,9 +237,14 @@ def is_settled(expression: sp.Expr) -> bool:
 @example(sp.E * sp.exp(-x) - sp.E**2)
 @example(-(x + t) * u / 3)
 @example((x - 1) / (2 * sp.sqrt(k)))
+@example(sp.Rational(-3, 2) * u / (x + t))
+@example(sp.S.Half / (x + t))
 @example((u * u.diff(x)).diff(x, t))
 @example(q.subs(n, n - 3).diff(t, 2) ** -2)
 def test_a_printed_expression_is_read_back_as_the_same_object(expression: sp.Expr) -> None:
-    assume(not expression.has(sp.zoo, sp.nan, sp.oo, sp.AccumBounds) and is_settled(expression))
+    assume(
+        not expression.has(sp.zoo, sp.nan, sp.oo, sp.AccumBounds, sp.atan2)
+        and is_settled(expression)
+    )
     text = formula_as_text(expression)
     assert read_formula(text, GRAMMAR) == expression, text

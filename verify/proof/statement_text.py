@@ -19,15 +19,14 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
-    Parser,
     Token,
     Vocabulary,
-    tokens,
 )
 from solutions import functions
 
 from .domains import REAL, Domain, settled_domains
 from .samples import sample
+from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 
 CONTINUOUS, SITE = "xyzt", "n"
 
@@ -47,15 +46,6 @@ MISREAD = {
     "zoo": "formulas have values",
 }
 """Names that are taken for constants elsewhere, and must be declared here."""
-
-WORDS = {
-    "real": REAL,
-    "integer": Domain(integer=True),
-    "positive": Domain(lower=sp.S.Zero),
-    "negative": Domain(upper=sp.S.Zero),
-    "nonzero": Domain(nonzero=True),
-}
-"""Domains in a word."""
 
 _ONE = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
@@ -113,33 +103,11 @@ def read_statement(
     >>> {str(symbol): domain.text(symbol) for symbol, domain in statement.domains.items()}
     {'c': '0 < c'}
     """
-    parts = {
-        "equation": [p for text in _texts(equation, "equation") for p in _parts(text, "equation")],
-        "solution": [p for text in _texts(solution, "solution") for p in _parts(text, "solution")],
-    }
-    entries = list(_parts(parameters, "parameters", ";"))
-    limits = list(_parts(domain, "domain", ";", ","))
-    return _Reading(name, parts["equation"], parts["solution"], entries, limits).statement()
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A stretch of a text between separators: its tokens, with one of kind end."""
-
-    label: str
-    text: str
-    words: list[Token]
-
-    def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
-        return Parser(self.text, self.words[skipped:], vocabulary, self.label)
-
-    def error(self, words: str, place: int = 0) -> FormulaError:
-        return FormulaError(self.label, words, self.text, self.words[place].start)
-
-    def index(self, *signs: str) -> int | None:
-        """Where the first of the signs stands."""
-        found = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
-        return next(found, None)
+    equations = [p for t in _texts(equation, "equation") for p in text_parts(t, "equation")]
+    solutions = [p for t in _texts(solution, "solution") for p in text_parts(t, "solution")]
+    entries = list(text_parts(parameters, "parameters", ";"))
+    limits = list(text_parts(domain, "domain", ";", ","))
+    return _Reading(name, equations, solutions, entries, limits).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -150,33 +118,17 @@ def _texts(given: Texts, label: str) -> list[str]:
     return texts
 
 
-def _parts(text: str, label: str, *separators: str) -> Iterator[_Part]:
-    """The stretches of a text; without separators at ``;;``, where none may be empty."""
-    words = tokens(text, label)
-    cuts = separators or (";;",)
-    start = 0
-    for place, word in enumerate(words):
-        if word.kind != "end" and not (word.kind == "sign" and word.text in cuts):
-            continue
-        if place > start:
-            yield _Part(label, text, [*words[start:place], Token("end", "", word.start)])
-        elif not separators:
-            found = "the end" if word.kind == "end" else str(word)
-            raise FormulaError(label, f"expected a formula, got {found}", text, word.start)
-        start = place + 1
-
-
 @dataclass
 class _Reading:
     """The parts of a statement on their way to expressions."""
 
     name: str
-    equations: list[_Part]
-    solutions: list[_Part]
-    entries: list[_Part]
-    limits: list[_Part]
+    equations: list[TextPart]
+    solutions: list[TextPart]
+    entries: list[TextPart]
+    limits: list[TextPart]
     names: dict[str, sp.Expr] = field(default_factory=dict)
-    declared: dict[str, _Part] = field(default_factory=dict)
+    declared: dict[str, TextPart] = field(default_factory=dict)
     variables: dict[str, sp.Symbol] = field(default_factory=dict)
     fields: dict[str, AppliedUndef] = field(default_factory=dict)
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
@@ -201,7 +153,7 @@ class _Reading:
         self._check_domains()
         return Statement(self.name, equations, solutions, self.domains)
 
-    def _words(self) -> Iterator[tuple[_Part, int, Token]]:
+    def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
         for part in (*self.equations, *self.solutions):
             for place, word in enumerate(part.words):
                 yield part, place, word
@@ -236,7 +188,7 @@ class _Reading:
 
     # parameters and domains
 
-    def _declare(self, entry: _Part) -> None:
+    def _declare(self, entry: TextPart) -> None:
         word = entry.words[0]
         name = word.text
         if word.kind != "name":
@@ -260,7 +212,7 @@ class _Reading:
             self.used |= parser.used
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
-            self.names[name] = _symbol(name, domain)
+            self.names[name] = symbol_of(name, domain)
             self._keep(self.names[name], domain)
         else:
             raise entry.error(f"expected ': domain' or '= expression' behind {name}, got {sign}", 1)
@@ -271,7 +223,7 @@ class _Reading:
             self.domains[symbol] = domain
 
     def _domain(
-        self, part: _Part, skipped: int, name: str, variables: Mapping[str, sp.Symbol]
+        self, part: TextPart, skipped: int, name: str, variables: Mapping[str, sp.Symbol]
     ) -> Domain:
         """The domain of ``name`` that a part states behind its first words."""
         vocabulary = Vocabulary(
@@ -281,62 +233,24 @@ class _Reading:
         found = REAL
         while True:
             place = part.words.index(parser.next)
-            found &= self._condition(part, parser, name)
+            found &= condition(part, parser, name)
             if not parser.take_sign(","):
                 break
         parser.expect_end()
         self.used |= parser.used - {name}
-        bounded = found.lower.is_number and found.upper.is_number
-        if bounded and not (found.lower < found.upper) == sp.true:
-            raise part.error(f"expected a domain with inner points, got {found.text(name)}", place)
-        return found
-
-    def _condition(self, part: _Part, parser: Parser, name: str) -> Domain:
-        """One word or chain of inequalities."""
-        own = parser.vocabulary.names[name]
-        start = part.words.index(parser.next)
-        if parser.next.text in WORDS:
-            return WORDS[parser.take().text]
-        sides, signs = [parser.expression()], []
-        while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
-            signs.append(sign.text)
-            sides.append(parser.expression())
-        if any(side.is_extended_real is False for side in sides):
-            raise part.error("expected real bounds, got a complex one", start)
-        if not signs:
-            known = ", ".join(WORDS)
-            words = f"expected an inequality such as {name}>0, or one of {known}, got"
-            raise part.error(f"{words} {part.words[start]}", start)
-        wanted = f"expected inequalities of {name}, as in 0<{name}<1"
-        if sides.count(own) != 1 or any(s != own and s.has(own) for s in sides):
-            raise part.error(wanted, start)
-        if "!=" in signs:
-            if signs != ["!="] or sp.S.Zero not in sides:
-                raise part.error(f"expected {name}!=0 alone", start)
-            return WORDS["nonzero"]
-        if len({sign[0] for sign in signs}) > 1 or len(sides) > 3:
-            raise part.error(f"{wanted}, got signs both ways", start)
-        place = sides.index(own)
-        if len(sides) == 3 and place != 1:
-            raise part.error(wanted, start)
-        return _between(sides, signs, place)
+        return inhabited(part, found, name, place)
 
     def _make_variables(self, letters: Sequence[str]) -> None:
         """The symbols of the variables, with what ``domain`` says of them."""
         found: dict[str, Domain] = {}
-        plain = {letter: _symbol(letter, _whole(letter)) for letter in letters}
+        plain = {letter: symbol_of(letter, _whole(letter)) for letter in letters}
         for part in self.limits:
             name = self._subject(part, letters)
-            if name in found and found[name] != REAL:
-                known = {k: v for k, v in plain.items() if k != name}
-                both = found[name] & self._domain(part, 0, name, known)
-                if both.lower.is_number and both.upper.is_number and not both.lower < both.upper:
-                    raise part.error(f"expected a domain with inner points, got {both.text(name)}")
-                found[name] = both
-                continue
-            found[name] = self._domain(part, 0, name, {k: v for k, v in plain.items() if k != name})
+            others = {k: v for k, v in plain.items() if k != name}
+            both = found.get(name, REAL) & self._domain(part, 0, name, others)
+            found[name] = inhabited(part, both, name)
         for letter in letters:
-            self.variables[letter] = _symbol(letter, found.get(letter, REAL) & _whole(letter))
+            self.variables[letter] = symbol_of(letter, found.get(letter, REAL) & _whole(letter))
         real = {plain[letter]: self.variables[letter] for letter in letters}
         for letter, domain in found.items():
             domain &= _whole(letter)
@@ -346,7 +260,7 @@ class _Reading:
                 Domain(*ends, domain.lower_open, domain.upper_open, domain.nonzero, domain.integer),
             )
 
-    def _subject(self, part: _Part, letters: Sequence[str]) -> str:
+    def _subject(self, part: TextPart, letters: Sequence[str]) -> str:
         """The variable that an inequality is of: the first that is one side of its own."""
         sides: list[list[Token]] = [[]]
         for word in part.words[:-1]:
@@ -390,20 +304,20 @@ class _Reading:
             part = self.equations[0]
             raise part.error("expected a lattice field such as u[n], got n without one")
 
-    def _check_index(self, part: _Part, place: int, indexed: bool) -> None:
+    def _check_index(self, part: TextPart, place: int, indexed: bool) -> None:
         has = part.words[place + 1].text == "["
         if indexed and not has:
             raise part.error(
                 f"expected '[' behind the lattice field {part.words[place]}", place + 1
             )
 
-    def _check_unknown(self, part: _Part, name: str) -> None:
+    def _check_unknown(self, part: TextPart, name: str) -> None:
         if name in (*CONTINUOUS, SITE) or name in CONSTANTS or name in FUNCTIONS or "_" in name:
             raise part.error(f"expected an unknown such as u, got {part.words[0]}")
         if name in self.names:
             raise part.error(f"expected an unknown, got the parameter {name}")
 
-    def _solution(self, part: _Part) -> tuple[AppliedUndef, sp.Expr]:
+    def _solution(self, part: TextPart) -> tuple[AppliedUndef, sp.Expr]:
         name = part.words[0].text
         equal = part.index("=")
         assert equal is not None
@@ -420,7 +334,7 @@ class _Reading:
         self.used |= parser.used
         return self.fields[name], found
 
-    def _equation(self, part: _Part) -> sp.Expr:
+    def _equation(self, part: TextPart) -> sp.Expr:
         parser = part.parser(self._vocabulary())
         found = parser.expression()
         if parser.take_sign("="):
@@ -472,33 +386,3 @@ class _Reading:
 
 def _whole(letter: str) -> Domain:
     return WORDS["integer"] if letter == SITE else REAL
-
-
-def _symbol(name: str, domain: Domain) -> sp.Symbol:
-    """A real symbol that knows the sign that its domain gives it."""
-    known: dict[str, bool] = {"integer": True} if domain.integer else {"real": True}
-    if domain.lower.is_nonnegative:
-        positive = domain.lower_open or domain.lower.is_positive
-        known["positive" if positive else "nonnegative"] = True
-    elif domain.upper.is_nonpositive:
-        negative = domain.upper_open or domain.upper.is_negative
-        known["negative" if negative else "nonpositive"] = True
-    if domain.nonzero:
-        known["nonzero"] = True
-    return sp.Symbol(name, **known)
-
-
-def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
-    """The domain of the side at ``place`` of a chain of inequalities."""
-    ascending = signs[0][0] == "<"
-    lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True
-    for other, sign in ((place - 1, place - 1), (place + 1, place)):
-        if not 0 <= other < len(sides):
-            continue
-        is_lower = (other < place) == ascending
-        is_open = "=" not in signs[sign]
-        if is_lower:
-            lower, lower_open = sides[other], is_open
-        else:
-            upper, upper_open = sides[other], is_open
-    return Domain(lower, upper, lower_open, upper_open)

@@ -10,8 +10,9 @@ import pytest
 
 from longwave.__main__ import main
 from verify.cli import statements as command
-from verify.cli.statements import StatedProblem, decided, read_problems
-from verify.proof import check_certificate
+from verify.cli.problem_file import FILE_BYTES, StatedProblem, read_problems
+from verify.cli.statements import STAGES, decided
+from verify.proof import check_certificate, prover
 from verify.proof.statement_text import read_statement
 
 Output = pytest.CaptureFixture[str]
@@ -222,7 +223,7 @@ def test_a_wrong_file_names_the_problem_and_the_key(
 
 def test_a_file_that_is_too_long_or_not_text_is_refused(tmp_path: Path, capsys: Output) -> None:
     for content, message in (
-        (b"#" * (command.FILE_BYTES + 1), "must have at most"),
+        (b"#" * (FILE_BYTES + 1), "must have at most"),
         (b"\xff\xfe", "must be a TOML file"),
     ):
         path = tmp_path / "mine.toml"
@@ -258,6 +259,11 @@ def test_past_the_limit_it_is_undecided_and_says_how_far_it_came(
     assert verdict.outcome == "UNDECIDED"
     expected = "it had come to equation 1 of 3, looking for a counterexample"
     assert verdict.detail == f"no verdict within 0.3 s ({expected})"
+
+
+def test_the_stages_are_functions_of_the_prover() -> None:
+    for name in STAGES:
+        assert hasattr(prover, name), name
 
 
 def test_a_process_that_does_not_listen_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:

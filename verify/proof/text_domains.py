@@ -1,0 +1,135 @@
+"""Parts of a statement's text, and the domains that they state: ``0<k<1``, ``integer, j>0``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.algebra.formula_text import FormulaError, Parser, Token, Vocabulary, tokens
+
+from .domains import REAL, Domain
+
+WORDS = {
+    "real": REAL,
+    "integer": Domain(integer=True),
+    "positive": Domain(lower=sp.S.Zero),
+    "negative": Domain(upper=sp.S.Zero),
+    "nonzero": Domain(nonzero=True),
+}
+"""Domains in a word."""
+
+
+@dataclass(frozen=True)
+class TextPart:
+    """A stretch of a text between separators: its tokens, with one of kind end."""
+
+    label: str
+    text: str
+    words: list[Token]
+
+    def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
+        """A parser of the words behind the first ``skipped``."""
+        return Parser(self.text, self.words[skipped:], vocabulary, self.label)
+
+    def error(self, words: str, place: int = 0) -> FormulaError:
+        """The error at a word."""
+        return FormulaError(self.label, words, self.text, self.words[place].start)
+
+    def index(self, *signs: str) -> int | None:
+        """Where the first of the signs stands."""
+        found = (i for i, w in enumerate(self.words) if w.kind == "sign" and w.text in signs)
+        return next(found, None)
+
+
+def text_parts(text: str, label: str, *separators: str) -> Iterator[TextPart]:
+    """The stretches of a text; without separators at ``;;``, where none may be empty.
+
+    >>> [part.text[part.words[0].start :] for part in text_parts("u_t ;; v_t", "equation")]
+    ['u_t ;; v_t', 'v_t']
+    """
+    words = tokens(text, label)
+    cuts = separators or (";;",)
+    start = 0
+    for place, word in enumerate(words):
+        if word.kind != "end" and not (word.kind == "sign" and word.text in cuts):
+            continue
+        if place > start:
+            yield TextPart(label, text, [*words[start:place], Token("end", "", word.start)])
+        elif not separators:
+            found = "the end" if word.kind == "end" else str(word)
+            raise FormulaError(label, f"expected a formula, got {found}", text, word.start)
+        start = place + 1
+
+
+def condition(part: TextPart, parser: Parser, name: str) -> Domain:
+    """The domain of ``name`` that comes: one word, or a chain of inequalities.
+
+    Raises FormulaError for what is neither.
+    """
+    own = parser.vocabulary.names[name]
+    start = part.words.index(parser.next)
+    if parser.next.text in WORDS:
+        return WORDS[parser.take().text]
+    sides, signs = [parser.expression()], []
+    while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
+        signs.append(sign.text)
+        sides.append(parser.expression())
+    if any(side.is_extended_real is False for side in sides):
+        raise part.error("expected real bounds, got a complex one", start)
+    if not signs:
+        known = ", ".join(WORDS)
+        words = f"expected an inequality such as {name}>0, or one of {known}, got"
+        raise part.error(f"{words} {part.words[start]}", start)
+    wanted = f"expected inequalities of {name}, as in 0<{name}<1"
+    if sides.count(own) != 1 or any(s != own and s.has(own) for s in sides):
+        raise part.error(wanted, start)
+    if "!=" in signs:
+        if signs != ["!="] or sp.S.Zero not in sides:
+            raise part.error(f"expected {name}!=0 alone", start)
+        return WORDS["nonzero"]
+    if len({sign[0] for sign in signs}) > 1 or len(sides) > 3:
+        raise part.error(f"{wanted}, got signs both ways", start)
+    place = sides.index(own)
+    if len(sides) == 3 and place != 1:
+        raise part.error(wanted, start)
+    return _between(sides, signs, place)
+
+
+def inhabited(part: TextPart, domain: Domain, name: str, place: int = 0) -> Domain:
+    """The domain; raises FormulaError for one between numbers without inner points."""
+    if domain.lower.is_number and domain.upper.is_number and not domain.lower < domain.upper:
+        words = f"expected a domain with inner points, got {domain.text(sp.Symbol(name))}"
+        raise part.error(words, place)
+    return domain
+
+
+def symbol_of(name: str, domain: Domain) -> sp.Symbol:
+    """A real symbol that knows the sign that its domain gives it."""
+    known: dict[str, bool] = {"integer": True} if domain.integer else {"real": True}
+    if domain.lower.is_nonnegative:
+        positive = domain.lower_open or domain.lower.is_positive
+        known["positive" if positive else "nonnegative"] = True
+    elif domain.upper.is_nonpositive:
+        negative = domain.upper_open or domain.upper.is_negative
+        known["negative" if negative else "nonpositive"] = True
+    if domain.nonzero:
+        known["nonzero"] = True
+    return sp.Symbol(name, **known)
+
+
+def _between(sides: Sequence[sp.Expr], signs: Sequence[str], place: int) -> Domain:
+    """The domain of the side at ``place`` of a chain of inequalities."""
+    ascending = signs[0][0] == "<"
+    lower, upper, lower_open, upper_open = -sp.oo, sp.oo, True, True
+    for other, sign in ((place - 1, place - 1), (place + 1, place)):
+        if not 0 <= other < len(sides):
+            continue
+        is_lower = (other < place) == ascending
+        is_open = "=" not in signs[sign]
+        if is_lower:
+            lower, lower_open = sides[other], is_open
+        else:
+            upper, upper_open = sides[other], is_open
+    return Domain(lower, upper, lower_open, upper_open)
