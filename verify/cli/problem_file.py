@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import FormulaError
-from solutions.exact import shown
 from verify.proof.statement_text import Statement, read_statement
 from verify.verdict import Outcome
 

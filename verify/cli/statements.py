@@ -21,7 +21,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
