@@ -9,8 +9,10 @@ from typing import Any
 import xarray as xr
 
 from derive.command_line import announce
+from solutions.catalogue import CATALOGUE, closed_form
 from verify.comparison import Scene
-from verify.evidence.mutations import MutationCount
+from verify.evidence.mutations import MutationCount, count_mutants
+from verify.evidence.residual import check_residual
 from verify.processes import Job, Key, Progress, run_jobs
 from verify.studies.estimates import Judged, estimate_jobs
 from verify.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
@@ -115,7 +117,24 @@ def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progre
 def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
     """The jobs of a report under (kind, subject)."""
     jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
-    return jobs | proof_jobs() | accuracy_jobs(full) | study_jobs(full)
+    return jobs | proof_jobs() | evidence_jobs() | accuracy_jobs(full) | study_jobs(full)
+
+
+def evidence_jobs() -> dict[Key, Job]:
+    """The residual and the misprints of the catalogue's forms."""
+    jobs: dict[Key, Job] = {}
+    for form in CATALOGUE:
+        jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
+        jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
+    return jobs
+
+
+def _residual(name: str) -> Verdict:
+    return check_residual(closed_form(name))
+
+
+def _mutants(name: str) -> MutationCount:
+    return count_mutants(closed_form(name))
 
 
 def study_jobs(full: bool) -> dict[Key, Job]:

@@ -1,4 +1,4 @@
-"""What the proofs cost: verdict, certificate, seconds to prove and to check; and the evidence."""
+"""What the proofs cost: verdict, certificate, seconds to prove and to check."""
 
 from __future__ import annotations
 
@@ -6,13 +6,10 @@ import json
 import time
 from dataclasses import dataclass
 
-from solutions.catalogue import CATALOGUE, closed_form
-from verify.evidence.mutations import MutationCount, count_mutants
-from verify.evidence.residual import check_residual
 from verify.processes import Job, Key
 from verify.proof import CertificateError, check_certificate
 from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.verdict import Outcome, Verdict
+from verify.verdict import Outcome
 
 
 @dataclass(frozen=True)
@@ -63,17 +60,5 @@ def _checked(certificate: str) -> tuple[bool, float]:
 
 
 def proof_jobs() -> dict[Key, Job]:
-    """Every proof; and of the catalogue's forms the residual and the misprints."""
-    jobs: dict[Key, Job] = {("proof", name): Job(proof_record, (name,), 0.5) for name in NAMES}
-    for form in CATALOGUE:
-        jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
-        jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
-    return jobs
-
-
-def _residual(name: str) -> Verdict:
-    return check_residual(closed_form(name))
-
-
-def _mutants(name: str) -> MutationCount:
-    return count_mutants(closed_form(name))
+    """Every proof of the report."""
+    return {("proof", name): Job(proof_record, (name,), 0.5) for name in NAMES}
