@@ -7,7 +7,7 @@ import pytest
 
 import derive
 from solutions import Wave, closed_form
-from tests.verify.studies.mkdv_equation import PeriodicMkdv, evolve
+from verify.comparison.mkdv_equation import PeriodicMkdv, evolve
 
 TIMES = (0.3, 1.0)
 
