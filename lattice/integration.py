@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lattice.kernels import blocked
 from lattice.model import Model
-from lattice.refine import Progress, StepSearch, refine
+from lattice.refine import LEAST_FACTOR, Kind, Progress, StepSearch, refine
 from lattice.schemes.catalogue import REDUCED_PHASE_6, SCHEMES
 from lattice.schemes.order import check_order
 from lattice.schemes.scheme import Scheme, check_step, stability_limit
@@ -159,7 +159,7 @@ def _stated(engine: "RingSearch", step: float, measure_error: bool, begun: float
     check_step(step, engine.scheme, engine.model, engine.state.y)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
-    if measure_error and trial.values is not None:
+    if measure_error:
         control = engine.run(engine.varied(choices, engine.kinds), True)
         error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
     return _trajectory(trial, error, begun, engine.scheme)
@@ -171,6 +171,11 @@ def _trajectory(trial: Trial, error: float, begun: float, scheme: Scheme) -> Tra
         raise ValueError(
             f"times must end before the lattice blows up, got {times[-1]:g} ({stepper.blow_up}, "
             "whatever the step; end earlier or take smaller strains)"
+        )
+    if trial.values is None and math.isinf(error):
+        raise ValueError(
+            f"times must end before strains run away, got {times[-1]:g} (no step follows them; end "
+            "earlier or take smaller strains)"
         )
     cost = Cost(
         stepper.steps,
@@ -191,16 +196,14 @@ class RingSearch(StepSearch):
         self.fragile = model.kernel[1:] != (None, None)
         self.threads = 2 if blocked.fits(state.size, scheme.stages) else 1
         self._times = times
-        with np.errstate(over="ignore", invalid="ignore"):
-            stiffest = max(float(np.max(np.abs(model.stiffness(state.y)))), model.K2)
-        if not math.isfinite(stiffest):
+        self._admitted = self._longest_step(state.y)
+        if not self._admitted > 0.0:
             raise ValueError(
-                f"state.y must leave K2 + 2 K3 y + 3 K4 y^2 finite, got {stiffest:g} "
-                "(take other units)"
+                "state.y must leave K2 + 2 K3 y + 3 K4 y^2 finite, got a strain of "
+                f"{float(np.max(np.abs(state.y))):g} (take other units)"
             )
-        longest = LIMIT_SHARE * stability_limit(scheme) / (2.0 * math.sqrt(stiffest))
         stops = np.concatenate([[state.t], times])
-        super().__init__(scheme.order, longest, stops, state.size)
+        super().__init__(scheme.order, LIMIT_SHARE * self._admitted, stops, state.size)
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the stepper, the times, strains and velocities."""
@@ -219,8 +222,9 @@ class RingSearch(StepSearch):
                 rows[state.t] = state.strain(state.sites), state.velocity(state.sites)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
         strain, velocity = np.array([*rows.values()]).reshape(-1, 2, state.size).swapaxes(0, 1)
-        values = None
-        if stepper.blow_up is None:
+        values, longest = None, self._longest_step(np.array(stepper.strain))
+        self._admitted = min(self._admitted, longest)
+        if stepper.blow_up is None and self._taken(choices.step) <= longest:
             values = np.array([strain, velocity / (2.0 * math.sqrt(self.model.K2))])
         return Trial(
             choices,
@@ -230,6 +234,28 @@ class RingSearch(StepSearch):
             rounding_error(max(map(abs, stepper.strain)), stepper.steps * self.scheme.stages),
             (stepper, self._times, strain, velocity),
         )
+
+    def _taken(self, step: float) -> float:
+        """The longest step that is taken where the stops shorten it."""
+        gaps = np.diff(self._stops)
+        return float(np.max(gaps / np.maximum(np.ceil(gaps / step), 1.0)))
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """A step that follows the strains that were met, or by the law of the order."""
+        if math.isinf(excess) and 0.0 < self._admitted < choices.step:
+            step = max(LIMIT_SHARE * self._admitted, LEAST_FACTOR * choices.step)
+            return replace(choices, step=step)
+        return super().better(choices, kind, excess)
+
+    def _longest_step(self, strains: Array) -> float:
+        """The longest step that is stable about the strains; 0 if they are no numbers.
+
+        A run with a longer one shows neither waves nor what runs away: two such runs may agree.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            stiffest = max(float(np.max(np.abs(self.model.stiffness(strains)))), self.model.K2)
+        limit = stability_limit(self.scheme) / (2.0 * math.sqrt(stiffest))
+        return limit if math.isfinite(stiffest) else 0.0
 
     def _start(self, nudged: bool) -> State:
         """A copy of the state; ``nudged`` with the last digits of both its arrays changed."""

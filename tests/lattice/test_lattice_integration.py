@@ -58,7 +58,7 @@ def shortfall(seed: int) -> float | None:
 
 
 def test_estimates_bound_the_error_on_random_models_and_states() -> None:
-    found = [shortfall(seed) for seed in range(150)]
+    found = [shortfall(seed) for seed in (2878, *range(150))]
     told = [ratio for ratio in found if ratio is not None]
     assert len(told) > 110
     assert max(told) <= 1.0
@@ -264,7 +264,7 @@ def test_wrong_states_are_refused(y: Array, s: Array, message: str) -> None:
 
 
 def test_forces_beyond_all_numbers_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"state.y must leave .* finite, got (inf|nan)"):
+    with pytest.raises(ValueError, match=r"state.y must leave .* finite, got a strain of"):
         integrate(Model(1.0, 1e300, 1e300), replace(ROUGH, y=1e10 * ROUGH.y), [1.0], 1e-3)
 
 
