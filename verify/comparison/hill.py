@@ -30,23 +30,20 @@ def fastest_rate(U: Array, wavelength: float, speed: float, s: int) -> float:
     ``U`` are the wave's samples over one wavelength, several for each mode that counts. NaN if
     those are too many: a train of crests that are very far apart.
     """
-    from scipy.optimize import minimize_scalar  # 0.2 s that only periodic waves need
-
     modes = resolving_modes(U)
     if modes > MOST_MODES:
         return float("nan")
     edge = np.pi / wavelength
 
-    def negative(kappa: float) -> float:
-        return -mkdv_rate(U, wavelength, speed, s, kappa, modes)
+    def rate(kappa: float) -> float:
+        return mkdv_rate(U, wavelength, speed, s, kappa, modes)
 
-    points = edge * np.arange(1, BLOCH_POINTS + 1) / BLOCH_POINTS
-    best = points[int(np.argmin([negative(float(kappa)) for kappa in points]))]
-    around = (max(best - points[0], 0.5 * points[0]), min(best + points[0], edge))
-    refined = minimize_scalar(
-        negative, bounds=around, method="bounded", options={"xatol": 1e-3 * edge}
-    )
-    return -float(min(refined.fun, negative(float(best))))
+    apart = edge / BLOCH_POINTS
+    found = {kappa: rate(kappa) for kappa in apart * np.arange(1, BLOCH_POINTS + 1)}
+    while apart > 1e-3 * edge:
+        best, apart = max(found, key=found.__getitem__), 0.5 * apart
+        found |= {kappa: rate(kappa) for kappa in (best - apart, best + apart) if kappa <= edge}
+    return max(found.values())
 
 
 def resolving_modes(U: Array) -> int:
