@@ -36,7 +36,7 @@ SAMPLES = 64
 """Points on the wavelength about the seam, and circumferences tried at once."""
 
 NARROWINGS = 9
-"""Times that circumferences are tried, each 32 times closer about the best: to 2^-46 wavelengths."""
+"""Times that circumferences are tried, each time 32 times closer: to 2^-46 wavelengths."""
 
 BLEND_REACH = 6.0
 """The blend runs from 0 to 1, to double precision, within so many of its widths on either side."""
