@@ -33,10 +33,10 @@ Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 SAMPLES = 64
-"""Points on the wavelength about the seam, and circumferences tried at once."""
+"""Points on the wavelength about the seam, and circumferences tried within one wavelength."""
 
-NARROWINGS = 9
-"""Times that circumferences are tried, each time 32 times closer: to 2^-46 wavelengths."""
+GAUSS_NEWTON_STEPS, APART = 12, 1e-5
+"""Most steps from the best of those tried; the slope is a difference over so many wavelengths."""
 
 BLEND_REACH = 6.0
 """The blend runs from 0 to 1, to double precision, within so many of its widths on either side."""
@@ -51,14 +51,23 @@ def close_circumference(profile: Profile, wavelength: float, count: int) -> floa
     51.7975
     """
     offsets = wavelength * ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5)
-    best, reach = 0.0, 0.5
-    for _ in range(NARROWINGS):
-        shifts = best + reach * np.linspace(-1.0, 1.0, SAMPLES + 1)
+
+    def misses(shifts: Array) -> Array:
         half = 0.5 * wavelength * (count + shifts[:, None])
         ends = np.stack([half + offsets, -half + offsets])
         values = np.asarray(profile(ends.ravel())).reshape(ends.shape)
-        best = float(shifts[np.argmin(np.sum((values[0] - values[1]) ** 2, axis=1))])
-        reach *= 2.0 / SAMPLES
+        return values[0] - values[1]
+
+    shifts = np.arange(-SAMPLES // 2, SAMPLES // 2) / SAMPLES
+    first = best = float(shifts[np.argmin(np.sum(misses(shifts) ** 2, axis=1))])
+    for _ in range(GAUSS_NEWTON_STEPS):
+        below, miss, above = misses(best + APART * np.array([-1.0, 0.0, 1.0]))
+        slope = (above - below) / (2.0 * APART)
+        steep = float(slope @ slope)
+        step = float(miss @ slope) / steep if steep > 0.0 else 0.0
+        best = min(max(best - step, first - 1.0 / SAMPLES), first + 1.0 / SAMPLES)
+        if abs(step) < 2.0**-50:
+            break
     return wavelength * (count + best)
 
 
