@@ -148,7 +148,7 @@ def test_a_stated_step_is_taken_and_its_error_is_measured() -> None:
     for scheme, step in ((RK4, 0.05), (RK4, 0.01), (KAHAN_LI_8, 0.4)):
         run = stated(scheme=scheme, step=step)
         error = np.abs(run.strain - exact).max()
-        assert 0.1 * run.error_estimate < error <= run.error_estimate
+        assert 0.05 * run.error_estimate < error <= run.error_estimate
         assert (run.scheme, run.step, run.cost.steps) == (scheme.name, step, round(10 / step))
         bare = stated(scheme=scheme, step=step, measure_error=False)
         assert math.isnan(bare.error_estimate)
@@ -175,7 +175,7 @@ def test_a_blow_up_is_told_with_its_time() -> None:
         integrate(soft, state, [0.1, 5.0], 1e-6)
     with pytest.raises(ValueError, match=told):
         integrate(soft, state, [0.1, 5.0], step=0.01)
-    before = integrate(soft, state, [0.1], 1e-6)
+    before = integrate(soft, state, [0.06], 1e-6)
     assert before.error_estimate <= 1e-6
 
 
