@@ -106,8 +106,8 @@ class View:
         wave, whose far field is the wave itself.
         """
         wave = self.moving.wave
-        left, whole = wave.form.far_fields.left, wave.form.expression
-        return wave.constant_background is None and left != whole
+        bare = wave.form.period is not None and wave.form.background == 0
+        return wave.constant_background is None and not bare
 
     @property
     def error(self) -> float:
