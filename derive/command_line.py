@@ -73,7 +73,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
         return NO_READER
     except OSError as error:
         _drop_output()
-        return fail(f"{error.filename or 'output'}: {error.strerror}")
+        return fail(error)
     return int(status or 0)
 
 
@@ -93,7 +93,12 @@ def _wrong(error: click.ClickException, called: str) -> int:
 
 
 def fail(message: object) -> int:
-    """Print ``error: message`` in one line on stderr; return the exit status 2."""
+    """Print ``error: message`` in one line on stderr; return the exit status 2.
+
+    An error of a file says which file, and what is wrong with it.
+    """
+    if isinstance(message, OSError) and message.strerror:
+        message = f"{message.filename or 'output'}: {message.strerror}"
     print(f"error: {one_line(message)}", file=sys.stderr)
     return WRONG
 

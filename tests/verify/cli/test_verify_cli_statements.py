@@ -221,6 +221,11 @@ def test_a_wrong_file_names_the_problem_and_the_key(
     assert len(error.splitlines()) in (1, 3)
 
 
+def test_a_file_that_is_not_there_is_named(capsys: Output) -> None:
+    assert main(["prove", "nowhere.toml"]) == 2
+    assert capsys.readouterr().err == "error: nowhere.toml: No such file or directory\n"
+
+
 def test_a_file_that_is_too_long_or_not_text_is_refused(tmp_path: Path, capsys: Output) -> None:
     for content, message in (
         (b"#" * (FILE_BYTES + 1), "must have at most"),

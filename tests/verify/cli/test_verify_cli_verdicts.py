@@ -106,7 +106,10 @@ def test_a_wrong_form_gives_status_1_and_its_witness(
             "--digits must not be given with",
         ),
         (["--seed", "1", "--stable"], "--stable must not be given with the method residual"),
-        (["--only", "kink", "--certificate", "/nowhere/x"], "No such file or directory"),
+        (
+            ["--only", "kink", "--certificate", "/nowhere/x"],
+            "/nowhere/x: No such file or directory",
+        ),
         (["--nonsense"], "no such option '--nonsense'"),
         (["walk"], "COMMAND must be a known one, got walk (one of check-"),
         (["mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
