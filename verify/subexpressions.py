@@ -6,6 +6,8 @@ very large tree; SymPy's own traversals walk the tree.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import sympy as sp
 
 DEPTH = 4
@@ -19,13 +21,31 @@ def distinct_nodes(expression: sp.Expr) -> list[sp.Expr]:
     >>> distinct_nodes(sp.sin(x) + sp.sin(x) ** 2)
     [sin(x)**2 + sin(x), sin(x)**2, sin(x), x, 2]
     """
+    return _walked(expression, lambda node: True)
+
+
+def outer_nodes(expression: sp.Expr) -> list[sp.Expr]:
+    """Those of `distinct_nodes` that do not stand in a function's argument or under a root.
+
+    >>> x = sp.Symbol("x")
+    >>> outer_nodes(sp.sin(2 * x) + x**2)
+    [x**2 + sin(2*x), x**2, x, 2, sin(2*x)]
+    """
+    return _walked(
+        expression,
+        lambda node: bool(node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)),
+    )
+
+
+def _walked(expression: sp.Expr, enters: Callable[[sp.Expr], bool]) -> list[sp.Expr]:
+    """The subexpressions that are reached through nodes which ``enters`` admits."""
     found: dict[sp.Expr, None] = {}
     waiting = [expression]
     while waiting:
         node = waiting.pop()
         if node not in found:
             found[node] = None
-            waiting += reversed(node.args)
+            waiting += reversed(node.args) if enters(node) else ()
     return list(found)
 
 

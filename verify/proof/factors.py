@@ -5,11 +5,12 @@ What is found is a hint: nothing here decides.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import lcm
 
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from verify.subexpressions import outer_nodes
 
 TERMS, DEGREE = 200, 40
 """A polynomial with more terms, or of a higher degree, is not factored."""
@@ -35,7 +36,7 @@ class Quotients:
     """An expression as a quotient of polynomials in its atoms."""
 
     def __init__(self, expression: sp.Expr) -> None:
-        nodes = _polynomial_nodes(expression)
+        nodes = outer_nodes(expression)
         degrees: dict[sp.Expr, int] = {}
         for node in nodes:
             base, exponent = node.as_base_exp() if node.is_Pow else (node, sp.S.One)
@@ -173,17 +174,3 @@ def _is_inner(node: sp.Expr) -> bool:
     return bool(
         node.is_Add or node.is_Mul or node.is_Rational or (node.is_Pow and node.exp.is_Integer)
     )
-
-
-def _polynomial_nodes(expression: sp.Expr) -> Sequence[sp.Expr]:
-    """The nodes down to symbols, roots and functions."""
-    found: dict[sp.Expr, None] = {}
-    waiting = [expression]
-    while waiting:
-        node = waiting.pop()
-        if node not in found:
-            found[node] = None
-            inside = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Rational)
-            root = node.is_Pow and not node.exp.is_Integer
-            waiting += reversed(node.args) if inside and not root else ()
-    return list(found)

@@ -13,7 +13,7 @@ import sympy as sp
 
 from solutions.functions import jacobi
 from verify.studies.statements.random_statement import Setting
-from verify.subexpressions import distinct_nodes, replaced
+from verify.subexpressions import distinct_nodes, outer_nodes, replaced
 
 SMALL = (-3, -2, -1, 1, 2, 3)
 
@@ -173,7 +173,7 @@ def rewritten(formula: sp.Expr, draw: random.Random, changes: int) -> sp.Expr:
     """``formula`` after up to ``changes`` random identities."""
     for _ in range(changes):
         within = draw.random() < WITHIN
-        nodes = distinct_nodes(formula) if within else _outer_nodes(formula)
+        nodes = distinct_nodes(formula) if within else outer_nodes(formula)
         places = [node for node in nodes if node.func in IDENTITIES]
         if not places:
             continue
@@ -184,19 +184,6 @@ def rewritten(formula: sp.Expr, draw: random.Random, changes: int) -> sp.Expr:
             if not changed.has(sp.nan, sp.zoo, sp.oo):
                 formula = changed
     return formula
-
-
-def _outer_nodes(formula: sp.Expr) -> list[sp.Expr]:
-    """The subexpressions that do not stand in a function's argument or under a root."""
-    found: dict[sp.Expr, None] = {}
-    waiting = [formula]
-    while waiting:
-        node = waiting.pop()
-        if node not in found:
-            found[node] = None
-            inside = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
-            waiting += reversed(node.args) if inside else ()
-    return list(found)
 
 
 def _split(z: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
