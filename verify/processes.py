@@ -1,13 +1,14 @@
-"""Jobs in worker processes that end with their command on Ctrl-C, and a limit of time for work."""
+"""Jobs in worker processes that end with their command on Ctrl-C; limits of time and memory."""
 
 import multiprocessing as mp
 import signal
 import threading
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from ctypes import c_double
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 Key = tuple[str, object]
@@ -119,9 +120,21 @@ class OutOfTime(BaseException):
     """The limit has passed; what catches every Exception does not catch this."""
 
 
+def limit_memory(beyond: int) -> None:
+    """Let this process take so many bytes more than it has, where the system can say and do so."""
+    import resource  # where there is fork
+
+    with suppress(OSError, ValueError):
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        most = pages * resource.getpagesize() + beyond
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
 @contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
+def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
     """Raise OutOfTime in what runs inside after ``seconds``; only a main thread can be stopped.
+
+    They are seconds of the processor, or with ``passing`` of the clock.
 
     >>> with time_limit(10.0):
     ...     print("done")
@@ -134,10 +147,13 @@ def time_limit(seconds: float) -> Iterator[None]:
     def stop(*_: object) -> None:
         raise OutOfTime
 
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    timer, number = signal.ITIMER_PROF, signal.SIGPROF
+    if passing:
+        timer, number = signal.ITIMER_REAL, signal.SIGALRM
+    before = signal.signal(number, stop)
+    signal.setitimer(timer, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
+        signal.setitimer(timer, 0.0)
+        signal.signal(number, before)

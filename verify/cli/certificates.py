@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from derive.command_line import fail, one_line
+from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
 
@@ -155,6 +156,4 @@ def _set_limits() -> None:
         usage = resource.getrusage(resource.RUSAGE_SELF)
         used = int(usage.ru_utime + usage.ru_stime)
         resource.setrlimit(resource.RLIMIT_CPU, (used + SECONDS, used + SECONDS + 1))
-        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-        most = pages * resource.getpagesize() + BYTES
-        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    limit_memory(BYTES)

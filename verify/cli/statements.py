@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import sys
 import time
 import warnings
@@ -26,7 +25,7 @@ from derive.command_line import fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.problem_file import StatedProblem, read_problems
 from verify.cli.verdicts import STYLES, summary
-from verify.processes import OutOfTime, ignore_interrupt
+from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
 from verify.proof.near_misses import SECONDS as HINT_SECONDS
 from verify.proof.near_misses import with_hint
 from verify.proof.statement_text import Statement, read_statement
@@ -215,7 +214,7 @@ def _last_word(statement: Statement, job: _Running, limit: float) -> StatementVe
 def _decide(statement: Statement, limit: float, writing: Connection) -> None:
     """In the child: send stages and the verdict, then the one with a hint."""
     ignore_interrupt()
-    _limit_memory()
+    limit_memory(MEMORY)
     begun = time.monotonic()
     stage = ["the beginning"]
 
@@ -223,13 +222,9 @@ def _decide(statement: Statement, limit: float, writing: Connection) -> None:
         stage[0] = words
         writing.send(words)
 
-    def stop(*_: object) -> None:
-        raise OutOfTime
-
-    signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, limit)
     try:
-        verdict = decide_statement(statement, tell)
+        with time_limit(limit, passing=True):
+            verdict = decide_statement(statement, tell)
     except OutOfTime as error:
         words = f"no verdict within {limit:g} s (it had come to {stage[0]}"
         verdict = undecided(statement, f"{words}{_doing(error.__traceback__)})", limit)
@@ -238,7 +233,6 @@ def _decide(statement: Statement, limit: float, writing: Connection) -> None:
     except Exception as error:  # a crash of the prover is no verdict, and not the user's mistake
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")
-    signal.setitimer(signal.ITIMER_REAL, 0.0)
     writing.send(verdict)
     left = limit - (time.monotonic() - begun)
     if verdict.outcome is Outcome.REFUTED and left > 0:
@@ -248,13 +242,11 @@ def _decide(statement: Statement, limit: float, writing: Connection) -> None:
 
 def _hinted(statement: Statement, verdict: StatementVerdict, seconds: float) -> StatementVerdict:
     """The verdict with a hint if one is found; whatever fails in the search, the verdict stays."""
-    signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
-        return with_hint(statement, verdict, seconds)
+        with time_limit(seconds, passing=True):
+            return with_hint(statement, verdict, seconds)
     except (OutOfTime, Exception):
         return verdict
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def _doing(trace: TracebackType | None) -> str:
@@ -264,14 +256,6 @@ def _doing(trace: TracebackType | None) -> str:
         found = STAGES.get(trace.tb_frame.f_code.co_name, found)
         trace = trace.tb_next
     return f", {found}" if found else ""
-
-
-def _limit_memory() -> None:
-    import resource  # where there is fork
-
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    most = pages * resource.getpagesize() + MEMORY
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 # what is printed and written
