@@ -92,19 +92,14 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
         missing = "no --solution" if texts[0] else "no --equation"
         got = f"{names[0]} as well" if names else missing
         raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
-    for wrong, option in (
-        (len(files) < len(names), "FILE.toml"),
-        (files and options["parameters"], "--parameters"),
-        (files and options["domain"], "--domain"),
-        (options["json_wanted"] and options["latex"], "--json"),
-        (options["certificate"] and written, "--certificate"),
+    for wrong, option, other in (
+        (len(files) < len(names), "FILE.toml", "names of forms"),
+        (files and options["parameters"], "--parameters", "a FILE.toml"),
+        (files and options["domain"], "--domain", "a FILE.toml"),
+        (options["json_wanted"] and options["latex"], "--json", "--latex"),
+        (options["certificate"] and written, "--certificate", "--output"),
     ):
         if wrong:
-            other = {
-                "--json": "--latex",
-                "--certificate": "--output",
-                "FILE.toml": "names of forms",
-            }.get(option, "a FILE.toml")
             raise click.UsageError(f"{option} must not be given with {other}, got both")
     from verify.cli.statements import Options, print_statement_verdicts
 
