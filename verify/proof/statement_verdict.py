@@ -191,7 +191,7 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
             reasons.append(" ".join(str(error).split()) or type(error).__name__)
             continue
         if verdict.outcome is not Outcome.UNDECIDED:
-            return _completed(statement, equation, verdict)
+            return verdict
         reasons.append(" ".join(verdict.detail.split()))
     reason = "; then: ".join(dict.fromkeys(reasons[:2]))
     return ProofVerdict(
@@ -201,6 +201,8 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -> ProofVerdict:
     """The verdict with the symbols that were gone before the proof: they are real as the others."""
+    if verdict.outcome is Outcome.UNDECIDED:
+        return verdict
     domains = _all_domains(statement, equation)
     if verdict.outcome is Outcome.PROVED:
         return replace(verdict, assumptions=(_reading(domains), *verdict.assumptions[1:]))
@@ -234,7 +236,8 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
         raise ValueError("equations with several unknowns or sites are decided by their residual")
     (unknown,) = unknowns
     formula = statement.solutions[unknown]
-    return prover.prove(equation, formula, name=statement.name, domains=statement.domains)
+    verdict = prover.prove(equation, formula, name=statement.name, domains=statement.domains)
+    return _completed(statement, equation, verdict)
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -269,11 +272,10 @@ def _as_equality(
     )
     parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
     verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
+    verdict = _completed(statement, equation, verdict)
     if verdict.outcome is Outcome.REFUTED:
-        whole = _completed(statement, equation, verdict)
-        _check_defined_at(whole.witness or {}, parts)
-        return whole
-    if verdict.outcome is Outcome.UNDECIDED:
+        _check_defined_at(verdict.witness or {}, parts)
+    if verdict.outcome is not Outcome.PROVED:
         return verdict
     for part in parts:
         defined = _equal(statement, part, part, "a formula = itself")
