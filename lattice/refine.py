@@ -32,6 +32,7 @@ Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
 Progress = Callable[[float], None]
+"""Called with the share of the work that is done, 0 .. 1."""
 
 SAFETY = 2.0
 """Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""

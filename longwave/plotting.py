@@ -17,7 +17,7 @@ from matplotlib.figure import Figure, FigureBase
 
 from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
-from lattice.refine import Announce
+from lattice.refine import Announce, Progress
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -35,7 +35,7 @@ from reports.figures.drawing import (
 from reports.figures.paper_figures import snapshots
 from verify.cli.run import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.recording import Progress, UnfinishedRun
+from verify.comparison.recording import UnfinishedRun
 from verify.comparison.saved_run import scene_of
 from verify.comparison.scene_catalogue import find_scene
 

@@ -16,6 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
+Sites = NDArray[np.float64]
+
 TEXT_WIDTH = 6.5
 """Width of the report's text, in inches; figures are drawn at the size at which they are set."""
 
@@ -79,8 +81,6 @@ def save(figure: Figure, path: Path) -> Path:
 
 PANEL_HEIGHT = 1.55
 """Height of one row of panels, in inches."""
-
-Sites = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -159,10 +159,6 @@ def _versions() -> str:
     return ", ".join(f"{package} {version(package)}" for package in PACKAGES)
 
 
-Progress = Callable[[float], None]
-"""Called with the share of the work that is done, 0 .. 1."""
-
-
 LONG = 10.0
 """Seconds from which work is announced."""
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from lattice.refine import Progress
 from lattice.state import State
 from solutions import ClosedForm
-from verify.comparison.recording import Progress
 from verify.comparison.scene import Scene
 from verify.comparison.stated_run import run_from
 

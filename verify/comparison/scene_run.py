@@ -6,9 +6,9 @@ spectral engine refuses, though it was not named, is run site by site.
 
 import xarray as xr
 
-from lattice.refine import Announce
+from lattice.refine import Announce, Progress
 from verify.comparison.checks import shown
-from verify.comparison.recording import Announcer, Progress, UnfinishedRun
+from verify.comparison.recording import Announcer, UnfinishedRun
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import run_from, stated_seconds

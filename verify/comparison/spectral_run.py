@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from lattice.refine import Announce, StoppedSearch, TooDearError
+from lattice.refine import Announce, Progress, StoppedSearch, TooDearError
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.state import BlowUp, empty_state, find_blow_up
@@ -21,7 +21,6 @@ from verify.comparison.moving_wave import MovingWave
 from verify.comparison.recording import (
     LONG,
     Observer,
-    Progress,
     Recorder,
     build_dataset,
     build_recorders,

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from lattice.refine import Progress
 from lattice.schemes.scheme import check_step
 from lattice.state import State
 from lattice.stepper import Domain, Stepper
@@ -20,7 +21,6 @@ from verify.comparison.observables import observable_named
 from verify.comparison.recording import (
     Moments,
     Observer,
-    Progress,
     Recorder,
     UnfinishedRun,
     Variables,

@@ -14,6 +14,7 @@ from lattice.refine import (
     Announce,
     Engine,
     Kind,
+    Progress,
     StoppedSearch,
     lawful_step,
     refine,
@@ -25,7 +26,7 @@ from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_e
 from verify.comparison.domain import creeping, least_ring, least_window, seam_room, window_moves
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import observable_named
-from verify.comparison.recording import Progress, UnfinishedRun, moments_of, unfinished
+from verify.comparison.recording import UnfinishedRun, moments_of, unfinished
 from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
 from verify.comparison.wave_bounds import WaveBounds, find_bounds

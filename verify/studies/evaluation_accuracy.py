@@ -25,6 +25,8 @@ from derive import NormalForm, mkdv_normal_form
 from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 from verify.processes import Job, Key
 
+Array = NDArray[np.float64]
+
 _SOLITONS = {
     "breather p q X_0": "1e-8 1 1/3; 1/2 2 1/3; 2 2 0; 2 1/2 0; 1/2 1e-8 1/3; 3 40 0",
     "double_pole A X_0": "1e-8 1/3; 1 1/3; 2 0; 40 0",
@@ -231,8 +233,6 @@ def _short(value: sp.Expr) -> str:
         return f"1 - {float(near):.3g}"
     return f"{float(value):.4g}"
 
-
-Array = NDArray[np.float64]
 
 PROMISED_ERROR = 1e-13
 """The promised bound on every error."""

@@ -11,8 +11,8 @@ from typing import Any
 
 import xarray as xr
 
+from lattice.refine import Progress
 from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
-from verify.comparison.recording import Progress
 from verify.comparison.saved_run import scene_of
 from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
 from verify.comparison.wave_bounds import find_bounds

@@ -29,6 +29,7 @@ from solutions import Wave, closed_form
 from verify.comparison.hill import multiplication
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 MODES = 24
 """Highest Fourier mode of the profile."""
@@ -131,9 +132,6 @@ def _linearised(
     slopes = squared_speed * np.eye(MODES) - symbol[:, None] * coupling
     slopes[:, 0] = modes[1:]
     return squared_speed * modes[1:] - symbol * force[j], slopes
-
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
