@@ -11,6 +11,24 @@ from sympy import Expr, S
 from derive.algebra.jets import DifferentialPolynomial, Monomial
 from derive.output.notation import Displayed, Notation, latex_of, terms, text_of
 
+KINDS = {
+    frozenset(terms.split(", ")): name
+    for terms, name in {
+        "Y Y_X, Y_XXX": "KdV",
+        "Y^2 Y_X, Y_XXX": "mKdV",
+        "Y^2 Y_X, Y Y_X, Y_XXX": "Gardner",
+        "Y Y_X, Y_5X": "fifth-order KdV",
+        "Y^2 Y_X, Y_5X": "fifth-order mKdV",
+        "Y Y_X, Y_XXX, Y_5X": "Kawahara",
+        "Y^2 Y_X, Y_XXX, Y_5X": "modified Kawahara",
+        "Y_XXX": "linear",
+        "Y_5X": "linear",
+        "Y Y_X": "Hopf, without dispersion",
+        "Y^2 Y_X": "modified Hopf, without dispersion",
+    }.items()
+}
+"""Equations by their terms besides Y_T; a term in Y_X alone only shifts the speed."""
+
 
 @dataclass(frozen=True, repr=False)
 class OrderEquation(Displayed):
@@ -62,10 +80,14 @@ class Condition(Displayed):
 
 @dataclass(frozen=True, repr=False)
 class EvolutionEquation(Displayed):
-    """The reduced equation ``Y_T = flow``; coefficients are those of ``Y_T - flow = 0``."""
+    """The reduced equation ``Y_T = flow``; coefficients are those of ``Y_T - flow = 0``.
+
+    With a ``transverse`` part B it is ``(Y_T - flow)_X + B = 0``.
+    """
 
     flow: DifferentialPolynomial
     notation: Notation
+    transverse: DifferentialPolynomial
 
     @property
     def polynomial(self) -> DifferentialPolynomial:
@@ -95,6 +117,26 @@ class EvolutionEquation(Displayed):
         return set(self.flow.terms) == {(Y, Y, Y_X), (Y_XXX,)}
 
     @property
+    def kind(self) -> str:
+        """The name of the equation, by its terms: "KdV", "modified Kawahara", "KP-II".
+
+        Where no sign is known by the symbols' assumptions a KP equation is "KP-I or KP-II".
+        """
+        names = {self.notation.monomial_text(monomial) for monomial in self.flow.terms}
+        if not self.transverse:
+            found = {n for n in names if n != "Y_X"}
+            return KINDS.get(frozenset(found), "unnamed")
+        [(monomial, across)] = self.transverse.terms.items()
+        if names - {"Y_XXX"} not in ({"Y Y_X"}, {"Y^2 Y_X"}) or sum(monomial[0]) != 2:
+            return "unnamed"
+        name = "KP" if "Y Y_X" in names else "generalised KP"
+        product = (across.as_expr() * self.dispersive_coefficient).factor()
+        if product.is_zero:
+            return f"{name} without dispersion"
+        sign = {True: "II", False: "I"}.get(product.is_positive)
+        return f"{name}-{sign}" if sign else f"{name}-I or {name}-II"
+
+    @property
     def nonlinear_coefficient(self) -> Expr:
         """The coefficient of the nonlinear term (of Y^2 Y_X for mKdV)."""
         return self.polynomial.coefficient(*self.nonlinear_monomial).as_expr()
@@ -107,11 +149,24 @@ class EvolutionEquation(Displayed):
 
     def text(self) -> str:
         """The equation in plain text."""
-        return f"{self.notation.text(self.polynomial)} = 0"
+        along = self.notation.text(self.polynomial)
+        if self.transverse:
+            along = (
+                f"({along})_{self.notation.axes[0]}{_signed(self.notation.text(self.transverse))}"
+            )
+        return f"{along} = 0"
 
     def latex(self) -> str:
         """The equation in LaTeX, without delimiters."""
-        return f"{self.notation.latex(self.polynomial)} = 0"
+        along = self.notation.latex(self.polynomial)
+        if self.transverse:
+            outer = rf"\left({along}\right)_{{{self.notation.axes[0]}}}"
+            along = f"{outer}{_signed(self.notation.latex(self.transverse))}"
+        return f"{along} = 0"
+
+
+def _signed(term: str) -> str:
+    return f" - {term[1:]}" if term.startswith("-") else f" + {term}"
 
 
 @dataclass(frozen=True)

@@ -3,22 +3,32 @@
 Shifts are exponentials, ``f_{n+s} = exp(s . sum eps^a d_X) f``, and time derivatives follow the
 chain rule, ``d/dt = -sum speed eps^a d_X + eps^q d_T``.  The force is evaluated by Horner's rule
 on the stretch of the bond, so that differences cancel before they are multiplied.
+
+The fields of a cell move together in a long wave, ``f_j = eps^p (e_j W + G_j)``: e is the null
+vector of the forces at wavenumber zero.  All rows of the equations of motion but one are solved for
+the slaved parts G order by order; the rows weighted with the left null vector leave one equation
+for W.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-from sympy import QQ, Expr
-from sympy.polys.fields import FracField
+from sympy import QQ, Expr, S
+from sympy.polys.fields import FracElement, FracField
+from sympy.polys.matrices import DomainMatrix
 from sympy.polys.orderings import lex
 
 from derive.algebra.exact_numbers import instance
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.series import EpsSeries, Operator
-from derive.lattice import Bond, Cell, Lattice, Stencil
+from derive.lattice import Bond, Cell, Lattice
 from derive.scaling import Scaling
 from derive.symbols import check_constants, powers_of_eps
+
+Column = tuple[FracElement, ...]
 
 
 def coefficient_field(lattice: Lattice, scaling: Scaling) -> FracField:
@@ -52,38 +62,129 @@ class Expansion:
             (axis, v.exponent, sum(d * s for d, s in zip(v.direction, cell, strict=True)))
             for axis, v in enumerate(self.scaling.space)
         )
-        return tuple((axis, power, self.field(step)) for axis, power, step in steps if step)
+        return tuple(
+            (axis, power, self.field.from_expr(step)) for axis, power, step in steps if step
+        )
+
+    @cached_property
+    def together(self) -> tuple[Column, Column]:
+        """The null vectors of the forces at wavenumber zero, right and left: e and l.
+
+        The first entry of each that is not 0 is 1.  Raises ValueError unless there is one of each.
+        """
+        matrix = self._uniform_forces()
+        found = (matrix.nullspace().to_list(), matrix.transpose().nullspace().to_list())
+        if any(len(vectors) != 1 for vectors in found):
+            many = len(found[0]) > 1
+            raise ValueError(
+                f"lattice must have one wave of vanishing frequency, got {len(found[0])} "
+                + ("(its fields move apart at no cost)" if many else "(its sites are held: pinned)")
+            )
+        right, left = (_normalised(vectors[0]) for vectors in found)
+        return right, left
+
+    @property
+    def is_displacement(self) -> bool:
+        """Whether no bond feels all fields moved together: the wave enters by its derivatives."""
+        moved = self.together[0]
+        return not any(
+            sum((entry.weight * moved[entry.field] for entry in bond.stretch), self.field.zero)
+            for bond in self.lattice.bonds
+        )
 
     def ansatz(self) -> EpsSeries:
-        """``background + eps^amplitude Y``."""
-        jet = (0,) * len(self.scaling.axes)
-        wave = DifferentialPolynomial.monomial(self.field, (jet,))
-        one = DifferentialPolynomial.monomial(self.field, ())
+        """``background + eps^amplitude W``."""
         mean = (
-            (power + further, self.field.from_expr(part) * one)
+            (power + further, self.field.from_expr(part) * self._one)
             for power, value in self.scaling.background
             for further, part in powers_of_eps(value).items()
         )
-        return EpsSeries.collect(self.field, self.limit, [(self.scaling.amplitude, wave), *mean])
+        wave = (self.scaling.amplitude, self._wave)
+        return EpsSeries.collect(self.field, self.limit, [wave, *mean])
 
     def velocity(self) -> EpsSeries:
         """d/dt of the ansatz."""
         return self.ansatz().apply(self.time_derivative)
 
-    def residual(self) -> EpsSeries:
-        """``mass y'' - forces`` under the ansatz; the lattice is solved where it vanishes."""
-        acceleration = self.velocity().apply(self.time_derivative)
-        total = self._number(self.lattice.masses[0]) * acceleration
+    def slaved(self) -> tuple[EpsSeries, ...]:
+        """The parts G of the fields that follow the wave, with their power of eps."""
+        right, left = self.together
+        count = len(right)
+        parts = [EpsSeries(self.field, self.limit, {})] * count
+        if count == 1:
+            return tuple(parts)
+        column = next(j for j, value in enumerate(right) if value)
+        row = next(i for i, value in enumerate(left) if value)
+        rows, columns = ([i for i in range(count) if i != out] for out in (row, column))
+        inverse = self._uniform_forces().extract(rows, columns).inv().to_list()
+        for order in range(self.scaling.amplitude + 1, self.limit + 1):
+            short = replace(self, limit=order)
+            known = short.residuals(tuple(parts))
+            nothing = DifferentialPolynomial.zero(self.field)
+            rest = [known[i].parts.get(order, nothing) for i in rows]
+            for weights, j in zip(inverse, columns, strict=True):
+                terms = (w * part for w, part in zip(weights, rest, strict=True) if w and part)
+                found = [(order, sum(terms, nothing)), *parts[j].parts.items()]
+                parts[j] = EpsSeries.collect(self.field, self.limit, found)
+        return tuple(parts)
+
+    def residuals(self, slaved: tuple[EpsSeries, ...]) -> tuple[EpsSeries, ...]:
+        """``mass f'' - forces`` of each field, with these slaved parts."""
+        fields = [
+            EpsSeries.collect(
+                self.field,
+                self.limit,
+                [*((value * self.ansatz()).parts.items() if value else ()), *part.parts.items()],
+            )
+            for value, part in zip(self.together[0], slaved, strict=True)
+        ]
+        rows = [
+            self._number(mass) * field.apply(self.time_derivative).apply(self.time_derivative)
+            for mass, field in zip(self.lattice.masses, fields, strict=True)
+        ]
         for bond in self.lattice.bonds:
-            force = self._force(bond, self._combined(bond.stretch, self.ansatz()))
-            total = total + self.field(-1) * self._combined(bond.action, force)
+            force = self._force(bond, self._stretch(bond, fields))
+            for entry in bond.action:
+                pull = self.field(-entry.weight) * force.exponential(self.shift(entry.shift))
+                rows[entry.field] = rows[entry.field] + pull
+        return tuple(rows)
+
+    def residual(self, slaved: tuple[EpsSeries, ...] | None = None) -> EpsSeries:
+        """The rows weighted with the left null vector; the lattice is solved where it vanishes."""
+        total = EpsSeries(self.field, self.limit, {})
+        rows = self.residuals(self.slaved() if slaved is None else slaved)
+        for weight, row in zip(self.together[1], rows, strict=True):
+            total = total + weight * row if weight else total
         return total
 
-    def _combined(self, stencils: tuple[Stencil, ...], series: EpsSeries) -> EpsSeries:
+    @property
+    def _one(self) -> DifferentialPolynomial:
+        return DifferentialPolynomial.monomial(self.field, ())
+
+    @property
+    def _wave(self) -> DifferentialPolynomial:
+        return DifferentialPolynomial.monomial(self.field, ((0,) * len(self.scaling.axes),))
+
+    def _uniform_forces(self) -> DomainMatrix:
+        """The linear forces about the mean at wavenumber zero: row = field that feels them."""
+        mean = sum(
+            (powers_of_eps(b).get(0, 0) for p, b in self.scaling.background if p == 0), S.Zero
+        )
+        count = len(self.lattice.fields)
+        total = [[self.field.zero] * count for _ in range(count)]
+        for bond in self.lattice.bonds:
+            about = sum(entry.weight for entry in bond.stretch) * mean
+            slope = self.field.from_expr(powers_of_eps(bond.stiffness(about)).get(0, S.Zero))
+            for end in bond.action:
+                for part in bond.stretch:
+                    total[end.field][part.field] += end.weight * part.weight * slope
+        return DomainMatrix(total, (count, count), self.field.to_domain())
+
+    def _stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
         total = EpsSeries(self.field, self.limit, {})
-        for entry in stencils:
-            shifted = series.exponential(self.shift(entry.shift))
-            total = total + self.field(entry.weight) * shifted
+        for entry in bond.stretch:
+            moved = fields[entry.field].exponential(self.shift(entry.shift))
+            total = total + self.field(entry.weight) * moved
         return total
 
     def _force(self, bond: Bond, stretch: EpsSeries) -> EpsSeries:
@@ -94,24 +195,31 @@ class Expansion:
 
     def _number(self, value: Expr) -> EpsSeries:
         """A constant, which may be a polynomial in eps, as a series."""
-        one = DifferentialPolynomial.monomial(self.field, ())
         parts = powers_of_eps(value).items()
         return EpsSeries.collect(
-            self.field, self.limit, ((p, self.field.from_expr(part) * one) for p, part in parts)
+            self.field,
+            self.limit,
+            ((p, self.field.from_expr(part) * self._one) for p, part in parts),
         )
 
 
-def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
-    """The expansion of a one-field lattice up to ``eps^limit``.
+def _normalised(vector: Sequence[FracElement]) -> Column:
+    """The vector with 1 as its first entry that is not 0."""
+    first = next(value for value in vector if value)
+    return tuple(value / first for value in vector)
 
-    Raises ValueError for a lattice with several fields, and for a scaling that does not fit it.
+
+def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
+    """The expansion of a lattice up to ``eps^limit``, forces that are no polynomials expanded.
+
+    Raises ValueError for a scaling that does not fit the lattice.
     """
     instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
     instance("scaling", scaling, Scaling, "Scaling() is the paper's")
-    if len(lattice.fields) != 1:
+    if len(lattice.fields) > 1 and scaling.background:
         raise ValueError(
-            f"lattice must have one field, got {len(lattice.fields)} "
-            "(the expansion does not slave fields to one another)"
+            f"background must be left out with several fields, got {len(lattice.fields)} fields "
+            "(put the static stretch of each bond into its force)"
         )
     for variable in scaling.space:
         if len(variable.direction) != lattice.dimension:
@@ -124,4 +232,19 @@ def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:
             f"speed must be no constant of {lattice.name}, got {scaling.speed} (the reduction "
             "finds it: take another symbol)"
         )
+    if not lattice.is_polynomial:
+        lattice = _polynomial(lattice, scaling, limit)
     return Expansion(lattice, scaling, limit, coefficient_field(lattice, scaling))
+
+
+def _polynomial(lattice: Lattice, scaling: Scaling, limit: int) -> Lattice:
+    """The lattice with its forces expanded as far as ``eps^limit`` needs them."""
+    smallest = min(scaling.amplitude, *(power for power, _ in scaling.background), limit)
+    if all(sum(entry.weight for entry in bond.stretch) == 0 for bond in lattice.bonds):
+        smallest = scaling.amplitude + scaling.space[0].exponent
+    if smallest < 1:
+        raise ValueError(
+            f"force must be a polynomial where the stretch is of order one, got amplitude "
+            f"{scaling.amplitude} (take a larger amplitude exponent)"
+        )
+    return lattice.expanded(max(limit // smallest, 1))

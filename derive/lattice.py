@@ -1,12 +1,12 @@
-"""A lattice as data: fields, masses and bonds with polynomial forces."""
+"""A lattice as data: fields, masses, and bonds and on-site forces of any smooth law."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from sympy import Expr, Poly, Symbol
+from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
 from derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
 from derive.output.notation import (
@@ -21,6 +21,8 @@ from derive.output.notation import (
 from derive.symbols import check_constants, eps, rational_function, x
 
 Cell = tuple[int, ...]
+
+SINGULAR = (nan, oo, -oo, zoo)
 
 MOST_CELLS = 10**6
 """Bound on shifts and weights."""
@@ -48,9 +50,10 @@ class Bond:
 
     The bond of cell n is stretched by ``x = sum weight f_{n+shift}`` over ``stretch``; field f
     then feels ``sum weight force(x_{n+shift})`` over those entries of ``action`` that name it.
-    ``force`` is a polynomial in the symbol ``derive.symbols.x``; its coefficients are exact
+    ``force`` is a polynomial in the symbol ``derive.symbols.x``, whose coefficients are exact
     rational functions of symbols, and polynomials in ``derive.symbols.eps`` where a constant is
-    small.  Raises ValueError for anything else.
+    small; or any other function of x that is smooth about x = 0, such as ``exp(b*x)`` or
+    ``-(d - x)**Rational(3, 2)``.  Raises ValueError for anything else.
     """
 
     stretch: tuple[Stencil, ...]
@@ -61,27 +64,78 @@ class Bond:
         for name in ("stretch", "action"):
             entries = tuple_of(name, getattr(self, name), Stencil, "(Stencil((0,)),) is the cell")
             object.__setattr__(self, name, entries)
-        if not isinstance(self.force, Expr) or not self.force.is_polynomial(x):
+        if not isinstance(self.force, Expr):
             raise ValueError(
-                f"force must be a polynomial in derive.symbols.x, got {shown(self.force)} "
-                "(expand the force law about zero stretch)"
+                f"force must be an expression in derive.symbols.x, got {shown(self.force)} "
+                "(such as K2*x + K4*x**3)"
             )
         exact("force", self.force)
-        for coefficient in self.coefficients():
-            rational_function("force", coefficient)
+        if self.is_polynomial:
+            for coefficient in self.coefficients():
+                rational_function("force", coefficient)
+            return
+        if self.force.has(eps):
+            raise ValueError(
+                f"force must be a polynomial in derive.symbols.x where it depends on eps, got "
+                f"{shown(self.force)} (expand the force law about zero stretch)"
+            )
+        for value in (self.taylor(0), self.taylor(1)):
+            if value.has(*SINGULAR) or value.is_real is False:
+                raise ValueError(
+                    f"force must be real and smooth about zero stretch, got {shown(self.force)} "
+                    "(put the precompression into x: -(d - x)**Rational(3, 2) with d positive)"
+                )
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the force is a polynomial in the stretch."""
+        return bool(self.force.is_polynomial(x))
 
     def coefficients(self) -> tuple[Expr, ...]:
-        """The force's coefficients, highest power first, as Horner's rule wants them."""
+        """A polynomial force's coefficients, highest power first, as Horner's rule wants them."""
         return tuple(Poly(self.force, x).all_coeffs())
+
+    def taylor(self, power: int) -> Expr:
+        """The factor of ``x**power`` in the force about zero stretch."""
+        return simplify(self.force.diff(x, power).subs(x, 0) / factorial(power))
 
     def stiffness(self, stretch: Expr) -> Expr:
         """The force's slope at a uniform ``stretch``: its linearisation."""
         return self.force.diff(x).subs(x, stretch)
 
 
+def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
+    """The bond between two displacements, each given by its cell and its field.
+
+    It is stretched by the end's displacement less the start's, and pulls at both.
+
+    >>> from derive.symbols import K2
+    >>> chain = Lattice("chain", "chain", ("u",), (1,), (spring(K2*x, ((0,), 0), ((1,), 0)),))
+    >>> chain.equations()[0]
+    "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
+    """
+    (here, first), (there, second) = start, end
+    return Bond(
+        stretch=(Stencil(there, 1, second), Stencil(here, -1, first)),
+        force=force,
+        action=(
+            Stencil(tuple(-step for step in here), 1, first),
+            Stencil(tuple(-step for step in there), -1, second),
+        ),
+    )
+
+
+def on_site(force: Expr, field: int = 0, axes: int = 1) -> Bond:
+    """The force ``-force(f_n)`` that ties a field to its site; ``force`` in the symbol x."""
+    here = (0,) * axes
+    return Bond((Stencil(here, 1, field),), force, (Stencil(here, -1, field),))
+
+
 @dataclass(frozen=True, repr=False)
 class Lattice(Displayed):
     """Equations of motion ``mass f'' = sum of bond forces``, one for each field.
+
+    ``definitions`` are symbols that stand for expressions in the lattice's other constants.
 
     >>> from derive import LATTICES
     >>> LATTICES["fput_strain"].constants
@@ -93,6 +147,7 @@ class Lattice(Displayed):
     fields: tuple[str, ...]
     masses: tuple[Expr, ...]
     bonds: tuple[Bond, ...]
+    definitions: tuple[tuple[Symbol, Expr], ...] = ()
 
     @property
     def constants(self) -> tuple[Symbol, ...]:
@@ -101,6 +156,37 @@ class Lattice(Displayed):
         for expression in (*self.masses, *(bond.force for bond in self.bonds)):
             found |= expression.free_symbols
         return tuple(sorted(found - {x, eps}, key=str))
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether all forces are polynomials in the stretch."""
+        return all(bond.is_polynomial for bond in self.bonds)
+
+    def expanded(self, degree: int) -> Lattice:
+        """The lattice with each force as a polynomial of that degree about zero stretch.
+
+        Coefficients that are no rational functions get a symbol, F2 for that of x^2 (F2b for that
+        of the second bond), and their expression is in ``definitions``.
+
+        >>> from sympy import Symbol, sin, sqrt
+        >>> stiffness = Symbol("g", positive=True)
+        >>> sine = Lattice("sine", "sine", ("u",), (1,), (on_site(sqrt(stiffness)*sin(x)),))
+        >>> sine.expanded(3).equations()[1], sine.expanded(3).definitions
+        ('F(x) = F1 x + F3 x^3', ((F1, sqrt(g)), (F3, -sqrt(g)/6)))
+        """
+        definitions = dict(self.definitions)
+        bonds = []
+        for letter, bond in zip("abcdefghijklmnopqrstuvwxyz", self.bonds, strict=False):
+            force: Expr = S.Zero
+            for power in () if bond.is_polynomial else range(degree + 1):
+                value = bond.taylor(power)
+                if not _is_rational(value):
+                    name = f"F{power}{'' if letter == 'a' else letter}"
+                    symbol = Symbol(name, real=True, positive=value.is_positive or None)
+                    definitions[symbol], value = value, symbol
+                force += value * x**power
+            bonds.append(bond if bond.is_polynomial else replace(bond, force=force))
+        return replace(self, bonds=tuple(bonds), definitions=tuple(definitions.items()))
 
     @property
     def dimension(self) -> int:
@@ -121,10 +207,10 @@ class Lattice(Displayed):
                 f"masses must be as many as the fields, {len(fields)}, got {len(masses)} "
                 "(a mass for each field)"
             )
-        for field in fields:
-            if not re.fullmatch(r"[A-Za-z]+", field) or fields.count(field) > 1:
+        for name in fields:
+            if not re.fullmatch(r"[A-Za-z]+", name) or fields.count(name) > 1:
                 raise ValueError(
-                    f"fields must have names of letters, each its own, got {shown(field)} "
+                    f"fields must have names of letters, each its own, got {shown(name)} "
                     "(such as 'y', 'z')"
                 )
         for mass in self.masses:
@@ -159,6 +245,14 @@ class Lattice(Displayed):
         return r",\quad ".join(self.equations(latex_of))
 
 
+def _is_rational(value: Expr) -> bool:
+    try:
+        rational_function("force", value)
+    except ValueError:
+        return False
+    return True
+
+
 def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str) -> Iterator[str]:
     """Equations of motion and forces, constants as they are ``printed``."""
     many = len(lattice.bonds) > 1
@@ -175,6 +269,9 @@ def _equations(lattice: Lattice, printed: Printed, acceleration: str, label: str
         factor = "" if mass == 1 else f"{bracketed(mass, printed)} "
         yield f"{factor}{acceleration.format(f'{name}_{here}')} = {weighted_sum(forces)}"
     for force, bond in zip(labels, lattice.bonds, strict=True):
+        if not bond.is_polynomial:
+            yield f"{force}(x) = {printed(bond.force)}"
+            continue
         terms = enumerate(reversed(bond.coefficients()))
         yield f"{force}(x) = " + " + ".join(
             f"{bracketed(value, printed)} {power_of(x, power, printed)}".rstrip()

@@ -2,26 +2,34 @@
 
 The lowest order is the sound condition ``P(c) Y_XX = 0``.  Every order below the one with Y_XT
 must vanish by a condition on the constants.  The order with Y_XT is the reduced equation once
-integrated in X; the later orders, with time derivatives removed, give its corrections.  For the
-strain FPUT lattice these are the steps to the paper's eq. (8).
+integrated in X, but for a transverse term that stays outside of the X-derivative; the later orders,
+with time derivatives removed, give its corrections.  For the strain FPUT lattice these are the
+steps to the paper's eq. (8).  In a lattice of displacements the wave is W, and Y = W_X.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from sympy import Symbol
 from sympy.polys.fields import FracElement
 
-from derive.algebra.elimination import TimeElimination, solve_linear, vanishing_factor
-from derive.algebra.exact_numbers import integer
-from derive.algebra.jets import DifferentialPolynomial, Jet
+from derive.algebra.elimination import Elimination, TimeElimination, solve_linear, vanishing_factor
+from derive.algebra.exact_numbers import instance, integer
+from derive.algebra.jets import DifferentialPolynomial, Jet, raised
 from derive.algebra.series import EpsSeries
 from derive.equations import Condition, EvolutionEquation, OrderEquation
-from derive.expansion import expand
+from derive.expansion import Expansion, expand
 from derive.lattice import Lattice
 from derive.output.notation import Notation
 from derive.reduction import Reduction
 from derive.scaling import Scaling
 
-DEFAULT_ORDERS = 7
+FURTHER_ORDERS = 2
+"""Beyond the evolution equation, unless told: where the first correction usually is."""
+
+
+USUAL = "Scaling() is the paper's"
 
 
 class ReductionError(ValueError):
@@ -31,13 +39,19 @@ class ReductionError(ValueError):
 class _Solver:
     """Walks up the orders of ``residual``, applying each condition to all that follow."""
 
-    def __init__(self, residual: EpsSeries, lattice: Lattice, scaling: Scaling) -> None:
+    def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
+        scaling = expansion.scaling
         self.series = residual
-        self.constants = lattice.constants
-        self.notation = Notation(scaling.axes)
+        self.frame = scaling.frame_symbol
+        self.drifts = scaling.drifts
+        self.constants = (*scaling.drifts, *expansion.lattice.constants)
+        self.is_displacement = expansion.is_displacement
+        self.notation = Notation(scaling.axes, "W" if self.is_displacement else "Y")
         self.leading_order = scaling.leading_order
         self.lowest_order = scaling.amplitude + 2 * scaling.space[0].exponent
         self.conditions: list[Condition] = []
+        self.solved: list[Elimination] = []
+        self.factor = residual.field.one
         self.second = self._jet(2, 0)
         self.mixed = self._jet(1, 1)
 
@@ -48,40 +62,91 @@ class _Solver:
         """P(c) of the lowest order, eliminated from all orders on the way."""
         order, lowest = next(iter(self.series.parts.items()), (self.lowest_order, self._zero()))
         if set(lowest.terms) != {(self.second,)}:
-            raise self._refusal(order, "a multiple of Y_XX alone (try a larger amplitude exponent)")
+            wanted = f"a multiple of {self.notation.monomial_text((self.second,))} alone"
+            raise self._refusal(order, f"{wanted} (try a larger amplitude exponent)")
         polynomial = lowest.coefficient(self.second)
         self._eliminate(order, polynomial)
         return polynomial
 
     def solve_conditions(self) -> None:
-        """Turn every order below the evolution equation into a condition."""
+        """Turn every order below the evolution equation into conditions."""
         for order in [o for o in self.series.parts if o < self.leading_order]:
+            if order in self.series.parts:
+                self._solve_drifts(order)
             if order not in self.series.parts:
                 continue
             equation = OrderEquation(order, self.series.parts[order], self.notation)
             factor = vanishing_factor(equation.polynomial.terms.values())
             if factor is None:
-                raise self._refusal(order, "solvable by a condition on the constants")
-            self.conditions.append(Condition(order, factor.as_expr(), equation))
-            self._eliminate(order, factor)
+                needed = "solvable by a condition on the constants"
+                crossed = any(m[0][0] and any(m[0][1:-1]) for m in equation.polynomial.terms)
+                drift = " (let the transverse variable drift: give it a symbol for its speed)"
+                raise self._refusal(order, needed + (drift if crossed else ""))
+            self._require(order, factor, equation)
+
+    def _solve_drifts(self, order: int) -> None:
+        """Let the terms linear in W_X and a transverse derivative vanish by the drift's speed."""
+        part = self.series.parts[order]
+        for monomial, value in part.terms.items():
+            drifts = [s for s in self.drifts if value.diff(value.field.gens[self._place(s)])]
+            if len(monomial) == 1 and drifts:
+                crossed = DifferentialPolynomial(part.field, {monomial: value})
+                self._require(order, value, OrderEquation(order, crossed, self.notation))
+                return
+
+    def _place(self, symbol: Symbol) -> int:
+        return int(self.series.field.symbols.index(symbol))
+
+    def _require(self, order: int, vanishing: FracElement, equation: OrderEquation) -> None:
+        self.conditions.append(Condition(order, vanishing.numer.as_expr(), equation))
+        self._eliminate(order, vanishing)
 
     def _eliminate(self, order: int, vanishing: FracElement) -> None:
-        solved = solve_linear(vanishing, self.constants)
+        solved = solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
             raise self._refusal(
                 order,
                 "linear in one of the lattice's constants (write a symbol for a number or a power, "
                 "and give its value to coefficients)",
             )
-        self.series = solved.series(self.series)
+        self.solved.append(solved)
+        self.series = self.conditioned(self.series)
 
-    def leading(self) -> FracElement:
-        """The coefficient of Y_XT, the only time derivative allowed at its order."""
+    def conditioned(self, series: EpsSeries) -> EpsSeries:
+        """A series with the constants eliminated that the conditions fix."""
+        squares = [elimination for elimination in self.solved if elimination.power > 1]
+        for elimination in (*self.solved, *squares):
+            series = elimination.series(series)
+        return series
+
+    def flow(self) -> tuple[DifferentialPolynomial, DifferentialPolynomial]:
+        """F and B of the evolution equation ``(W_T - F)_X + B = 0``; B is linear, without X."""
         part = self.series.parts.get(self.leading_order)
         timed = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
+        wanted = self.notation.monomial_text((self.mixed,))
         if timed != [(self.mixed,)] or part is None:
-            raise self._refusal(self.leading_order, "linear in Y_XT")
-        return part.coefficient(self.mixed)
+            raise self._refusal(self.leading_order, f"linear in {wanted}")
+        self.factor = part.coefficient(self.mixed)
+        rest = (1 / self.factor) * part.select(lambda monomial: monomial != (self.mixed,))
+        across = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
+        flow = (-(rest - across)).antiderivative()
+        if flow is None:
+            raise self._refusal(self.leading_order, "an X-derivative")
+        return flow, across
+
+    def strain(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
+        """A polynomial in W's jets, each with an X-derivative, in those of Y = W_X."""
+        if not self.is_displacement:
+            return polynomial
+        items = (
+            (tuple(sorted(raised(jet, 0, -1) for jet in monomial)), value)
+            for monomial, value in polynomial.terms.items()
+        )
+        return DifferentialPolynomial.collect(polynomial.field, items)
+
+    def strain_flow(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
+        """What a term of W_T is in Y_T."""
+        return self.strain(polynomial.derivative(0)) if self.is_displacement else polynomial
 
     def _zero(self) -> DifferentialPolynomial:
         return DifferentialPolynomial.zero(self.series.field)
@@ -93,89 +158,88 @@ class _Solver:
 
 
 def reduce(
-    lattice: Lattice, scaling: Scaling | None = None, orders: int = DEFAULT_ORDERS
+    lattice: Lattice, scaling: Scaling | None = None, orders: int | None = None
 ) -> Reduction:
-    """Reduce a one-field lattice under an ansatz, through order ``eps^orders``.
+    """Reduce a lattice under an ansatz, through order ``eps^orders``.
 
-    Raises ReductionError (a ValueError) when the ansatz does not lead to an evolution equation,
-    ValueError when ``orders`` stops below it.
+    Unless told, through the second order behind the reduced equation.  Raises ReductionError (a
+    ValueError) when the ansatz does not lead to an evolution equation, ValueError when ``orders``
+    stops below it.
 
     >>> from derive import LATTICES, reduce
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """
-    chosen = Scaling() if scaling is None else scaling
-    expansion = expand(lattice, chosen, orders)
-    if integer("orders", orders, 0, "the highest power of eps") < chosen.leading_order:
+    chosen = Scaling() if scaling is None else instance("scaling", scaling, Scaling, USUAL)
+    least = chosen.leading_order
+    highest = least + FURTHER_ORDERS if orders is None else orders
+    if integer("orders", highest, 0, "the highest power of eps") < least:
         raise ValueError(
-            f"orders must satisfy orders >= {chosen.leading_order}, got {orders} "
-            f"(the evolution equation appears at eps^{chosen.leading_order})"
+            f"orders must satisfy orders >= {least}, got {orders} "
+            f"(the evolution equation appears at eps^{least})"
         )
-    residual = expansion.residual()
-    solver = _Solver(residual, lattice, chosen)
+    expansion = expand(lattice, chosen, highest)
+    slaved = expansion.slaved()
+    residual = expansion.residual(slaved)
+    solver = _Solver(residual, expansion)
     sound = solver.sound_polynomial()
     solver.solve_conditions()
-    mixed = solver.leading()
-    flow = _leading_flow(solver, mixed)
-    corrections, obstruction = _corrections(solver, mixed, flow)
+    flow, across = solver.flow()
+    corrections, obstruction = ({}, None) if across else _corrections(solver, flow)
+    names = expansion.lattice.fields
     return Reduction(
-        lattice=lattice,
+        lattice=expansion.lattice,
         scaling=chosen,
-        highest_order=orders,
+        highest_order=highest,
         orders={
             order: OrderEquation(order, part, solver.notation)
             for order, part in residual.parts.items()
         },
         sound_polynomial=sound,
         conditions=tuple(solver.conditions),
-        pde=EvolutionEquation(flow, solver.notation),
-        remainders=_remainders(solver, flow),
+        pde=EvolutionEquation(
+            solver.strain_flow(flow),
+            replace(solver.notation, unknown="Y"),
+            solver.strain(across.derivative(0)) if solver.is_displacement else across,
+        ),
+        remainders={} if across else _remainders(solver, flow),
         corrections=corrections,
         obstruction=obstruction,
+        slaved={
+            name: (weight, solver.conditioned(part))
+            for name, weight, part in zip(names, expansion.together[0], slaved, strict=True)
+        },
     )
 
 
-def _leading_flow(solver: _Solver, mixed: FracElement) -> DifferentialPolynomial:
-    """F_0 in ``Y_T = F_0``: the evolution equation's order divided and integrated in X."""
-    part = solver.series.parts[solver.leading_order]
-    rest = part.select(lambda monomial: monomial != (solver.mixed,))
-    flow = ((-1 / mixed) * rest).antiderivative()
-    if flow is None:
-        found = OrderEquation(solver.leading_order, part, solver.notation).text()
-        raise ReductionError(
-            f"order eps^{solver.leading_order} must be an X-derivative, got {found}"
-        )
-    return flow
-
-
 def _on_solutions(solver: _Solver, flow: EpsSeries) -> EpsSeries:
-    """The lattice residual on solutions of ``Y_T = flow``."""
+    """The lattice residual on solutions of ``W_T = flow``."""
     return TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
 
 
 def _remainders(solver: _Solver, flow: DifferentialPolynomial) -> dict[int, DifferentialPolynomial]:
     """What is left of each order on exact solutions of the leading equation."""
     leading = EpsSeries(flow.field, solver.series.limit, {0: flow})
-    return dict(_on_solutions(solver, leading).parts)
+    parts = _on_solutions(solver, leading).parts
+    return {order: solver.strain(part) for order, part in parts.items()}
 
 
 def _corrections(
-    solver: _Solver, mixed: FracElement, flow: DifferentialPolynomial
+    solver: _Solver, flow: DifferentialPolynomial
 ) -> tuple[dict[int, DifferentialPolynomial], tuple[int, DifferentialPolynomial] | None]:
     """F_k of ``Y_T = sum eps^k F_k``, and the first order whose X-integral does not exist."""
     limit = solver.series.limit
     flows = {0: flow}
+    obstruction = None
     for power in range(1, limit - solver.leading_order + 1):
         series = _on_solutions(solver, EpsSeries(flow.field, limit, dict(flows)))
         rest = series.parts.get(solver.leading_order + power)
         if rest is None:
             continue
-        correction = ((-1 / mixed) * rest).antiderivative()
+        correction = ((-1 / solver.factor) * rest).antiderivative()
         if correction is None:
-            return _later(flows), (power, (-1 / mixed) * rest)
+            obstruction = (power, solver.strain((-1 / solver.factor) * rest))
+            break
         flows[power] = correction
-    return _later(flows), None
-
-
-def _later(flows: dict[int, DifferentialPolynomial]) -> dict[int, DifferentialPolynomial]:
-    return {power: flow for power, flow in flows.items() if power}
+    later = {power: solver.strain_flow(part) for power, part in flows.items() if power}
+    return later, obstruction

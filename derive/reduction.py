@@ -6,18 +6,18 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sympy import Eq, Expr, Symbol, expand, sqrt
+from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 from sympy.polys.fields import FracElement
 
 from derive.algebra.exact_numbers import Number, exact, shown
 from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.series import EpsSeries
 from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
 from derive.normal_form import NormalForm
 from derive.output.notation import Notation, latex_of, text_of
 from derive.output.report import latex_report, reduction_data, text_report
 from derive.scaling import Scaling
-from derive.symbols import powers_of_eps
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,7 +30,9 @@ class Reduction:
     the reduced equation.  ``remainders``: order -> what an exact solution of ``pde`` leaves in the
     lattice equation.  ``corrections``: power p -> F_p of ``Y_T = F_0 + sum eps^p F_p``.
     ``obstruction``: the first (power, polynomial) that is no X-derivative, where the one-way
-    reduction ends, or None if no such order was reached.  Constants that ``sound_condition`` and
+    reduction ends, or None if no such order was reached.  With a transverse term no corrections
+    and remainders are sought.  ``slaved``: field -> its share e of the wave and the series that is
+    added to ``eps^p e W``, in jets of the wave.  Constants that ``sound_condition`` and
     ``conditions`` fix are eliminated from ``pde`` and what follows it.
     """
 
@@ -44,6 +46,7 @@ class Reduction:
     remainders: Mapping[int, DifferentialPolynomial]
     corrections: Mapping[int, DifferentialPolynomial]
     obstruction: tuple[int, DifferentialPolynomial] | None
+    slaved: Mapping[str, tuple[FracElement, EpsSeries]]
 
     @property
     def notation(self) -> Notation:
@@ -53,10 +56,19 @@ class Reduction:
     @property
     def speed_squared(self) -> Expr:
         """c^2 in the lattice's constants, from the sound condition."""
-        polynomial, speed = self.sound_polynomial, self.scaling.speed
-        mass = powers_of_eps(self.lattice.masses[0])[0]
-        stiffness = polynomial.field.from_expr(mass * speed**2) - polynomial
-        return (stiffness.as_expr() / mass).expand()
+        polynomial = self.sound_polynomial.numer
+        speed = polynomial.ring.gens[polynomial.ring.symbols.index(self.scaling.frame_symbol)]
+        inertia = polynomial.diff(speed).diff(speed)
+        if inertia.degree(speed) > 0 or polynomial.diff(speed).coeff(1):
+            raise ValueError(
+                f"the sound condition must be linear in the square of the speed, got "
+                f"{text_of(polynomial.as_expr())} = 0 (solve it by hand)"
+            )
+        rest = polynomial - inertia * speed**2 / 2
+        field = self.sound_polynomial.field
+        value = field.new(-2 * rest) / field.new(inertia)
+        found = value.as_expr()
+        return found.expand() if len(value.denom) == 1 else factor(found)
 
     @property
     def sound_condition(self) -> Eq:
@@ -66,6 +78,11 @@ class Reduction:
     def _at(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
         """The values, and the frame's symbol as the positive root of c^2 there."""
         return {**values, self.scaling.frame_symbol: sqrt(self.speed_squared.xreplace(values))}
+
+    def _defined(self, values: Mapping[Symbol, Expr]) -> dict[Symbol, Expr]:
+        """The values, with those of the symbols that the lattice defines by other constants."""
+        definitions = self.lattice.definitions
+        return {**{symbol: value.xreplace(values) for symbol, value in definitions}, **values}
 
     def coefficients(self, **constants: Number) -> Coefficients:
         """Speed and coefficients in the lattice's constants, or at given values of them.
@@ -79,9 +96,10 @@ class Reduction:
         """
         at = self._at(self._checked(constants))
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
+        terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
-            (self.notation.monomial_text(monomial), monomial, (-value).as_expr().xreplace(at))
-            for monomial, value in flow
+            (self.notation.monomial_text(monomial), monomial, value.as_expr().xreplace(at))
+            for monomial, value in terms
         ]
         return Coefficients(
             self.scaling.speed.xreplace(at),
@@ -106,7 +124,10 @@ class Reduction:
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)
-        names = {str(constant): constant for constant in (*self.lattice.constants, *own)}
+        defined = dict(self.lattice.definitions)
+        basic = (s for value in defined.values() for s in value.free_symbols)
+        known = (*self.lattice.constants, *basic, *own)
+        names = {str(s): s for s in sorted({*known} - {*defined}, key=str)}
         for name in constants:
             if name not in names:
                 raise ValueError(
@@ -115,6 +136,7 @@ class Reduction:
                 )
         values = {names[name]: exact(name, value) for name, value in constants.items()}
         _check_assumptions(values)
+        values = self._defined(values)
         self._check_denominators(values)
         self._check_speed(values)
         for condition in self.conditions:
@@ -130,8 +152,8 @@ class Reduction:
     def _check_denominators(self, values: Mapping[Symbol, Expr]) -> None:
         """Refuse what makes the speed or a coefficient infinite; the speed itself is no zero."""
         elements = (self.sound_polynomial, *self.pde.flow.terms.values())
-        for factor in {f for element in elements for f, _ in element.denom.factor_list()[1]}:
-            below = factor.as_expr()
+        for part in {f for element in elements for f, _ in element.denom.factor_list()[1]}:
+            below = part.as_expr()
             if below.xreplace(values).is_zero:
                 raise ValueError(
                     f"constants must satisfy {text_of(below)} != 0, got 0 (the reduction divides "

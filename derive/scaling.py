@@ -22,11 +22,15 @@ from derive.symbols import c, check_constants, eps, rational_function
 
 @dataclass(frozen=True)
 class SlowVariable:
-    """``name = eps^exponent (direction . cell - speed t)``."""
+    """``name = eps^exponent (direction . cell - speed t)``.
+
+    The direction's entries are numbers or constants, one an axis of the lattice: (1,) is along a
+    chain, (C, S) across a square lattice.
+    """
 
     name: str
     exponent: int
-    direction: tuple[int, ...]
+    direction: tuple[Expr, ...]
     speed: Expr
 
     def __post_init__(self) -> None:
@@ -35,18 +39,18 @@ class SlowVariable:
         hint = "slow variables carry a positive power of eps"
         integer(f"exponent of {self.name}", self.exponent, 1, hint)
         along = f"direction of {self.name}"
-        direction = tuple_of(along, self.direction, object, "(1,) is along a chain")
+        steps = tuple_of(along, self.direction, object, "(1,) is along a chain")
+        direction = tuple(rational_function(along, step) for step in steps)
         object.__setattr__(self, "direction", direction)
-        for step in direction:
-            integer(along, step, -(10**6), "whole cells")
         if not any(direction):
             raise ValueError(f"{along} must not be all 0, got {direction} ((1,) is along a chain)")
         object.__setattr__(self, "speed", rational_function(f"speed of {self.name}", self.speed))
-        if self.speed.has(eps):
-            raise ValueError(
-                f"speed of {self.name} must not depend on eps, got {self.speed} (slower drifts are "
-                "terms of the reduced equation)"
-            )
+        for what, value in (("speed", self.speed), *(("direction", step) for step in direction)):
+            if value.has(eps):
+                raise ValueError(
+                    f"{what} of {self.name} must not depend on eps, got {value} (slower drifts are "
+                    "terms of the reduced equation)"
+                )
 
     def phase(self, printed: Printed = text_of) -> str:
         """What the variable is, apart from its power of eps.
@@ -54,7 +58,12 @@ class SlowVariable:
         >>> SlowVariable("X", 1, (-2,), -c).phase()
         '-2 n + c t'
         """
-        parts = [(step, axis) for step, axis in zip(self.direction, "nml", strict=False) if step]
+        parts: list[tuple[int, str]] = []
+        for step, axis in zip(self.direction, "nml", strict=False):
+            backwards = step.could_extract_minus_sign()
+            size = -step if backwards else step
+            name = axis if size == 1 else f"{bracketed(size, printed)} {axis}"
+            parts += [(-1 if backwards else 1, name)] if step else []
         if self.speed != 0:
             backwards = self.speed.could_extract_minus_sign()
             size = -self.speed if backwards else self.speed
@@ -68,7 +77,9 @@ class Scaling(Displayed):
 
     ``background`` lists (exponent, value) pairs, each adding ``eps^exponent value``.  The frame
     speed, that of the first slow variable, is a positive symbol, or minus one for waves to the
-    left.  Raises ValueError for what is no ansatz.  The default is the paper's: ``y = eps Y``,
+    left; speeds of further variables are numbers, or symbols for drifts that the reduction finds.
+    On a lattice of displacements ``eps^amplitude W`` is the displacement, and Y = W_X the strain of
+    a cell.  Raises ValueError for what is no ansatz.  The default is the paper's: ``y = eps Y``,
     ``X = eps (n - c t)``, ``T = eps^3 t`` (the paper's eq. (7)).
 
     >>> Scaling().leading_order
@@ -128,8 +139,14 @@ class Scaling(Displayed):
         return (*(variable.name for variable in self.space), "T")
 
     @property
+    def drifts(self) -> tuple[Symbol, ...]:
+        """The symbols that are the speeds of further slow variables."""
+        speeds = (variable.speed for variable in self.space[1:])
+        return tuple(speed for speed in speeds if isinstance(speed, Symbol))
+
+    @property
     def leading_order(self) -> int:
-        """The power of eps at which the mixed derivative Y_XT enters the lattice equation."""
+        """The power of eps at which the wave's mixed derivative in X and T enters."""
         return self.amplitude + self.space[0].exponent + self.time
 
     @property
@@ -141,7 +158,8 @@ class Scaling(Displayed):
     def constants(self) -> tuple[Symbol, ...]:
         """The symbols in speeds and background, by name; eps, which is no constant, apart."""
         found: set[Symbol] = set()
-        for expression in (*(v.speed for v in self.space), *(b for _, b in self.background)):
+        moving = (part for v in self.space for part in (v.speed, *v.direction))
+        for expression in (*moving, *(b for _, b in self.background)):
             found |= expression.free_symbols
         return tuple(sorted(found - {eps}, key=str))
 

@@ -19,14 +19,21 @@ from derive.algebra.series import EpsSeries
 
 @dataclass(frozen=True)
 class Elimination:
-    """``constant = value``, a consequence of a solvability condition."""
+    """``constant**power = value``, a consequence of a solvability condition."""
 
     constant: Symbol
     value: FracElement
+    power: int = 1
 
     def __call__(self, element: FracElement) -> FracElement:
-        """``element`` with the constant replaced."""
-        return self._replaced(element.numer) / self._replaced(element.denom)
+        """``element`` with the constant replaced; of a square the root stays above the line."""
+        above, below = element.numer, element.denom
+        place = below.ring.symbols.index(self.constant)
+        left = {monomial[place] % self.power for monomial in below}
+        if self.power > 1 and left == {1}:
+            root = below.ring.gens[place] ** (self.power - 1)
+            above, below = above * root, below * root
+        return self._replaced(above) / self._replaced(below)
 
     def polynomial(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
         """The differential polynomial with the constant replaced in its coefficients."""
@@ -42,36 +49,49 @@ class Elimination:
         position = field.symbols.index(self.constant)
         total = field.zero
         for exponents, number in ring_element.terms():
-            rest = (*exponents[:position], 0, *exponents[position + 1 :])
-            monomial = field.new(field.ring.term_new(rest, number))
-            power = exponents[position]
-            total += monomial * self.value**power if power else monomial
+            times, left = divmod(exponents[position], self.power)
+            kept = (*exponents[:position], left, *exponents[position + 1 :])
+            monomial = field.new(field.ring.term_new(kept, number))
+            total += monomial * self.value**times if times else monomial
         return total
 
 
-def solve_linear(condition: FracElement, constants: Sequence[Symbol]) -> Elimination | None:
+def solve_linear(
+    condition: FracElement, constants: Sequence[Symbol], squared: Symbol | None = None
+) -> Elimination | None:
     """Solve ``condition = 0`` for the first of ``constants`` that it is linear in.
 
-    Constants that enter with a pure number as their factor are preferred.  None if there is no
-    such constant.
+    Constants that enter with a pure number as their factor are preferred, behind them the square of
+    ``squared``.  None if there is nothing to solve for.
     """
-    candidates = []
-    for constant in constants:
-        solved = _solved(condition, constant)
-        if solved is not None:
-            candidates.append(solved)
-    candidates.sort(key=lambda item: item[0])
-    return candidates[0][1] if candidates else None
+    found = [_solved(condition, constant, 1) for constant in constants]
+    candidates = [elimination for elimination in found if elimination]
+    pure = [e for e in candidates if _is_number(condition.diff(_generator(condition, e.constant)))]
+    square = squared and _solved(condition, squared, 2)
+    return next(iter([*pure, *([square] if square else []), *candidates]), None)
 
 
-def _solved(condition: FracElement, constant: Symbol) -> tuple[bool, Elimination] | None:
-    field = condition.field
-    generator = field.ring.gens[field.symbols.index(constant)]
-    if condition.numer.degree(generator) != 1:
+def _generator(element: FracElement, constant: Symbol) -> FracElement:
+    return element.field.gens[element.field.symbols.index(constant)]
+
+
+def _is_number(element: FracElement) -> bool:
+    return bool(element.numer.is_ground and element.denom.is_ground)
+
+
+def _solved(condition: FracElement, constant: Symbol, power: int) -> Elimination | None:
+    """Solve for ``constant**power``, if the condition is linear in it and has no other power."""
+    field, place = condition.field, condition.field.symbols.index(constant)
+    powers = {exponents[place] for exponents in condition.numer}
+    if powers != {0, power} and powers != {1}:
         return None
-    slope = condition.numer.diff(generator)
-    rest = condition.numer - slope * generator
-    return not slope.is_ground, Elimination(constant, -field.new(rest) / field.new(slope))
+    rest = field.zero
+    slope = field.zero
+    for exponents, number in condition.numer.terms():
+        others = (*exponents[:place], 0, *exponents[place + 1 :])
+        term = field.new(field.ring.term_new(others, number))
+        slope, rest = (slope + term, rest) if exponents[place] else (slope, rest + term)
+    return Elimination(constant, -rest / slope, power)
 
 
 def vanishing_factor(coefficients: Iterable[FracElement]) -> FracElement | None:

@@ -1,23 +1,119 @@
 """The catalogue of lattices: adding one is one entry here, a line in ``LATTICES``."""
 
-from sympy import Integer
+from sympy import Expr, Integer, Rational, Symbol, exp
 
-from derive.lattice import Bond, Lattice, Stencil
+from derive.lattice import Bond, Lattice, Stencil, on_site, spring
 from derive.symbols import K2, K3, K4, x
+
+H2 = Symbol("H2", positive=True)
+H3, H4, L2, L3, L4 = (Symbol(name, real=True) for name in ("H3", "H4", "L2", "L3", "L4"))
+m1, m2, m3 = (Symbol(name, positive=True) for name in ("m1", "m2", "m3"))
+g1 = Symbol("g1", positive=True)
+g2, g3 = Symbol("g2", real=True), Symbol("g3", real=True)
+A, d, r, E = (Symbol(name, positive=True) for name in ("A", "d", "r", "E"))
+a, b = Symbol("a", positive=True), Symbol("b", positive=True)
+
+ONE = Integer(1)
+
+
+def cubic(*constants: Expr) -> Expr:
+    """The force ``K2 x + K3 x^2 + K4 x^3`` with these constants."""
+    return sum((value * x**power for power, value in enumerate(constants, 1)), Integer(0))
+
+
+FORCE, SECOND = cubic(K2, K3, K4), cubic(H2, H3, H4)
+
+NEAREST = Bond(
+    stretch=(Stencil((0,)),),
+    force=FORCE,
+    action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,))),
+)
+"""The springs between neighbours of a chain, in its strain."""
+
+NEXT_NEAREST = Bond(
+    stretch=(Stencil((0,)), Stencil((1,))),
+    force=cubic(L2, L3, L4),
+    action=(Stencil((1,)), Stencil((0,), -1), Stencil((-1,), -1), Stencil((-2,))),
+)
+"""The springs from each mass to the next but one, in the strain between neighbours."""
+
+
+def chain(name: str, title: str, force: Expr, *further: Bond, mass: Expr = ONE) -> Lattice:
+    """A chain of equal masses in their displacement, with further bonds or on-site forces."""
+    bonds = (spring(force, ((0,), 0), ((1,), 0)), *further)
+    return Lattice(name, title, ("u",), (mass,), bonds)
+
+
+def cell(name: str, title: str, masses: tuple[Expr, ...], forces: tuple[Expr, ...]) -> Lattice:
+    """A chain of cells of several masses in a row, each with its spring to the next one."""
+    count = len(masses)
+    places = [((0,), field) for field in range(count)] + [((1,), 0)]
+    bonds = tuple(spring(force, places[i], places[i + 1]) for i, force in enumerate(forces))
+    return Lattice(name, title, ("u", "v", "w")[:count], masses, bonds)
+
 
 FPUT_STRAIN = Lattice(
     name="fput_strain",
     title="FPUT lattice in the strain y_n = u_{n+1} - u_n",
     fields=("y",),
-    masses=(Integer(1),),
-    bonds=(
-        Bond(
-            stretch=(Stencil((0,)),),
-            force=K2 * x + K3 * x**2 + K4 * x**3,
-            action=(Stencil((1,)), Stencil((0,), -2), Stencil((-1,))),
-        ),
-    ),
+    masses=(ONE,),
+    bonds=(NEAREST,),
 )
 """The lattice of the paper's eqs. (2) and (3), in the strain: the paper's eq. (4)."""
 
-LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in (FPUT_STRAIN,)}
+_ALL = (
+    FPUT_STRAIN,
+    Lattice(
+        "next_nearest",
+        "FPUT lattice with springs between next-nearest neighbours, in the strain",
+        ("y",),
+        (ONE,),
+        (NEAREST, NEXT_NEAREST),
+    ),
+    chain("fput", "FPUT lattice in the displacement", FORCE),
+    chain("alpha_fput", "alpha-FPUT lattice in the displacement", cubic(K2, K3)),
+    chain("beta_fput", "beta-FPUT lattice in the displacement", cubic(K2, Integer(0), K4)),
+    cell("mass_dimer", "two masses in turn, equal springs", (m1, m2), (FORCE, FORCE)),
+    cell("dimer", "two masses and two springs in turn", (m1, m2), (FORCE, SECOND)),
+    cell("triatomic", "three masses in turn, equal springs", (m1, m2, m3), (FORCE,) * 3),
+    chain(
+        "klein_gordon",
+        "Klein-Gordon chain: linear springs, each site tied to its place",
+        cubic(K2),
+        on_site(cubic(g1, g2, g3)),
+    ),
+    Lattice(
+        "local_resonators",
+        "chain of local resonators: a mass in each mass",
+        ("u", "v"),
+        (m1, m2),
+        (
+            spring(FORCE, ((0,), 0), ((1,), 0)),
+            spring(SECOND, ((0,), 0), ((0,), 1)),
+        ),
+    ),
+    chain("toda", "Toda lattice in the displacement", a * (exp(b * x) - 1)),
+    chain(
+        "granular",
+        "granular chain under precompression d: Hertz contacts, no gaps",
+        -A * (d - x) ** Rational(3, 2),
+    ),
+    chain(
+        "lennard_jones",
+        "chain of atoms at the distance r of least energy -E",
+        12 * E / r * ((r / (r + x)) ** 7 - (r / (r + x)) ** 13),
+    ),
+    Lattice(
+        "square",
+        "square lattice, one displacement a site: springs K along n, H along m",
+        ("u",),
+        (ONE,),
+        (
+            spring(FORCE, ((0, 0), 0), ((1, 0), 0)),
+            spring(SECOND, ((0, 0), 0), ((0, 1), 0)),
+        ),
+    ),
+)
+
+LATTICES: dict[str, Lattice] = {lattice.name: lattice for lattice in _ALL}
+"""The lattices by name."""

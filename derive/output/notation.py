@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
-from sympy import Expr, Symbol
+from sympy import Expr, Symbol, factor
 from sympy.polys.fields import FracElement
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
@@ -41,8 +41,9 @@ class Term:
 
     @property
     def size(self) -> Expr:
-        """The coefficient without its sign."""
-        return (-self.coefficient if self.negative else self.coefficient).as_expr()
+        """The coefficient without its sign, in factors."""
+        element = -self.coefficient if self.negative else self.coefficient
+        return factor(element.as_expr())
 
 
 def terms(polynomial: DifferentialPolynomial) -> list[Term]:

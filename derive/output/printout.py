@@ -10,7 +10,7 @@ from derive.command_line import fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.models.lattices import FPUT_STRAIN
 from derive.models.mkdv import initial_velocity, initial_velocity_latex
-from derive.multiscale import DEFAULT_ORDERS, reduce
+from derive.multiscale import reduce
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 
@@ -29,9 +29,7 @@ def print_reduction(constants: Mapping[str, str | None], orders: str | None, for
         values: dict[str, Number] = {
             name: parse_rational(name, text) for name, text in constants.items() if text is not None
         }
-        reduction = reduce(
-            FPUT_STRAIN, orders=DEFAULT_ORDERS if orders is None else _orders(orders)
-        )
+        reduction = reduce(FPUT_STRAIN, orders=None if orders is None else _orders(orders))
         numbers = list(_number_lines(reduction, values))
     except ValueError as error:
         return fail(error)

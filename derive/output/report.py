@@ -121,7 +121,7 @@ def _scaling_data(reduction: Reduction) -> Data:
             {
                 "name": v.name,
                 "exponent": v.exponent,
-                "direction": list(v.direction),
+                "direction": [int(d) if d.is_Integer else text_of(d) for d in v.direction],
                 "speed": text_of(v.speed),
             }
             for v in scaling.space
