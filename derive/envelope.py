@@ -1,0 +1,391 @@
+"""The envelope equation of a carrier wave: ``i A_T + p A_XX + q |A|^2 A = 0``, and its next order.
+
+``f_n = eps (A(X, T) exp(i (k n - omega t)) + c.c.) + ...`` with ``X = eps (n - v t)`` and
+``T = eps^2 t``; A is the amplitude of the lattice's first field that the carrier moves.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import comb
+from typing import Any
+
+import mpmath
+from sympy import Expr, I, Integer, Symbol, cos, factor, pi, sin, symbols
+
+from derive.algebra.exact_numbers import Number, exact, instance, shown
+from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.rational_functions import RationalFunction
+from derive.carrier import Carrier, EnvelopeError
+from derive.lattice import Lattice
+from derive.output.notation import Displayed, Printed, latex_of, text_of
+from derive.symbols import k
+
+omega = Symbol("omega", positive=True)
+_SINE, _COSINE = symbols("s C", real=True)
+
+DIGITS = 60
+"""Of the numbers at a given wavenumber, before they are rounded."""
+
+RESONANT = 1e-40
+"""A denominator so small, beside the sum of its terms without their signs, is taken for 0."""
+
+ROUNDING = 1e-12
+"""An imaginary part so small, beside the whole, is none."""
+
+TURNED = ("p", "q")
+"""Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A``."""
+
+
+@dataclass(frozen=True)
+class EnvelopeNumbers:
+    """The coefficients at one wavenumber.
+
+    ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: those of the NLS equation.
+    ``mean``: the mean is ``eps^2 mean |A|^2`` (in a lattice of displacements, that of the strain of
+    a cell).  ``second``: the second harmonic is ``eps^2 second A^2``, complex where it is shifted
+    against the carrier.  ``a3``, ``a1``, ``a2``: those of
+    ``G1 = a3 A_3 + a1 |A|^2 A_1 + a2 A^2 conj(A_1)`` with ``A_m = (-i d/dX)^m A``, in
+    ``i A_T = p A_2 - q |A|^2 A + eps G1``.
+    """
+
+    omega: float
+    v: float
+    p: float
+    q: float
+    mean: float
+    second: complex
+    a3: float
+    a1: complex
+    a2: complex
+
+    @property
+    def is_focusing(self) -> bool:
+        """Whether the plane wave is unstable and bright solitons exist: p q > 0."""
+        return self.p * self.q > 0
+
+    def growth_rate(self, amplitude: float) -> float:
+        """The largest growth rate in T of the plane wave |A| = amplitude; 0 where it is stable."""
+        return abs(self.q) * amplitude**2 if self.is_focusing else 0.0
+
+
+@dataclass(frozen=True, repr=False)
+class Envelope(Displayed):
+    """What `envelope` returns: the expressions are in k, omega and the lattice's constants.
+
+    The dispersion relation has been used to eliminate one of them, ``carrier.fixed``.
+    """
+
+    lattice: Lattice
+    wavenumber: Expr
+    branch: int
+    constants: Mapping[Symbol, Expr]
+    carrier: Carrier
+
+    @cached_property
+    def parts(self) -> Mapping[str, RationalFunction]:
+        """The coefficients as rational functions of z and w; p and q times i."""
+        found, field = self.carrier, self.carrier.field
+        A, B, A_X, B_X, A_XX, A_XXX = (0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (3, 0)
+        nothing = DifferentialPolynomial.zero(field)
+        first, second = (found.flow.parts.get(power, nothing) for power in (0, 1))
+        index = next(i for i, share in enumerate(found.carried[0]) if share)
+        squared = found.parts[index].parts.get(2, nothing)
+        mean = found.means[0] if found.means else squared
+        for part, known in (
+            (first, {(A_XX,), (A, A, B)}),
+            (second, {(A_XXX,), (A, B, A_X), (A, A, B_X)}),
+        ):
+            if not part.terms.keys() <= known:
+                raise EnvelopeError(f"G must be that of an NLS equation, got {part.terms.keys()}")
+        return {
+            "v": found.velocity,
+            "p": first.coefficient(A_XX),
+            "q": first.coefficient(A, A, B),
+            "mean": mean.coefficient(A, B),
+            "second": squared.coefficient(A, A),
+            "a3": second.coefficient(A_XXX),
+            "a1": -second.coefficient(A, B, A_X),
+            "a2": second.coefficient(A, A, B_X),
+        }
+
+    @cached_property
+    def expressions(self) -> Mapping[str, Expr]:
+        """The coefficients in sin(k/2), cos(k/2), omega and the lattice's constants."""
+        return {
+            name: self._expression(value) * (-I if name in TURNED else 1)
+            for name, value in self.parts.items()
+        }
+
+    def _expression(self, element: RationalFunction) -> Expr:
+        (real, imaginary), (below, below_imaginary) = (
+            _trigonometric(element, below=line) for line in (False, True)
+        )
+        if below_imaginary:
+            real, imaginary = (
+                real * below + imaginary * below_imaginary,
+                imaginary * below - real * below_imaginary,
+            )
+            below = below**2 + below_imaginary**2
+        parts = [
+            factor(_reduced(part) / _reduced(below)).subs(self.constants)
+            for part in (real, imaginary)
+        ]
+        if self.wavenumber == pi:
+            parts = [factor(part.subs({_SINE: 1, _COSINE: 0})) for part in parts]
+        actual = {_SINE: sin(k / 2), _COSINE: cos(k / 2)}
+        return parts[0].subs(actual) + I * parts[1].subs(actual)
+
+    def coefficients(
+        self, k: Number | None = None, branch: str | int | None = None, **constants: Number
+    ) -> EnvelopeNumbers:
+        """The coefficients at a wavenumber and values of all constants.
+
+        Raises EnvelopeError (a ValueError) at a resonance, and ValueError for a wavenumber outside
+        of 0 < k <= pi, constants that are missing or unknown, and an unstable lattice.
+        """
+        chosen = self.wavenumber if k is None else _wavenumber(k)
+        if chosen is None:
+            raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
+        values = self._values(constants)
+        number = self.branch if branch is None else _branch(branch, self.lattice)
+        with mpmath.workdps(DIGITS):
+            angle = mpmath.mpf(chosen.evalf(DIGITS))
+            turn = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
+            return self._numbers(angle, turn, number, values)
+
+    def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
+        lattice = self.carrier.lattice
+        basic = {s for value in dict(lattice.definitions).values() for s in value.free_symbols}
+        names = {str(s): s for s in {*self.lattice.constants, *basic}}
+        given = {str(symbol): value for symbol, value in self.constants.items()} | {**constants}
+        for name in given:
+            if name not in names:
+                raise ValueError(
+                    f"constants must be among {', '.join(sorted(names))}, got {name} "
+                    f"(those are the constants of {self.lattice.name})"
+                )
+        values = {names[name]: exact(name, value) for name, value in given.items()}
+        for symbol, value in lattice.definitions:
+            values[symbol] = value.xreplace(values)
+        used = {*map(str, names.values())} - {str(s) for s, _ in lattice.definitions}
+        missing = sorted(used - given.keys())
+        if missing:
+            raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
+        return values
+
+    def _numbers(
+        self, angle: mpmath.mpf, turn: mpmath.mpc, number: int, values: Mapping[Symbol, Expr]
+    ) -> EnvelopeNumbers:
+        """At these values; the digits are set."""
+        point = {str(s): mpmath.mpf(value.evalf(DIGITS)) for s, value in values.items()}
+        frequency = _frequency(self.carrier, {**point, "z": turn}, number)
+        at = {**point, "z": turn, "w": 1j * frequency}
+        second = _evaluated(self.carrier.second_harmonic, at)
+        if second is None:
+            raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", angle))
+        found: dict[str, mpmath.mpf] = {}
+        for name, element in self.parts.items():
+            value = _evaluated(element, at)
+            if value is None:
+                raise EnvelopeError(_resonance("the group velocity is the sound speed", angle))
+            found[name] = value / 1j if name in TURNED else value
+        if abs(found["p"]) < ROUNDING * frequency:
+            raise EnvelopeError(
+                f"k must be no zero of the dispersion p, got {mpmath.nstr(angle, 8)} "
+                "(there the third derivative of omega takes its place)"
+            )
+        return EnvelopeNumbers(float(frequency), **{n: _plain(v) for n, v in found.items()})
+
+    def lines(self, printed: Printed = text_of) -> Iterator[str]:
+        """Equation and coefficients, one a line."""
+        at = "" if self.wavenumber is None else f" at k = {printed(self.wavenumber)}"
+        yield f"i A_T + p A_XX + q |A|^2 A = 0{at}"
+        for name, value in self.expressions.items():
+            yield f"{name} = {printed(value)}"
+
+    def text(self) -> str:
+        """The equation and p and q, in plain text."""
+        p, q = (text_of(self.expressions[name]) for name in ("p", "q"))
+        return f"{self.lattice.name}: i A_T + p A_XX + q |A|^2 A = 0, p = {p}, q = {q}"
+
+    def latex(self) -> str:
+        """The equation and its coefficients in LaTeX, without delimiters."""
+        rows = [r"i A_T + p A_{XX} + q |A|^2 A = 0"]
+        rows += [f"{_LATEX[name]} = {latex_of(value)}" for name, value in self.expressions.items()]
+        return r",\quad ".join(rows)
+
+    def json(self) -> str:
+        """The coefficients as a JSON document, in plain text."""
+        data = {
+            "lattice": self.lattice.name,
+            "k": None if self.wavenumber is None else text_of(self.wavenumber),
+            "fixed": str(self.carrier.fixed),
+            **{name: text_of(value) for name, value in self.expressions.items()},
+        }
+        return json.dumps(data, indent=2)
+
+
+_LATEX = {
+    "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
+    "a3": "a_3", "a1": "a_1", "a2": "a_2",
+}  # fmt: skip
+
+
+def envelope(
+    lattice: Lattice, k: Number | None = None, branch: str | int = 0, **constants: Number
+) -> Envelope:
+    """The envelope equation of a chain's carrier waves.
+
+    ``k`` is the wavenumber in radians a cell, 0 < k <= pi; without it the coefficients are
+    functions of k.  ``branch`` is "acoustic", "optical" or its number from below.  Constants that
+    are given are put in beforehand, which is faster.  Raises EnvelopeError (a ValueError) where
+    there is no NLS equation.
+
+    >>> from derive import LATTICES
+    >>> found = envelope(LATTICES["fput_strain"], k=pi)
+    >>> found.expressions["p"], found.expressions["v"]
+    (-omega/8, 0)
+    """
+    instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
+    if lattice.dimension != 1:
+        raise ValueError(f"lattice must have one axis, got {lattice.dimension} (take a chain)")
+    chosen = None if k is None else _wavenumber(k)
+    number = _branch(branch, lattice)
+    names = {str(symbol): symbol for symbol in lattice.constants}
+    values = {}
+    for name, value in constants.items():
+        if name not in names:
+            raise ValueError(
+                f"constants must be among {', '.join(names)}, got {name} "
+                f"(those are the constants of {lattice.name})"
+            )
+        values[names[name]] = exact(name, value)
+    carrier = Carrier(lattice, at_pi=chosen == pi, values=values)
+    carrier.solve()
+    return Envelope(lattice, chosen, number, values, carrier)
+
+
+def modulation_map(
+    lattice: Lattice,
+    wavenumbers: Sequence[Number],
+    branch: str | int = 0,
+    amplitude: float = 1.0,
+    **constants: Number,
+) -> list[tuple[float, EnvelopeNumbers | None, float]]:
+    """For each wavenumber: k, the coefficients, and the largest growth rate of the plane wave.
+
+    The coefficients are None at a resonance.
+    """
+    found = envelope(lattice, branch=branch, **constants)
+    rows: list[tuple[float, EnvelopeNumbers | None, float]] = []
+    for wavenumber in wavenumbers:
+        try:
+            numbers: EnvelopeNumbers | None = found.coefficients(wavenumber, branch, **constants)
+        except EnvelopeError:
+            numbers = None
+        rate = numbers.growth_rate(amplitude) if numbers else 0.0
+        rows.append((float(_wavenumber(wavenumber)), numbers, rate))
+    return rows
+
+
+def _wavenumber(k: Number) -> Expr:
+    value = exact("k", k)
+    if value.free_symbols or not 0 < value <= pi:
+        raise ValueError(f"k must satisfy 0 < k <= pi, got {shown(k)} (radians a cell)")
+    return value
+
+
+def _branch(branch: str | int, lattice: Lattice) -> int:
+    count = len(lattice.fields)
+    number = (
+        {"acoustic": 0, "optical": count - 1}.get(branch) if isinstance(branch, str) else branch
+    )
+    if number is None or isinstance(number, bool) or not 0 <= number < count:
+        raise ValueError(
+            f"branch must be acoustic, optical or a number below {count}, got {shown(branch)} "
+            f"({lattice.name} has {count} {'branch' if count == 1 else 'branches'})"
+        )
+    return number
+
+
+def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> mpmath.mpf:
+    """omega of the branch at a wavenumber, from the determinant, a polynomial in omega^2."""
+    relation: dict[int, mpmath.mpf] = {}
+    names = [str(symbol) for symbol in carrier.field.symbols]
+    for (turns, power, *rest), value in carrier.relation.terms():
+        factors = [at[name] ** e for name, e in zip(names[2:], rest, strict=True) if e]
+        term = (-1) ** (power // 2) * value * at["z"] ** turns * mpmath.fprod(factors)
+        relation[power // 2] = relation.get(power // 2, 0) + term
+    highest = max(relation)
+    turned = mpmath.conj(relation[highest]) / abs(relation[highest])
+    polynomial = [(relation.get(i, mpmath.mpf(0)) * turned).real for i in range(highest, -1, -1)]
+    roots = sorted(mpmath.polyroots(polynomial, maxsteps=200, extraprec=200), key=mpmath.re)
+    found = roots[number]
+    if abs(found.imag) > ROUNDING * abs(found) or found.real <= 0:
+        raise ValueError(
+            f"constants must give a real frequency, got omega^2 = {mpmath.nstr(found, 8)} at "
+            f"k = {mpmath.nstr(mpmath.arg(at['z']), 8)} (the lattice must be stable)"
+        )
+    return mpmath.sqrt(found.real)
+
+
+def _plain(value: mpmath.mpc) -> Any:
+    """A float where the imaginary part is a rounding error."""
+    real = abs(mpmath.im(value)) <= ROUNDING * abs(value)
+    return float(mpmath.re(value)) if real else complex(value)
+
+
+def _evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
+    """The element at a point; None where its denominator vanishes."""
+    gens = [str(symbol) for symbol in element.field.symbols]
+    sums = []
+    for line in (False, True):
+        terms = [
+            mpmath.fprod(at[g] ** e for g, e in zip(gens, exponents, strict=True) if e) * value
+            for exponents, value in element.terms(below=line)
+        ]
+        size = mpmath.fsum(terms, absolute=True)
+        total = mpmath.fsum(terms)
+        sums.append((total, abs(total) <= RESONANT * size))
+    (above, _), (below, vanishes) = sums
+    return None if vanishes else above / below
+
+
+def _resonance(words: str, angle: mpmath.mpf) -> str:
+    return (
+        f"k must be no resonance, got {mpmath.nstr(angle, 8)}, where {words} "
+        "(the two waves interact at the order of the envelope: take another wavenumber)"
+    )
+
+
+def _trigonometric(element: RationalFunction, *, below: bool) -> tuple[Expr, Expr]:
+    """Real and imaginary part of one side of the line at z = exp(i k), w = i omega.
+
+    It is turned by half of its span in z; both sides of what is real are turned by the same angle.
+    """
+    terms = element.terms(below=below)
+    turns = [exponents[0] for exponents, _ in terms] or [0]
+    middle = max(turns) + min(turns)
+    parts = [Integer(0), Integer(0)]
+    for (turn, power, *rest), value in terms:
+        size = value * omega**power
+        for symbol, exponent in zip(element.field.symbols[2:], rest, strict=True):
+            size *= symbol**exponent
+        count = 2 * turn - middle
+        for i in range(abs(count) + 1):
+            term = comb(abs(count), i) * _COSINE ** (abs(count) - i) * _SINE**i * size
+            quarter = (power + (i if count > 0 else -i)) % 4
+            parts[quarter % 2] += term if quarter < 2 else -term
+    return parts[0].expand(), parts[1].expand()
+
+
+def _reduced(expression: Expr) -> Expr:
+    """A polynomial in the cosine's first power."""
+    found = Integer(0)
+    for (power,), value in expression.as_poly(_COSINE).terms():
+        found += (value * (1 - _SINE**2) ** (power // 2)).expand() * _COSINE ** (power % 2)
+    return factor(found)
