@@ -208,22 +208,28 @@ class Judge:
                 yield found
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool:
-        """Whether an equation has a residual other than 0; raises Unsaid if there is no value.
+        """Whether an equation has a residual other than 0.
 
-        False says that no precision tried showed one.
+        False says that at the highest precision all residuals are in small balls around 0.  Raises
+        Unsaid where there is no value, or none in a small ball.
         """
         reason = Unsaid("no precision was tried")
-        valued = False
         for size in bits:
             try:
-                if any(not found.contains(0) for found in self.residuals(point, size)):
-                    return True
-                valued = True
+                found = list(self.residuals(point, size))
             except Unsaid as error:
                 reason = error
+                continue
             except (ZeroDivisionError, ValueError, OverflowError) as error:
                 reason = Unsaid(str(error))
-        if not valued:
+                continue
+            if any(not residual.contains(0) for residual in found):
+                return True
+            with precision(size):
+                small = arb(2) ** (-size // 4)
+                wide = [residual for residual in found if not residual.abs_upper() < small]
+            reason = Unsaid(f"a residual is only known to be in {wide[0]}" if wide else "")
+        if str(reason):
             raise reason
         return False
 

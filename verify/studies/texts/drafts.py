@@ -26,7 +26,7 @@ NAMES = (
 )  # fmt: skip
 """Of parameters: among them some that a prover may take for its own."""
 
-LARGEST = 150
+LARGEST = 120
 """Nodes of a statement; longer ones take the prover longer."""
 
 SMALL = (-3, -2, -1, 1, 2, 3)
