@@ -72,7 +72,9 @@ def records() -> list[dict[str, object]]:
 
 def print_library() -> None:
     """Print name, equation, source and expected verdict of every statement, by equation."""
-    table = Table("name", "equation", "source", "expected", title="library", title_justify="left")
+    table = Table(title="library", title_justify="left")
+    for heading in ("name", "equation", "source", "expected"):
+        table.add_column(heading, no_wrap=heading == "name")
     before = ""
     for text in published():
         if before and text.equation_name != before:
