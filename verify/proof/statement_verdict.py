@@ -416,7 +416,8 @@ def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
     variables = sorted(variables, key=unknown.args.index)
     index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
     below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
-    return f"{unknown.func.__name__}_{{{below}}}" if below else unknown.func.__name__
+    name = sp.latex(sp.Symbol(unknown.func.__name__))
+    return f"{name}_{{{below}}}" if below else name
 
 
 def _domain_latex(symbol: sp.Symbol, domain: Any) -> str:

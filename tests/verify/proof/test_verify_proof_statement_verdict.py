@@ -213,6 +213,8 @@ def test_the_latex_has_jets_sites_and_domains() -> None:
     assert statement_latex(statement) == (
         r"- q_{n+1} + q_{n, tt} = 0 \quad\Leftarrow\quad q_{n} = n t \qquad (0 < t)"
     )
+    greek = read_statement("psi_t - psi", "psi = exp(t)")
+    assert statement_latex(greek).startswith(r"- \psi + \psi_{t} = 0")
     refuted = verified_sentence(statement, decide_statement(statement))
     assert refuted.startswith("We found that\n\\[ q_{n} = n t \\]\ndoes not satisfy\n")
     right = read_statement("u_xxt + diff(u**2, x)", "u = a", "a: -1<=a<1")
