@@ -11,7 +11,7 @@ from longwave.__main__ import main
 from longwave.command_tree import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
-from verify.comparison.recording import UnfinishedRun
+from verify.comparison.stated_run import UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

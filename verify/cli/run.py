@@ -13,13 +13,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from derive.command_line import announce, fail, interrupted
-from verify.comparison.recording import UnfinishedRun
-from verify.comparison.saved_run import save_run
-from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.scene_catalogue import (
-    find_scene,
-)
-from verify.comparison.scene_run import run
+from verify.comparison.scene import Scene, find_scene, with_tolerance
+from verify.comparison.scene_run import run, save_run
+from verify.comparison.stated_run import UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 
 Tell = Callable[[float], None]

@@ -27,8 +27,7 @@ from verify.comparison import (
     run,
     stability_limit,
 )
-from verify.comparison.scene import Tolerance
-from verify.comparison.scene_catalogue import EPS, ORDERS
+from verify.comparison.scene import EPS, ORDERS, Tolerance
 from verify.comparison.spectral_data import RingPlace, ring_data
 from verify.processes import Job, Key
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice.state import LARGEST_MISFIT, State
+from lattice.model import LARGEST_MISFIT, State
 from verify.comparison import Scene, load_scene, run
 from verify.comparison import domain as domain_module
 from verify.comparison.domain import Window

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from lattice.schemes.catalogue import SCHEMES
-from lattice.schemes.scheme import Composition
-from lattice.state import State, empty_state
+from lattice import stepper
+from lattice.model import State, empty_state
+from lattice.schemes import SCHEMES, Scheme
 from solutions import Wave
-from verify.comparison import Scene, load_scene, measures, run
+from verify.comparison import Scene, load_scene, run
+from verify.comparison import observables as measures
 from verify.comparison.observables import (
     NAMES,
     OBSERVABLES,
@@ -21,8 +22,7 @@ from verify.comparison.observables import (
     axis_values,
     observable_named,
 )
-from verify.comparison.recording import LOOK_EVALUATIONS
-from verify.comparison.stated_run import build_domain
+from verify.comparison.stated_run import LOOK_EVALUATIONS, build_domain
 from verify.comparison.view import View
 
 FLOPS = 9
@@ -58,13 +58,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(measures, "ring_energy")
     count(scipy.optimize, "least_squares")
     count(np.fft, "rfft")
-    advance = Composition.advance
+    advance = stepper.advance
 
-    def counting_advance(self: Composition, y: Any, s: Any, h: float, steps: int, k: Any) -> None:
+    def counting_advance(scheme: Scheme, y: Any, s: Any, h: float, steps: int, k: Any) -> None:
         counted["kernel steps"] += steps
-        advance(self, y, s, h, steps, k)
+        advance(scheme, y, s, h, steps, k)
 
-    monkeypatch.setattr(Composition, "advance", counting_advance)
+    monkeypatch.setattr(stepper, "advance", counting_advance)
     return counted
 
 
