@@ -107,7 +107,7 @@ def observables() -> str:
             entry.what + (" (on a ring only)" if entry.needs_ring else ""),
             ", ".join(f"`{variable.name}`" for variable in entry.variables),
         ]
-        for entry in OBSERVABLES
+        for entry in OBSERVABLES.values()
     ]
     return table(["observable", "what", "arrays"], rows)
 
