@@ -144,13 +144,25 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     """
     if len(variables) > ORDER:
         raise TooLarge(f"derivatives must be of order {ORDER} at most")
-    found = expression
+    found = without_sizes(expression)
     for step, variable in enumerate(variables):
         most = MOST_NODES if step < FREE else NODES
         if not found.is_Derivative and _nodes(found, most) > most:
             raise TooLarge(f"derivatives must have at most {most} parts on the way")
         found = sp.diff(found, variable)
     return found
+
+
+def without_sizes(expression: sp.Expr) -> sp.Expr:
+    """The expression with abs(f)**2 as f*conjugate(f), for real variables as smooth as f is.
+
+    >>> u = sp.Function("u")(sp.Symbol("x", real=True))
+    >>> without_sizes(abs(u) ** 2)
+    u(x)*conjugate(u(x))
+    """
+    sizes = [p for p in expression.atoms(sp.Pow) if isinstance(p.base, sp.Abs) and p.exp.is_even]
+    products = {p: (f := p.base.args[0]) * sp.conjugate(f) for p in sizes}
+    return expression.xreplace({p: pair ** (p.exp / 2) for p, pair in products.items()})
 
 
 def _bits(expression: sp.Expr) -> int:

@@ -148,6 +148,9 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
             if found.has(sp.Derivative, sp.Subs):
                 raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
             return found
+        if node.is_Pow and isinstance(node.base, sp.Abs) and node.exp.is_even:
+            inner = image(node.base.args[0])
+            return (inner * sp.conjugate(inner)) ** (node.exp / 2)
         if isinstance(node, AppliedUndef):
             arguments, formula = formulas[node.func]
             return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)

@@ -26,6 +26,7 @@ GORDON, KINK = "u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2))
 TODA = "diff(q[n],t,t) - exp(q[n-1]-q[n]) + exp(q[n]-q[n+1])"
 TODA_SOLITON = "q[n] = log((1+exp(2*k*(n-1)-2*b*t))/(1+exp(2*k*n-2*b*t)))"
 GENERAL = "u = (c/2)**(1/g)*sech(g*sqrt(c)/2*(x - c*t))**(2/g)"
+CM = "c: -1<c<1; m: 0<m<1"
 SYSTEM = "u_t + u*u_x + v_x ;; v_t + diff(u*v, x)"
 
 EXAMPLES = [
@@ -58,6 +59,21 @@ EXAMPLES = [
     ("u[n+1] - u[n]", "u[n] = (-1)**n", "", "", "REFUTED"),
     ("u_t + (g+1)*(g+2)*u**g*u_x + u_xxx", GENERAL, "c: c>0; g: g>0", "", "PROVED"),
     ("u_t + (g+1)*(g+3)*u**g*u_x + u_xxx", GENERAL, "c: c>0; g: g>0", "", "REFUTED"),
+    ("u_x - asinh(sinh(u))", "u = exp(x)", "", "", "PROVED"),
+    (GORDON, "u = 2*acos(tanh((x - c*t)/sqrt(1 - c**2)))", "c: -1<c<1", "", "PROVED"),
+    (GORDON, "u = 2*asin(tanh((x - c*t)/sqrt(1 - c**2)))", "c: -1<c<1", "", "REFUTED"),
+    (GORDON, "u = 2*asin(sqrt(m)*jacobi_sn((t-c*x)/sqrt(1-c**2), m))", CM, "", "PROVED"),
+    (
+        "u_tt - u_xx + sinh(u)",
+        "u = 4*atanh(exp((x-c*t)/sqrt(1-c**2)))",
+        "c: -1<c<1",
+        "x<c*t",
+        "PROVED",
+    ),
+    ("u_x*sqrt(x**2-1) - 1", "u = acosh(x)", "", "x>1", "PROVED"),
+    ("sin(3*u)*(1+x**2)**(3/2) - 3*x + x**3", "u = atan(x)", "", "", "PROVED"),
+    ("u_x - 1", "u = asin(sin(x))", "", "-3/2<x<3/2", "PROVED"),
+    ("u_x - 1", "u = asin(sin(x))", "", "-2<x<2", "REFUTED"),
     ("u_t = u_xx + u_yy", "u = exp(-2*a**2*t)*sin(a*x)*cos(a*y)", "", "", "PROVED"),
 ]
 
@@ -107,7 +123,7 @@ def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() ->
 def test_what_cannot_be_taken_is_undecided_with_a_reason() -> None:
     for equation, solution in [
         ("conjugate(u) - log(x - I)", "u = log(x + I)"),
-        ("u_x - asinh(sinh(u))", "u = exp(x)"),
+        ("tan(atan(u)) - u + atan(u) + atan(1/u) - pi/2", "u = exp(x)"),
     ]:
         verdict = prove(equation, solution)
         assert verdict.outcome == "UNDECIDED"
