@@ -15,10 +15,10 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from lattice.model import State
+from lattice.model import Domain, State
 from lattice.refine import Progress
 from lattice.schemes import check_step
-from lattice.stepper import Domain, Stepper, advance
+from lattice.stepper import Stepper, advance
 from verify.comparison.domain import Array, SiteRing, Window
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import (

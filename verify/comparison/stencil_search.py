@@ -23,15 +23,13 @@ from lattice.refine import (
 from lattice.schemes import Scheme, scheme_named, stability_limit
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
 from verify.comparison.domain import (
-    WaveBounds,
     creeping,
-    find_bounds,
     least_ring,
     least_window,
     seam_room,
     window_moves,
 )
-from verify.comparison.moving_wave import MovingWave
+from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 from verify.comparison.observables import observable_named
 from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import (
