@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lattice.refine import Progress
 from lattice.state import State
@@ -13,13 +13,16 @@ from solutions import ClosedForm
 from verify.comparison.scene import Scene
 from verify.comparison.stated_run import run_from
 
+if TYPE_CHECKING:
+    import xarray as xr
 
-def scene_of(run: xr.Dataset) -> Scene:
+
+def scene_of(run: "xr.Dataset") -> Scene:
     """The scene that a run carries."""
     return Scene.from_json(run.attrs["scene"])
 
 
-def state_at(run: xr.Dataset, t: float) -> State:
+def state_at(run: "xr.Dataset", t: float) -> State:
     """A copy of the state at a snapshot of a run whose scene asks for the observable ``state``.
 
     Raises ValueError if the run carries no states or has no snapshot at ``t``.
@@ -38,12 +41,12 @@ def state_at(run: xr.Dataset, t: float) -> State:
 
 
 def resume(
-    run: xr.Dataset,
+    run: "xr.Dataset",
     at: float | None = None,
     snapshots: Sequence[float] | None = None,
     progress: Progress | None = None,
     wave: ClosedForm | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Go on from a snapshot of a run, to the bit as if the run had not been interrupted.
 
     ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
@@ -59,15 +62,17 @@ def resume(
     if not later:
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
     scene = replace(scene, snapshots=later)
-    return run_from(scene, scene.moving_wave, start, progress)
+    return run_from(scene, scene.moving_wave, start, progress).dataset
 
 
-def save_run(run: xr.Dataset, path: str | Path) -> None:
+def save_run(run: "xr.Dataset", path: str | Path) -> None:
     """Write a run as netCDF 3; floats keep their bits. Raises OSError if it cannot be written."""
     run.to_netcdf(path, engine="scipy")
 
 
-def load_run(path: str | Path) -> xr.Dataset:
+def load_run(path: str | Path) -> "xr.Dataset":
     """Read a run back into memory. Raises OSError if there is none."""
+    import xarray as xr  # where no file is read it is not needed
+
     with xr.open_dataset(path, engine="scipy") as dataset:
         return dataset.load()

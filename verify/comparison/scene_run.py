@@ -4,16 +4,19 @@ Where none is named or required by what is asked for, the cheaper one by a model
 spectral engine refuses, though it was not named, is run site by site.
 """
 
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from lattice.refine import Announce, Progress
 from verify.comparison.checks import shown
-from verify.comparison.recording import Announcer, UnfinishedRun
+from verify.comparison.recording import Announcer, RunRecord, UnfinishedRun
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import run_from, stated_seconds
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -40,7 +43,7 @@ def choose_engine(scene: Scene) -> str:
 
 def run_to_tolerance(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
+) -> RunRecord:
     """Run a scene that has a tolerance.
 
     The run carries, beside what any run does, ``tolerance``, ``error_estimate`` (of y/eps, sup over
@@ -63,21 +66,22 @@ def run_to_tolerance(
             told(seconds)
             found = run_stencil(scene, progress, told)
     except UnfinishedRun as stop:
-        stop.run.attrs["tolerance"] = scene.tolerance
+        stop.record.attrs["tolerance"] = scene.tolerance
         raise
     run, estimate, planning_seconds = found
-    return run.assign_attrs(
-        tolerance=scene.tolerance,
-        error_estimate=estimate.total,
-        rounding_estimate=estimate.rounding,
-        next_decade=estimate.next_decade,
-        planning_seconds=planning_seconds,
-    )
+    run.attrs |= {
+        "tolerance": scene.tolerance,
+        "error_estimate": estimate.total,
+        "rounding_estimate": estimate.rounding,
+        "next_decade": estimate.next_decade,
+        "planning_seconds": planning_seconds,
+    }
+    return run
 
 
 def run(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Run the scene and return what it asks for.
 
     Dimensions: ``time`` (the snapshots), ``curve_time``, ``look_time``, ``site`` (offset from the
@@ -93,6 +97,13 @@ def run(
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit, and
     UnfinishedRun on Ctrl-C.
     """
+    return record_scene(scene, progress, announce).dataset
+
+
+def record_scene(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> RunRecord:
+    """`run` without a data set: what it records, of which one can be made."""
     if not isinstance(scene, Scene):
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"

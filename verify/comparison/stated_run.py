@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 
 from lattice.refine import Progress
 from lattice.schemes.scheme import check_step
@@ -22,9 +21,9 @@ from verify.comparison.recording import (
     Moments,
     Observer,
     Recorder,
+    RunRecord,
     UnfinishedRun,
     Variables,
-    build_dataset,
     build_recorders,
 )
 from verify.comparison.scene import Scene
@@ -161,7 +160,7 @@ def run_from(
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),
-) -> xr.Dataset:
+) -> RunRecord:
     """Run from the wave's initial data or from a state of an earlier run of the same scene.
 
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
@@ -181,17 +180,17 @@ def run_from(
     reached, cost = _reached(scene, recorders, recording), _cost(scene, recording)
     if recording.stopped:
         why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
-        raise UnfinishedRun(build_dataset(scene, reached, variables, cost | {"unfinished": why}))
+        raise UnfinishedRun(RunRecord(scene, reached, variables, cost | {"unfinished": why}))
     for measure in measures:
         part = meter.part(COST[measure])
         try:
             values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
             cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
-            raise UnfinishedRun(build_dataset(scene, reached, variables, cost)) from None
+            raise UnfinishedRun(RunRecord(scene, reached, variables, cost)) from None
         attributes = observable_named(measure).variables[0].attributes
         variables[measure] = (("time",), values, attributes)
-    return build_dataset(scene, reached, variables, cost)
+    return RunRecord(scene, reached, variables, cost)
 
 
 def _reached(
