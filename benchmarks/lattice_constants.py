@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lattice.kernels import blocked
 from lattice.model import Model
-from lattice.schemes.catalogue import REDUCED_PHASE_6
+from lattice.schemes import REDUCED_PHASE_6
 from lattice.spectral import absorber
 from lattice.spectral.evolution import SpectralRing
 from lattice.spectral.ring import RingState

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
-from lattice.schemes.scheme import stability_limit
+from lattice.schemes import stability_limit
 from paper_map import Holder, Row, paper_map
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.formulas.printing import latex
@@ -107,7 +107,7 @@ def observables() -> str:
             entry.what + (" (on a ring only)" if entry.needs_ring else ""),
             ", ".join(f"`{variable.name}`" for variable in entry.variables),
         ]
-        for entry in OBSERVABLES
+        for entry in OBSERVABLES.values()
     ]
     return table(["observable", "what", "arrays"], rows)
 

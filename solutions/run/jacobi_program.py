@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from mpmath import MPContext
 
-from solutions.run.bytecode import Code, Value
+from solutions.run.bytecode import Bytecode, Code, Operation, Value
 from solutions.run.doubledouble import (
     Array,
     Three,
@@ -29,7 +29,7 @@ from solutions.run.doubledouble import (
     two_sum,
 )
 from solutions.run.jit import njit
-from solutions.run.machine import Bytecode, Operation, run_pairs
+from solutions.run.machine import run_pairs
 
 __all__ = ["JacobiProgram", "jacobi_program", "reduced"]
 

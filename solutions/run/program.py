@@ -15,10 +15,11 @@ import numpy as np
 
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.run.bounded import PARTS
+from solutions.run.bytecode import Bytecode
 from solutions.run.doubledouble import Array, check_range, split
 from solutions.run.jacobi_program import jacobi_program
 from solutions.run.linear_phase import LinearPhase, as_pairs
-from solutions.run.machine import Bytecode, run_pairs
+from solutions.run.machine import run_pairs
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -7,8 +7,8 @@ import xarray as xr
 
 from reports import build
 from reports.__main__ import main
+from reports.build import Findings, Studies
 from reports.engine import EngineMissingError
-from reports.work import Findings, Studies
 from verify.evidence.mutations import MutationCount, Survivor
 from verify.studies.hard_cases import HardCaseResult
 from verify.studies.measured_runs import MeasuredRuns

@@ -12,10 +12,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from derive.command_line import announce, fail, interrupted
-from verify.comparison.recording import RunRecord, UnfinishedRun
-from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.scene_catalogue import find_scene
-from verify.comparison.scene_run import record_scene
+from verify.comparison.scene import Scene, find_scene, with_tolerance
+from verify.comparison.scene_run import record_scene, save_run
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 
 Tell = Callable[[float], None]
@@ -66,8 +65,6 @@ def run_and_print(options: RunOptions, program: str) -> int:
 def _give(run: RunRecord, scene: Scene, output: str | None) -> None:
     """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
     if output is not None:
-        from verify.comparison.saved_run import save_run
-
         save_run(run.dataset, output)
     print_summary(run, scene, plain_console())
 

@@ -11,13 +11,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from lattice.model import BlowUp, empty_state, find_blow_up
 from lattice.refine import Announce, Progress, StoppedSearch, TooDearError
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
-from lattice.state import BlowUp, empty_state, find_blow_up
 from lattice.trial import Estimate
 from verify.comparison.moving_wave import MovingWave
-from verify.comparison.recording import (
+from verify.comparison.scene import Scene
+from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
+from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
+from verify.comparison.stated_run import (
     LONG,
     Observer,
     Recorder,
@@ -25,9 +28,6 @@ from verify.comparison.recording import (
     build_recorders,
     unfinished,
 )
-from verify.comparison.scene import Scene
-from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
-from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
 from verify.comparison.view import View
 
 START_SECONDS = 0.08

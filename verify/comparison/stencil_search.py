@@ -19,16 +19,28 @@ from lattice.refine import (
     refine,
     shorter_step,
 )
-from lattice.schemes.catalogue import scheme_named
-from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.schemes import Scheme, scheme_named, stability_limit
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
-from verify.comparison.domain import creeping, least_ring, least_window, seam_room, window_moves
-from verify.comparison.moving_wave import MovingWave
+from verify.comparison.domain import (
+    creeping,
+    least_ring,
+    least_window,
+    seam_room,
+    window_moves,
+)
+from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 from verify.comparison.observables import observable_named
-from verify.comparison.recording import RunRecord, UnfinishedRun, moments_of, unfinished
 from verify.comparison.scene import Discretisation, Scene
-from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
-from verify.comparison.wave_bounds import WaveBounds, find_bounds
+from verify.comparison.stated_run import (
+    SECONDS_PER_UPDATE,
+    START_SECONDS,
+    RunRecord,
+    StrainSamples,
+    UnfinishedRun,
+    moments_of,
+    run_from,
+    unfinished,
+)
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
