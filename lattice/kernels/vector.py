@@ -20,19 +20,18 @@ AVX-512 runs the same code in halves, without AVX2 in quarters.
 
 The plain loops are taken, and give the same numbers to the bit, where ``LONGWAVE_PLAIN_KERNELS`` is
 set to anything but 0, where numba's compiler is switched off, and where this numba or llvmlite
-lacks what the vector code needs; ``WHY_PLAIN`` says why, and is empty for the vector code.
+lacks what the vector code needs; `why_plain` says why, and is empty for the vector code.
 """
 
 import os
-from collections.abc import Callable
+from functools import lru_cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numba import types
-from numba.core import config
 from numpy.typing import NDArray
 
-from solutions.run.jit import njit
+from solutions.run.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
 
@@ -127,167 +126,31 @@ def plain_pair(
     plain_stage(y, s, forces, drifts, kicks, level + 1, first - 1, past - 1, *constants)
 
 
-def _why_plain() -> str:
+WRITER = "lattice.kernels.vector_code"
+"""The module that writes the vector code; it needs numba and llvmlite."""
+
+
+def _told_plain() -> str:
     if os.environ.get("LONGWAVE_PLAIN_KERNELS", "0") not in ("", "0"):
         return "LONGWAVE_PLAIN_KERNELS is set"
-    return "numba's compiler is switched off" if getattr(config, "DISABLE_JIT", 0) else ""
+    compiles = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
+    return "" if compiles else "numba's compiler is switched off"
 
 
-WHY_PLAIN = _why_plain()
-"""Why the plain loops are taken, empty if the vector code is."""
-
-try:
-    from llvmlite import ir  # type: ignore[import-untyped]
-    from numba.core import cgutils
-    from numba.extending import intrinsic
-
-    _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
-    _INDEX = ir.IntType(64)
-except (ImportError, AttributeError) as missing:
-    WHY_PLAIN = WHY_PLAIN or f"this numba or llvmlite lacks what the vector code needs: {missing}"
-
-
-def _splat(builder: Any, value: Any) -> Any:
-    seed = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
-    mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(seed, ir.Constant(_VECTOR, ir.Undefined), mask)
-
-
-def _fma(builder: Any, factor: Any, other: Any, term: Any) -> Any:
-    """factor * other + term, rounded once where the processor can."""
-    product = builder.fmul(factor, other, flags=("contract",))
-    return builder.fadd(product, term, flags=("contract",))
-
-
-class _Rows:
-    """Rows of an array of doubles, loaded and stored as vectors."""
-
-    def __init__(self, context: Any, builder: Any, kind: Any, value: Any) -> None:
-        self._builder = builder
-        data = context.make_array(kind)(context, builder, value).data
-        self._data = builder.bitcast(data, _VECTOR.as_pointer())
-
-    def number(self, place: Any) -> Any:
-        """One of the array's doubles."""
-        data = self._builder.bitcast(self._data, ir.DoubleType().as_pointer())
-        return self._builder.load(self._builder.gep(data, [place]))
-
-    def load(self, row: Any) -> Any:
-        return self._builder.load(self._builder.gep(self._data, [row]), align=8)
-
-    def store(self, row: Any, value: Any) -> None:
-        self._builder.store(value, self._builder.gep(self._data, [row]), align=8)
-
-
-def _force(builder: Any, y: Any, factors: list[Any]) -> Any:
-    """V'(y) in units of its highest constant: y, y (y + q) or y (y (y + p) + q).
-
-    ``factors`` are the lower constants in that unit, the highest of them first; None for p = 0.
-    """
-    found = y
-    for place, factor in enumerate(factors):
-        if place == 0:
-            found = y if factor is None else builder.fadd(y, factor)
-        else:
-            found = _fma(builder, y, found, factor)
-    return builder.fmul(y, found) if factors else y
-
-
-def _factors(builder: Any, present: tuple[bool, bool], constants: Any) -> tuple[list[Any], Any]:
-    """The force's lower constants in units of the highest one, and that."""
-    K2, K3, K4 = (
-        _splat(builder, value) if there else None
-        for there, value in zip((True, *present), constants, strict=True)
-    )
-    if K4 is not None:
-        return [None if K3 is None else builder.fdiv(K3, K4), builder.fdiv(K2, K4)], K4
-    if K3 is not None:
-        return [builder.fdiv(K2, K3)], K3
-    return [], K2
-
-
-class _Stage:
-    """The weights of one of the stages that go together, and what it carries up the rows.
-
-    The last row's rise of the force, its force and its velocity before the kick; behind the first
-    stage also the strain that the stage before has left in the next row.
-    """
-
-    def __init__(
-        self, builder: Any, arrays: list[_Rows], level: Any, behind: int, unit: Any
-    ) -> None:
-        self._builder, self.behind = builder, behind
-        self._y, self._s, self._forces, drifts, kicks = arrays
-        place = builder.add(level, _INDEX(behind))
-        self.a = _splat(builder, drifts.number(place))
-        self.b = builder.fmul(_splat(builder, kicks.number(place)), unit)
-        self._rise = builder.mul(place, _INDEX(2))
-        self._force = builder.add(self._rise, _INDEX(1))
-
-    def begin(self, first: Any) -> None:
-        """Take what stands in memory below ``first``."""
-        below = self._builder.sub(first, _INDEX(self.behind))
-        values = [self._forces.load(self._rise), self._forces.load(self._force)]
-        values.append(self._s.load(self._builder.sub(below, _INDEX(1))))
-        if self.behind:
-            values.append(self._y.load(below))
-        self.slots = [cgutils.alloca_once_value(self._builder, value) for value in values]
-
-    def row(self, y: Any, s: Any, factors: list[Any]) -> tuple[Any, Any]:
-        """Drift a row and kick the one below it; give the strain and the kicked velocity."""
-        builder = self._builder
-        rise, middle, before, *waiting = (builder.load(slot) for slot in self.slots)
-        if waiting:
-            builder.store(y, self.slots[3])
-            y = waiting[0]
-        y = _fma(builder, self.a, s, y)
-        force = _force(builder, y, factors)
-        next_rise = builder.fsub(force, middle)
-        kicked = _fma(builder, self.b, builder.fsub(next_rise, rise), before)
-        for slot, value in zip(self.slots, (next_rise, force, s), strict=False):
-            builder.store(value, slot)
-        return y, kicked
-
-    def end(self, past: Any) -> None:
-        """Leave in memory what the next call takes from there."""
-        rise, force, before, *waiting = (self._builder.load(slot) for slot in self.slots)
-        self._forces.store(self._rise, rise)
-        self._forces.store(self._force, force)
-        if waiting:
-            below = self._builder.sub(past, _INDEX(self.behind))
-            self._s.store(self._builder.sub(below, _INDEX(1)), before)
-            self._y.store(below, waiting[0])
-
-
-def _generate(together: int, present: tuple[bool, bool]) -> Callable[..., Any]:
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        arrays = [
-            _Rows(context, builder, kind, value)
-            for kind, value in zip(signature.args[:5], arguments[:5], strict=True)
-        ]
-        level, first, past = arguments[5:8]
-        factors, unit = _factors(builder, present, arguments[8:])
-        stages = [_Stage(builder, arrays, level, behind, unit) for behind in range(together)]
-        for one in stages:
-            one.begin(first)
-        rows_y, rows_s = arrays[:2]
-        with cgutils.for_range_slice(builder, first, past, _INDEX(1)) as (row, _):
-            y, s = rows_y.load(row), rows_s.load(row)
-            for one in stages:
-                y, s = one.row(y, s, factors)
-            rows_y.store(builder.sub(row, _INDEX(together - 1)), y)
-            rows_s.store(builder.sub(row, _INDEX(together)), s)
-        for one in stages:
-            one.end(past)
-        return context.get_dummy_value()
-
-    return codegen
+@lru_cache(maxsize=1)
+def why_plain() -> str:
+    """Why the plain loops are taken, empty if the vector code is."""
+    try:
+        import_module(WRITER)
+    except (ImportError, AttributeError) as missing:
+        lacking = f"this numba or llvmlite lacks what the vector code needs: {missing}"
+        return _told_plain() or lacking
+    return _told_plain()
 
 
 def _vector_stages(together: int) -> Any:
     """`plain_stage` or, for 2 stages together, `plain_pair` as vector code."""
 
-    @intrinsic
     def stages(
         _context: Any,
         y: Any,
@@ -301,15 +164,15 @@ def _vector_stages(together: int) -> Any:
         K2: Any,
         K3: Any,
         K4: Any,
-    ) -> tuple[Any, Callable[..., Any]]:
-        present = (K3 is not types.none, K4 is not types.none)
-        rows = (types.intp,) * 3
-        signature = types.void(y, s, forces, drifts, kicks, *rows, types.float64, K3, K4)
-        return signature, _generate(together, present)
+    ) -> Any:
+        from lattice.kernels import vector_code
 
-    return stages
+        kinds = (y, s, forces, drifts, kicks, level, first, past, K2, K3, K4)
+        return vector_code.stages(together, kinds)
+
+    return Intrinsic(stages, needs=WRITER, otherwise=(plain_stage, plain_pair)[together - 1])
 
 
 stage, pair = plain_stage, plain_pair
-if not WHY_PLAIN:
+if not _told_plain():
     stage, pair = _vector_stages(1), _vector_stages(2)

@@ -111,7 +111,7 @@ import numpy as np
 from lattice.kernels import vector
 from tests.lattice.test_lattice_blocked import advanced
 np.save(sys.argv[1], list(advanced(*map(int, sys.argv[2:]))))
-print(vector.WHY_PLAIN)
+print(vector.why_plain())
 """
 
 
@@ -126,7 +126,7 @@ def test_plain_loops_take_the_place_of_vector_code(
     setting: str, size: int, steps: int, ulps: int, why: str, tmp_path: Path
 ) -> None:
     """To the bit, but for multiply-adds without the compiler: they round twice."""
-    assert not vector.WHY_PLAIN
+    assert not vector.why_plain()
     file = tmp_path / "rings.npy"
     done = subprocess.run(
         [sys.executable, "-c", OTHER_WAY, str(file), str(size), str(steps)],

@@ -1,19 +1,19 @@
 """Running a scene whose step and domain are stated, site by site, for observers at their moments.
 
-Recorders measure what the scene asks for; the data set that a run returns holds what was recorded,
-with the scene, the versions and the cost, and so does what Ctrl-C leaves of a run. Discretisation
-errors are measured on request: the same scene with half the step, with twice the sites.
+Recorders measure what the scene asks for; the record of a run holds what was recorded, with the
+scene, the versions and the cost, and so does what Ctrl-C leaves of a run. A data set is made of it
+where one is asked for. Discretisation errors are measured on request: the same scene with half the
+step, with twice the sites.
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib.metadata import version
-from typing import Any, Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import xarray as xr
+from numpy.typing import NDArray
 
 from lattice.model import Domain, State
 from lattice.refine import Progress
@@ -30,6 +30,9 @@ from verify.comparison.observables import (
 )
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LOOK_EVALUATIONS = 1088
 """Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
@@ -140,31 +143,46 @@ def build_recorders(scene: Scene) -> list[Recorder]:
 PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
 
 
-def build_dataset(
-    scene: Scene, reached: Sequence[float], variables: Variables, cost: Mapping[str, object]
-) -> xr.Dataset:
-    """The run of ``scene``; ``reached`` are the snapshots that were got to."""
-    coordinates: dict[str, object] = {"time": ("time", list(reached), {"units": "lattice time"})}
-    for dimension in {name for dimensions, _, _ in variables.values() for name in dimensions}:
-        axis = axis_values(dimension, scene.compared)
-        if axis is not None:
-            coordinates[dimension] = (dimension, *axis)
-    names = {name for name, (dimensions, _, _) in variables.items() if dimensions == (name,)}
-    coordinates |= {name: variables[name] for name in names}
-    data = {name: value for name, value in variables.items() if name not in names}
-    attributes = {
-        "scene": scene.json(),
-        "title": scene.title or scene.name,
-        **cost,
-        "versions": _versions(),
-    }
-    return xr.Dataset(data, coordinates, attributes)
+@dataclass
+class RunRecord:
+    """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
 
+    ``reached`` are the snapshots that were got to; ``attrs`` is what was told of the run, its cost
+    first, and may be added to until the data set is made.
+    """
 
-@cache
-def _versions() -> str:
-    """Those of the packages that a run's numbers depend on; each takes a file to be found."""
-    return ", ".join(f"{package} {version(package)}" for package in PACKAGES)
+    scene: Scene
+    reached: Sequence[float]
+    variables: Variables
+    attrs: dict[str, Any]
+
+    def values(self, name: str) -> NDArray[Any]:
+        """The values of a variable, in the order of its times."""
+        return np.asarray(self.variables[name][1])
+
+    @cached_property
+    def dataset(self) -> "xr.Dataset":
+        """The run with its coordinates, the scene and the versions."""
+        from importlib.metadata import version
+
+        import xarray as xr  # 0.4 s, for those who want a data set
+
+        used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
+        axes = {name: axis_values(name, self.scene.compared) for name in used}
+        coordinates: dict[str, object] = {
+            "time": ("time", list(self.reached), {"units": "lattice time"})
+        }
+        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
+        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
+        coordinates |= {name: self.variables[name] for name in names}
+        data = {name: value for name, value in self.variables.items() if name not in names}
+        attributes = {
+            "scene": self.scene.json(),
+            "title": self.scene.title or self.scene.name,
+            **self.attrs,
+            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+        }
+        return xr.Dataset(data, coordinates, attributes)
 
 
 LONG = 10.0
@@ -172,29 +190,34 @@ LONG = 10.0
 
 
 class UnfinishedRun(KeyboardInterrupt):
-    """Ctrl-C during a run, which had recorded something: ``run``.
+    """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
 
     The run's attribute ``unfinished`` says why it is not what the scene asks for.
     """
 
-    def __init__(self, run: xr.Dataset) -> None:
+    def __init__(self, record: RunRecord) -> None:
         super().__init__("interrupted")
-        self.run = run
+        self.record = record
+
+    @property
+    def run(self) -> "xr.Dataset":
+        """What was recorded."""
+        return self.record.dataset
 
 
 def unfinished(
-    run: xr.Dataset | None, error: float | None, planning_seconds: float
+    run: RunRecord | None, error: float | None, planning_seconds: float
 ) -> KeyboardInterrupt:
     """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
     if run is None:
         return KeyboardInterrupt("before anything was recorded")
-    found = run.assign_attrs(planning_seconds=planning_seconds)
+    run.attrs["planning_seconds"] = planning_seconds
     why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
     if error is None:
-        found.attrs["unfinished"] = f"{why}, its error not estimated"
+        run.attrs["unfinished"] = f"{why}, its error not estimated"
     else:
-        found.attrs |= {"unfinished": why, "error_estimate": error}
-    return UnfinishedRun(found)
+        run.attrs |= {"unfinished": why, "error_estimate": error}
+    return UnfinishedRun(run)
 
 
 class Announcer:
@@ -348,7 +371,7 @@ def run_from(
     restart: State | None,
     progress: Progress | None,
     witnesses: Sequence[Observer] = (),
-) -> xr.Dataset:
+) -> RunRecord:
     """Run from the wave's initial data or from a state of an earlier run of the same scene.
 
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
@@ -368,17 +391,17 @@ def run_from(
     reached, cost = _reached(scene, recorders, recording), _cost(scene, recording)
     if recording.stopped:
         why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
-        raise UnfinishedRun(build_dataset(scene, reached, variables, cost | {"unfinished": why}))
+        raise UnfinishedRun(RunRecord(scene, reached, variables, cost | {"unfinished": why}))
     for measure in measures:
         part = meter.part(COST[measure])
         try:
             values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
             cost["unfinished"] = f"Ctrl-C before the {measure} was measured"
-            raise UnfinishedRun(build_dataset(scene, reached, variables, cost)) from None
+            raise UnfinishedRun(RunRecord(scene, reached, variables, cost)) from None
         attributes = observable_named(measure).variables[0].attributes
         variables[measure] = (("time",), values, attributes)
-    return build_dataset(scene, reached, variables, cost)
+    return RunRecord(scene, reached, variables, cost)
 
 
 def _reached(

@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 
 from lattice.model import Model
 from lattice.refine import (
@@ -35,6 +34,7 @@ from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import (
     SECONDS_PER_UPDATE,
     START_SECONDS,
+    RunRecord,
     StrainSamples,
     UnfinishedRun,
     moments_of,
@@ -131,7 +131,7 @@ or the lattice."""
 
 def run_stencil(
     scene: Scene, progress: Progress, announce: Announce
-) -> tuple[xr.Dataset, Estimate, float]:
+) -> tuple[RunRecord, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
     The error is infinite if the lattice blows up by itself; what came before is kept. Raises
@@ -259,7 +259,7 @@ class StencilEngine:
         try:
             run = run_from(stated, replace(self._moving, eps=eps), None, progress, [samples])
         except UnfinishedRun as stop:
-            run, stopped = stop.run, True
+            run, stopped = stop.record, True
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
         values = None
         if not run.attrs["blow_up"]:
