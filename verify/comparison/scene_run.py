@@ -6,7 +6,7 @@ spectral engine refuses, though it was not named, is run site by site.
 A run can be saved, and gone on with from a snapshot.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from verify.comparison.scene import Scene
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import (
-    Announcer,
+    LONG,
     RunRecord,
     UnfinishedRun,
     run_from,
@@ -32,6 +32,28 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from solutions import ClosedForm
+
+
+class Announcer:
+    """Passes on how many seconds are expected, if they are many and not what was said before.
+
+    >>> told = Announcer(print)
+    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
+    ...     told(seconds)
+    30.0
+    90.0
+    """
+
+    def __init__(self, announce: Callable[[float], None]) -> None:
+        self._announce = announce
+        self._said = LONG / 2.0
+
+    def __call__(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= max(LONG, 2.0 * self._said):
+            self._said = seconds
+            self._announce(seconds)
+
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""

@@ -7,7 +7,7 @@ step, with twice the sites.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
@@ -220,27 +220,6 @@ def unfinished(
     return UnfinishedRun(run)
 
 
-class Announcer:
-    """Passes on how many seconds are expected, if they are many and not what was said before.
-
-    >>> told = Announcer(print)
-    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
-    ...     told(seconds)
-    30.0
-    90.0
-    """
-
-    def __init__(self, announce: Callable[[float], None]) -> None:
-        self._announce = announce
-        self._said = LONG / 2.0
-
-    def __call__(self, seconds: float) -> None:
-        """Announce work to come."""
-        if seconds >= max(LONG, 2.0 * self._said):
-            self._said = seconds
-            self._announce(seconds)
-
-
 @dataclass(frozen=True)
 class Recording:
     """How far a run got, and what it cost (seconds without compilation).
@@ -322,8 +301,13 @@ START_SECONDS = 0.03
 SECONDS_PER_UPDATE = 6e-10
 """Seconds per site and force evaluation, measured with the planning."""
 
-COST = {"time_step_error": 2.0, "domain_error": 2.0}
-"""Work of each re-run relative to the run itself."""
+REFINED_COST = 2.0
+"""Work of a run with half the step or twice the sites, relative to the run itself."""
+
+
+def refinements(scene: Scene) -> list[str]:
+    """The observables that are measured by running the scene again."""
+    return [name for name in scene.observables if observable_named(name).seen == "refinement"]
 
 
 class StrainSamples:
@@ -377,14 +361,14 @@ def run_from(
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
     what was recorded on Ctrl-C.
     """
-    meter = _Meter(scene, progress)
+    measures = refinements(scene)
+    whole, *parts = _parts(progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)])
     recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
-    measures = [measure for measure in scene.observables if measure in COST]
     seen: list[Observer] = [*recorders, *witnesses]
     if measures:
         seen.append(samples)
-    recording = record(scene, moving, seen, meter.part(1.0), restart)
+    recording = record(scene, moving, seen, whole, restart)
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
@@ -392,8 +376,7 @@ def run_from(
     if recording.stopped:
         why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
         raise UnfinishedRun(RunRecord(scene, reached, variables, cost | {"unfinished": why}))
-    for measure in measures:
-        part = meter.part(COST[measure])
+    for measure, part in zip(measures, parts, strict=True):
         try:
             values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
@@ -417,22 +400,13 @@ def _reached(
     return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
-class _Meter:
-    """Turns the progress of each part of the work into progress of the whole."""
+def _parts(progress: Progress, costs: Sequence[float]) -> list[Progress]:
+    """The progress of each part of the work, as progress of the whole."""
 
-    def __init__(self, scene: Scene, progress: Progress | None) -> None:
-        self._progress = progress
-        self._total = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
-        self._before = 0.0
+    def part(start: float, cost: float) -> Progress:
+        return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
 
-    def part(self, cost: float) -> Progress:
-        start, self._before = self._before, self._before + cost
-
-        def report(share: float) -> None:
-            if self._progress is not None:
-                self._progress(min(1.0, (start + share * cost) / self._total))
-
-        return report
+    return [part(sum(costs[:place]), cost) for place, cost in enumerate(costs)]
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
@@ -457,6 +431,6 @@ def stated_seconds(scene: Scene) -> float:
     """What a scene takes that states its step and its sites, with the runs that measure errors."""
     stated = scene.discretisation
     steps = (scene.end - scene.t0) / stated.step
-    runs = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
+    runs = 1.0 + REFINED_COST * len(refinements(scene))
     updates = steps * stated.table.stages * stated.sites
     return START_SECONDS + SECONDS_PER_UPDATE * updates * runs
