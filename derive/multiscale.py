@@ -206,9 +206,10 @@ def reduce(
         corrections=corrections,
         obstruction=obstruction,
         slaved={
-            name: (weight, solver.conditioned(part))
+            name: (weight, part)
             for name, weight, part in zip(names, expansion.together[0], slaved, strict=True)
         },
+        left=expansion.together[1],
     )
 
 

@@ -32,8 +32,9 @@ class Reduction:
     ``obstruction``: the first (power, polynomial) that is no X-derivative, where the one-way
     reduction ends, or None if no such order was reached.  With a transverse term no corrections
     and remainders are sought.  ``slaved``: field -> its share e of the wave and the series that is
-    added to ``eps^p e W``, in jets of the wave.  Constants that ``sound_condition`` and
-    ``conditions`` fix are eliminated from ``pde`` and what follows it.
+    added to ``eps^p e W``, in jets of the wave.  ``left``: what the rows of the equations of motion
+    are weighted with.  Constants that ``sound_condition`` and
+    ``conditions`` fix are eliminated from ``pde``, remainders, corrections and obstruction.
     """
 
     lattice: Lattice
@@ -47,6 +48,7 @@ class Reduction:
     corrections: Mapping[int, DifferentialPolynomial]
     obstruction: tuple[int, DifferentialPolynomial] | None
     slaved: Mapping[str, tuple[FracElement, EpsSeries]]
+    left: tuple[FracElement, ...]
 
     @property
     def notation(self) -> Notation:

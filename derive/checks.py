@@ -1,0 +1,316 @@
+"""A reduction and an envelope checked by other ways than the expansion that gave them.
+
+The constants get rational numbers that are chosen here; the lattice itself is computed at 60
+digits, and what an expansion leaves of it must fall with eps at the power that it promises.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+from sympy import Expr, Rational, Symbol, solve
+
+from derive.algebra.jets import DifferentialPolynomial
+from derive.envelope import Envelope
+from derive.lattice import Bond, Lattice
+from derive.reduction import Reduction
+from derive.symbols import eps
+
+DIGITS = 60
+STEPS = ("1e-4", "1e-5")
+"""Values of eps between which an exponent is measured."""
+
+NEAR = 0.05
+"""How far a measured exponent may lie below the promised one: its error falls with eps."""
+
+Values = Mapping[Symbol, Any]
+Wave = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison: its name, what was compared, and whether it agreed."""
+
+    name: str
+    detail: str
+    passed: bool
+
+    def text(self) -> str:
+        """The check in one line."""
+        return f"{'agrees' if self.passed else 'DIFFERS'}: {self.name} ({self.detail})"
+
+
+def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
+    """Positive rational numbers for the symbols.
+
+    >>> numbers([Symbol("a"), Symbol("b")])
+    {a: 30/23, b: 41/29}
+    """
+    primes = (23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79)
+    return {s: Rational(30 + 11 * i % 31, primes[i % len(primes)]) for i, s in enumerate(symbols)}
+
+
+def checks_of_reduction(reduction: Reduction) -> list[Check]:
+    """A plane wave, a manufactured wave, and the static stress law on a chain."""
+    promised = reduction.highest_order + 1
+    with mpmath.workdps(DIGITS):
+        point = _Point(reduction)
+        found = [
+            _falling("dispersion determinant", point.linear_rest, promised),
+            _falling("manufactured wave", point.manufactured_rest, promised),
+        ]
+        if reduction.lattice.dimension == 1 and not reduction.scaling.background:
+            found.append(_static(reduction))
+    return found
+
+
+def checks_of_envelope(found: Envelope) -> Iterator[Check]:
+    """The identities of a carrier whose wavenumber is shifted; none at a fixed wavenumber.
+
+    p = omega''/2, a3 = omega'''/6 and a1 + a2 = -dq/dk, exactly, as rational functions.
+    """
+    if found.wavenumber is not None:
+        return
+    parts, carrier = found.parts, found.carrier
+    z, w = carrier.field.symbols[:2]
+
+    def slope(value: Any) -> Any:
+        """-i d/dk along the branch, on which d omega/dk = v."""
+        return carrier.field(z) * value.diff(z) + parts["v"] * value.diff(w)
+
+    for name, left, right in (
+        ("p = omega''/2", -2 * parts["p"], slope(parts["v"])),
+        ("a3 = omega'''/6", 3 * parts["a3"], slope(parts["p"])),
+        ("a1 + a2 = -dq/dk", parts["a1"] + parts["a2"], -slope(parts["q"])),
+    ):
+        yield Check(name, "exactly, for all k and constants", left == right)
+
+
+def _falling(name: str, rest: Callable[[Any], Any], promised: int) -> Check:
+    small = [mpmath.mpf(step) for step in STEPS]
+    rests = [abs(rest(step)) for step in small]
+    if not all(rests):
+        return Check(name, "nothing is left", passed=True)
+    exponent = float(mpmath.log(rests[0] / rests[1]) / mpmath.log(small[0] / small[1]))
+    detail = f"what is left falls as eps^{exponent:.2f}, promised {promised}"
+    return Check(name, detail, exponent > promised - NEAR)
+
+
+class _Point:
+    """The lattice and its expansion at chosen constants; the precision is set."""
+
+    def __init__(self, reduction: Reduction) -> None:
+        self.reduction = reduction
+        self.lattice, self.scaling = reduction.lattice, reduction.scaling
+        self.values = numbers(reduction.pde.flow.field.symbols)
+        self.shares = {name: self._number(e.as_expr()) for name, (e, _) in reduction.slaved.items()}
+        self.left = [self._number(value.as_expr()) for value in reduction.left]
+        self.row = next(i for i, value in enumerate(self.left) if value)
+        self.column = next(i for i, share in enumerate(self.shares.values()) if share)
+        axes = len(self.scaling.axes)
+        self.rates = [
+            [Rational(3 + i, 7 + 2 * j) * (-1) ** (i * j) for j in range(axes)] for i in (0, 1)
+        ]
+
+    def _number(self, value: Expr, small: Any = 0) -> Any:
+        found = value.xreplace(self.values)
+        powers = found.as_poly(eps).all_coeffs() if found.has(eps) else [found]
+        return mpmath.polyval([mpmath.mpf(power.evalf(DIGITS)) for power in powers], small)
+
+    def slow(self, cell: Sequence[int], time: Any, small: Any) -> list[Any]:
+        """The slow variables at a cell and a time."""
+        found = []
+        for variable in self.scaling.space:
+            steps = zip(variable.direction, cell, strict=True)
+            along = mpmath.fsum(self._number(d) * s for d, s in steps)
+            found.append(small**variable.exponent * (along - self._number(variable.speed) * time))
+        return [*found, small**self.scaling.time * time]
+
+    def polynomial(self, part: DifferentialPolynomial, at: Sequence[Any]) -> Any:
+        """A polynomial in the jets of the manufactured wave, at the slow variables."""
+        rates = [[mpmath.mpf(r.p) / r.q for r in rate] for rate in self.rates]
+        modes = [mpmath.exp(mpmath.fdot(rate, at)) / (2 + i) for i, rate in enumerate(rates)]
+
+        def jet(counts: Sequence[int]) -> Any:
+            return mpmath.fsum(
+                mode * mpmath.fprod(r**n for r, n in zip(rate, counts, strict=True))
+                for mode, rate in zip(modes, rates, strict=True)
+            )
+
+        return mpmath.fsum(
+            self._number(value.as_expr()) * mpmath.fprod(jet(counts) for counts in monomial)
+            for monomial, value in part.terms.items()
+        )
+
+    def field(self, name: str, cell: Sequence[int], time: Any, small: Any) -> Any:
+        """A field of the lattice under the ansatz, slaved parts included."""
+        at = self.slow(cell, time, small)
+        mean = mpmath.fsum(
+            small**power * self._number(value, small) for power, value in self.scaling.background
+        )
+        zero = (0,) * len(self.scaling.axes)
+        one = DifferentialPolynomial.monomial(self.reduction.pde.flow.field, (zero,))
+        wave = small**self.scaling.amplitude * self.shares[name] * self.polynomial(one, at)
+        parts = self.reduction.slaved[name][1].parts.items()
+        return mean + wave + mpmath.fsum(small**o * self.polynomial(part, at) for o, part in parts)
+
+    def manufactured_rest(self, small: Any) -> Any:
+        """What the expansion leaves of the equations of motion, the largest of the rows."""
+        here = (0,) * self.lattice.dimension
+        names = self.lattice.fields
+        rows = [
+            self._number(mass, small)
+            * mpmath.diff(lambda time, name=name: self.field(name, here, time, small), 0, 2)
+            for mass, name in zip(self.lattice.masses, names, strict=True)
+        ]
+        for bond in self.lattice.bonds:
+            for end in bond.action:
+                stretch = mpmath.fsum(
+                    entry.weight
+                    * self.field(
+                        names[entry.field],
+                        [i + j for i, j in zip(entry.shift, end.shift, strict=True)],
+                        0,
+                        small,
+                    )
+                    for entry in bond.stretch
+                )
+                coefficients = [self._number(value, small) for value in bond.coefficients()]
+                rows[end.field] -= end.weight * mpmath.polyval(coefficients, stretch)
+        at = self.slow(here, 0, small)
+        known = mpmath.fsum(
+            small**order * self.polynomial(equation.polynomial, at)
+            for order, equation in self.reduction.orders.items()
+        )
+        rest = mpmath.fdot(self.left, rows) - known
+        return max([abs(rest), *(abs(row) for i, row in enumerate(rows) if i != self.row)])
+
+    def linear_rest(self, small: Any) -> Any:
+        """The determinant of the linear lattice at a plane wave, less the linear terms found."""
+        rates = [mpmath.mpc(0, 1) * mpmath.mpf(rate.p) / rate.q for rate in self.rates[0]]
+        growth = rates[-1] * small**self.scaling.time
+        for rate, variable in zip(rates, self.scaling.space, strict=False):
+            growth -= rate * small**variable.exponent * self._number(variable.speed)
+        count = len(self.lattice.fields)
+        matrix = mpmath.zeros(count)
+        for i, mass in enumerate(self.lattice.masses):
+            matrix[i, i] = self._number(mass, small) * growth**2
+        mean = sum((eps**power * value for power, value in self.scaling.background), Rational(0))
+        for bond in self.lattice.bonds:
+            about = mean * sum(entry.weight for entry in bond.stretch)
+            slope = self._number(bond.stiffness(about).expand(), small)
+            for end in bond.action:
+                for part in bond.stretch:
+                    steps = [i + j for i, j in zip(end.shift, part.shift, strict=True)]
+                    turn = self._turn(rates, steps, small)
+                    matrix[end.field, part.field] -= end.weight * part.weight * slope * turn
+        sign = (-1) ** (self.row + self.column)
+        below = mpmath.mpf(1)
+        if count > 1:
+            rows, columns = ([i for i in range(count) if i != o] for o in (self.row, self.column))
+            below = mpmath.det(mpmath.matrix([[matrix[i, j] for j in columns] for i in rows]))
+        whole = sign * mpmath.det(matrix) / below * small**self.scaling.amplitude
+        linear = mpmath.fsum(
+            small**order
+            * self._number(value.as_expr())
+            * mpmath.fprod(r**n for r, n in zip(rates, monomial[0], strict=True))
+            for order, equation in self.reduction.orders.items()
+            for monomial, value in equation.polynomial.terms.items()
+            if len(monomial) == 1
+        )
+        return whole - linear
+
+    def _turn(self, rates: Sequence[Any], steps: Sequence[int], small: Any) -> Any:
+        """What a shift multiplies the plane wave by."""
+        total = mpmath.mpf(0)
+        for rate, variable in zip(rates, self.scaling.space, strict=False):
+            along = mpmath.fsum(
+                self._number(d) * s for d, s in zip(variable.direction, steps, strict=True)
+            )
+            total += rate * small**variable.exponent * along
+        return mpmath.exp(total)
+
+
+def _static(reduction: Reduction) -> Check:
+    """The speed of long waves on a uniform strain, and the nonlinear terms without dispersion."""
+    basic = _admissible(reduction)
+    defined = {symbol: value.xreplace(basic) for symbol, value in reduction.lattice.definitions}
+    values = {**basic, **defined}
+    found = reduction.coefficients(**{str(symbol): value for symbol, value in basic.items()})
+    terms = {"Y_X": 0, "Y Y_X": 1, "Y^2 Y_X": 2}
+    shifts = {terms[name]: value for name, value in found.terms.items() if name in terms}
+    highest = max(shifts, default=0)
+
+    def rest(strain: Any) -> Any:
+        waves = _sound(reduction.lattice, values, strain)
+        known = mpmath.mpf(found.c.evalf(DIGITS)) + mpmath.fsum(
+            mpmath.mpf(value.evalf(DIGITS)) * strain**power for power, value in shifts.items()
+        )
+        return waves - known
+
+    return _falling("static stress law", rest, highest + 1)
+
+
+def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
+    """Numbers for the constants that meet the conditions, the last symbol of each solved for."""
+    definitions = dict(reduction.lattice.definitions)
+    inner = {s for value in definitions.values() for s in value.free_symbols}
+    constants = sorted({*reduction.lattice.constants, *inner} - {*definitions}, key=str)
+    chosen: dict[Symbol, Expr] = dict(numbers(constants))
+    for condition in reduction.conditions:
+        vanishing = condition.expression.xreplace(definitions)
+        free = [symbol for symbol in constants if vanishing.has(symbol)]
+        if free:
+            others = {s: value for s, value in chosen.items() if s != free[-1]}
+            chosen[free[-1]] = solve(vanishing.xreplace(others), free[-1])[0]
+    return chosen
+
+
+def _sound(lattice: Lattice, values: Values, strain: Any) -> Any:
+    """The speed of long waves on a uniform strain of the cells, from the stress in equilibrium."""
+    masses = [mpmath.mpf(mass.xreplace(dict(values)).evalf(DIGITS)) for mass in lattice.masses]
+    forces = [_law(bond, values) for bond in lattice.bonds]
+    if any(sum(entry.weight for entry in bond.stretch) for bond in lattice.bonds):
+        return mpmath.sqrt(
+            mpmath.fsum(
+                entry.weight * end.weight * mpmath.mpf(entry.shift[0] + end.shift[0]) ** 2 / 2
+                * mpmath.diff(law, strain * sum(e.weight for e in bond.stretch))
+                for bond, law in zip(lattice.bonds, forces, strict=True)
+                for end in bond.action
+                for entry in bond.stretch
+            )
+            / masses[0]
+        )  # fmt: skip
+
+    def stretch(bond: Bond, size: Any, inner: Sequence[Any]) -> Any:
+        places = [mpmath.mpf(0), *inner]
+        return mpmath.fsum(e.weight * (size * e.shift[0] + places[e.field]) for e in bond.stretch)
+
+    def unbalanced(size: Any, inner: Sequence[Any]) -> list[Any]:
+        rows = [mpmath.mpf(0)] * len(masses)
+        for bond, law in zip(lattice.bonds, forces, strict=True):
+            for end in bond.action:
+                rows[end.field] += end.weight * law(stretch(bond, size, inner))
+        return rows[1:]
+
+    def stress(size: Any) -> Any:
+        inner: list[Any] = []
+        if len(masses) > 1:
+            start = [mpmath.mpf(0)] * (len(masses) - 1)
+            inner = list(mpmath.findroot(lambda *found: unbalanced(size, found), start))
+        return mpmath.fsum(
+            law(stretch(bond, size, inner)) * sum(e.weight * e.shift[0] for e in bond.stretch)
+            for bond, law in zip(lattice.bonds, forces, strict=True)
+        )
+
+    return mpmath.sqrt(mpmath.diff(stress, strain) / mpmath.fsum(masses))
+
+
+def _law(bond: Bond, values: Values) -> Wave:
+    """The force of a bond as a function of numbers."""
+    found = [c.xreplace(dict(values)) for c in bond.coefficients()]
+    coefficients = [mpmath.mpf(value.evalf(DIGITS)) for value in found]
+    return lambda size: mpmath.polyval(coefficients, size)
