@@ -13,9 +13,14 @@ from typing import TYPE_CHECKING
 from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
+    from derive.balances import find_scaling
+    from derive.carrier import EnvelopeError
+    from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
+    from derive.checks import Check, checks_of_envelope, checks_of_reduction
     from derive.dispersion import Dispersion, dispersion_relation
     from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
-    from derive.lattice import Bond, Lattice, Stencil
+    from derive.lattice import Bond, Lattice, Stencil, on_site, spring
+    from derive.lattice_file import lattice_of, read_lattice
     from derive.models.lattices import LATTICES
     from derive.models.mkdv import (
         initial_velocity,
@@ -31,9 +36,13 @@ if TYPE_CHECKING:
 __all__ = [
     "LATTICES",
     "Bond",
+    "Check",
     "Coefficients",
     "Condition",
     "Dispersion",
+    "Envelope",
+    "EnvelopeError",
+    "EnvelopeNumbers",
     "EvolutionEquation",
     "Lattice",
     "NormalForm",
@@ -43,20 +52,34 @@ __all__ = [
     "Scaling",
     "SlowVariable",
     "Stencil",
+    "checks_of_envelope",
+    "checks_of_reduction",
     "dispersion_relation",
+    "envelope",
+    "find_scaling",
     "initial_velocity",
     "initial_velocity_latex",
+    "lattice_of",
     "mkdv_normal_form",
     "mkdv_reduction",
+    "modulation_map",
+    "on_site",
+    "read_lattice",
     "reduce",
+    "spring",
 ]
 
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
+        "derive.balances": "find_scaling",
+        "derive.carrier": "EnvelopeError",
+        "derive.checks": "Check checks_of_envelope checks_of_reduction",
         "derive.dispersion": "Dispersion dispersion_relation",
+        "derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
         "derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
-        "derive.lattice": "Bond Lattice Stencil",
+        "derive.lattice": "Bond Lattice Stencil on_site spring",
+        "derive.lattice_file": "lattice_of read_lattice",
         "derive.models.lattices": "LATTICES",
         "derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
         "mkdv_reduction",

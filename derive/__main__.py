@@ -25,19 +25,66 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
-@click.command(epilog=example("longwave derive --k2 1 --k4 1/3"))
-@click.option("--latex", is_flag=True, help="Print LaTeX (an aligned block).")
-@click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
+@click.command(
+    epilog=example("longwave derive mass_dimer --set m1=1,m2=3,K2=1,K3=1/4,K4=0 --latex")
+)
+@click.argument("words", nargs=-1, metavar="[check] [MODEL|FILE.toml]")
+@click.option("--set", "sets", multiple=True, metavar="NAME=P/Q,...", help="Values of constants.")
+@click.option("--background", metavar="P/Q", help="Uniform strain the waves ride on.")
+@click.option("--amplitude", metavar="N", help="Power of eps of the wave; found unless given.")
+@click.option("--time", metavar="N", help="Power of eps of the slow time; found unless given.")
 @click.option("--orders", metavar="N", help="Highest power of eps.")
+@click.option("--envelope", "carrier", metavar="k[=NUMBER]", help="The envelope of a carrier wave.")
+@click.option("--branch", metavar="NAME", help="acoustic, optical or a number, of the carrier.")
+@click.option("--latex", is_flag=True, help="Print LaTeX.")
+@click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
 @_constant_options
-def derive(latex: bool, json_wanted: bool, orders: str | None, **constants: str | None) -> int:
-    """Derive the reduced equation and its coefficients."""
+def derive(
+    words: tuple[str, ...],
+    sets: tuple[str, ...],
+    latex: bool,
+    json_wanted: bool,
+    background: str | None,
+    amplitude: str | None,
+    time: str | None,
+    orders: str | None,
+    carrier: str | None,
+    branch: str | None,
+    **constants: str | None,
+) -> int:
+    """Derive the long-wave or envelope equation of a lattice and its coefficients.
+
+    Without a MODEL it is the paper's strain FPUT lattice; `longwave list lattices` shows the
+    others, and a FILE.toml may hold one of your own. With `check` the result is compared with plane
+    waves, a manufactured wave and the static stress law.
+    """
     if latex and json_wanted:
         raise click.UsageError("--json must not be given with --latex, got both (leave one)")
-    from derive.output.printout import print_reduction
+    check = words[:1] == ("check",)
+    models = words[1:] if check else words
+    if len(models) > 1:
+        raise click.UsageError(f"MODEL must be one, got {' '.join(models)} (derive them in turn)")
+    given = {name: text for name, text in constants.items() if text is not None}
+    for part in (part for text in sets for part in text.split(",")):
+        name, sign, value = part.partition("=")
+        if not sign:
+            raise click.UsageError(f"--set must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
+        given[name.strip()] = value
+    from derive.output.printout import Wanted, print_derivation
 
-    return print_reduction(
-        constants, orders, "json" if json_wanted else "latex" if latex else "text"
+    return print_derivation(
+        Wanted(
+            model=models[0] if models else None,
+            constants=given,
+            background=background,
+            amplitude=amplitude,
+            time=time,
+            orders=orders,
+            carrier=carrier,
+            branch=branch,
+            form="json" if json_wanted else "latex" if latex else "text",
+            check=check,
+        )
     )
 
 

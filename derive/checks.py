@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import mpmath
-from sympy import Expr, Rational, Symbol, solve
+from sympy import Expr, Rational, Symbol, solve, sqrt
 
 from derive.algebra.jets import DifferentialPolynomial
-from derive.envelope import Envelope
+from derive.carrier_envelope import Envelope
 from derive.lattice import Bond, Lattice
 from derive.reduction import Reduction
 from derive.symbols import eps
@@ -261,7 +261,8 @@ def _admissible(reduction: Reduction) -> dict[Symbol, Expr]:
     constants = sorted({*reduction.lattice.constants, *inner} - {*definitions}, key=str)
     chosen: dict[Symbol, Expr] = dict(numbers(constants))
     for condition in reduction.conditions:
-        vanishing = condition.expression.xreplace(definitions)
+        speed = {reduction.scaling.frame_symbol: sqrt(reduction.speed_squared)}
+        vanishing = condition.expression.xreplace(speed).xreplace(definitions)
         free = [symbol for symbol in constants if vanishing.has(symbol)]
         if free:
             others = {s: value for s, value in chosen.items() if s != free[-1]}

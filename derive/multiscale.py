@@ -4,12 +4,11 @@ The lowest order is the sound condition ``P(c) Y_XX = 0``.  Every order below th
 must vanish by a condition on the constants.  The order with Y_XT is the reduced equation once
 integrated in X, but for a transverse term that stays outside of the X-derivative; the later orders,
 with time derivatives removed, give its corrections.  For the strain FPUT lattice these are the
-steps to the paper's eq. (8).  In a lattice of displacements the wave is W, and Y = W_X.
+steps to the paper's eq. (8).  In a lattice of displacements the wave is W, and
+the steps are taken in Y = W_X, with the X-derivative of the equation.
 """
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 from sympy import Symbol
 from sympy.polys.fields import FracElement
@@ -41,12 +40,11 @@ class _Solver:
 
     def __init__(self, residual: EpsSeries, expansion: Expansion) -> None:
         scaling = expansion.scaling
-        self.series = residual
+        self.series = _in_strain(residual) if expansion.is_displacement else residual
         self.frame = scaling.frame_symbol
         self.drifts = scaling.drifts
         self.constants = (*scaling.drifts, *expansion.lattice.constants)
-        self.is_displacement = expansion.is_displacement
-        self.notation = Notation(scaling.axes, "W" if self.is_displacement else "Y")
+        self.notation = Notation(scaling.axes)
         self.leading_order = scaling.leading_order
         self.lowest_order = scaling.amplitude + 2 * scaling.space[0].exponent
         self.conditions: list[Condition] = []
@@ -85,7 +83,7 @@ class _Solver:
             self._require(order, factor, equation)
 
     def _solve_drifts(self, order: int) -> None:
-        """Let the terms linear in W_X and a transverse derivative vanish by the drift's speed."""
+        """Let the term linear in Y_XZ, Z across, vanish by the speed at which Z drifts."""
         part = self.series.parts[order]
         for monomial, value in part.terms.items():
             drifts = [s for s in self.drifts if value.diff(value.field.gens[self._place(s)])]
@@ -120,7 +118,7 @@ class _Solver:
         return series
 
     def flow(self) -> tuple[DifferentialPolynomial, DifferentialPolynomial]:
-        """F and B of the evolution equation ``(W_T - F)_X + B = 0``; B is linear, without X."""
+        """F and B of the evolution equation ``(Y_T - F)_X + B = 0``; B is linear, without X."""
         part = self.series.parts.get(self.leading_order)
         timed = [m for m in part.terms if any(jet[-1] for jet in m)] if part else []
         wanted = self.notation.monomial_text((self.mixed,))
@@ -133,20 +131,6 @@ class _Solver:
         if flow is None:
             raise self._refusal(self.leading_order, "an X-derivative")
         return flow, across
-
-    def strain(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """A polynomial in W's jets, each with an X-derivative, in those of Y = W_X."""
-        if not self.is_displacement:
-            return polynomial
-        items = (
-            (tuple(sorted(raised(jet, 0, -1) for jet in monomial)), value)
-            for monomial, value in polynomial.terms.items()
-        )
-        return DifferentialPolynomial.collect(polynomial.field, items)
-
-    def strain_flow(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
-        """What a term of W_T is in Y_T."""
-        return self.strain(polynomial.derivative(0)) if self.is_displacement else polynomial
 
     def _zero(self) -> DifferentialPolynomial:
         return DifferentialPolynomial.zero(self.series.field)
@@ -187,21 +171,15 @@ def reduce(
     flow, across = solver.flow()
     corrections, obstruction = ({}, None) if across else _corrections(solver, flow)
     names = expansion.lattice.fields
+    wave = Notation(chosen.axes, "W" if expansion.is_displacement else "Y")
     return Reduction(
         lattice=expansion.lattice,
         scaling=chosen,
         highest_order=highest,
-        orders={
-            order: OrderEquation(order, part, solver.notation)
-            for order, part in residual.parts.items()
-        },
+        orders={order: OrderEquation(order, part, wave) for order, part in residual.parts.items()},
         sound_polynomial=sound,
         conditions=tuple(solver.conditions),
-        pde=EvolutionEquation(
-            solver.strain_flow(flow),
-            replace(solver.notation, unknown="Y"),
-            solver.strain(across.derivative(0)) if solver.is_displacement else across,
-        ),
+        pde=EvolutionEquation(flow, solver.notation, across),
         remainders={} if across else _remainders(solver, flow),
         corrections=corrections,
         obstruction=obstruction,
@@ -214,15 +192,15 @@ def reduce(
 
 
 def _on_solutions(solver: _Solver, flow: EpsSeries) -> EpsSeries:
-    """The lattice residual on solutions of ``W_T = flow``."""
-    return TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
+    """The lattice residual on solutions of ``Y_T = flow``."""
+    found = TimeElimination(flow, len(solver.notation.axes)).series(solver.series)
+    return solver.conditioned(found)
 
 
 def _remainders(solver: _Solver, flow: DifferentialPolynomial) -> dict[int, DifferentialPolynomial]:
     """What is left of each order on exact solutions of the leading equation."""
     leading = EpsSeries(flow.field, solver.series.limit, {0: flow})
-    parts = _on_solutions(solver, leading).parts
-    return {order: solver.strain(part) for order, part in parts.items()}
+    return dict(_on_solutions(solver, leading).parts)
 
 
 def _corrections(
@@ -231,7 +209,6 @@ def _corrections(
     """F_k of ``Y_T = sum eps^k F_k``, and the first order whose X-integral does not exist."""
     limit = solver.series.limit
     flows = {0: flow}
-    obstruction = None
     for power in range(1, limit - solver.leading_order + 1):
         series = _on_solutions(solver, EpsSeries(flow.field, limit, dict(flows)))
         rest = series.parts.get(solver.leading_order + power)
@@ -239,8 +216,19 @@ def _corrections(
             continue
         correction = ((-1 / solver.factor) * rest).antiderivative()
         if correction is None:
-            obstruction = (power, solver.strain((-1 / solver.factor) * rest))
-            break
+            return _later(flows), (power, (-1 / solver.factor) * rest)
         flows[power] = correction
-    later = {power: solver.strain_flow(part) for power, part in flows.items() if power}
-    return later, obstruction
+    return _later(flows), None
+
+
+def _later(flows: dict[int, DifferentialPolynomial]) -> dict[int, DifferentialPolynomial]:
+    return {power: flow for power, flow in flows.items() if power}
+
+
+def _in_strain(series: EpsSeries) -> EpsSeries:
+    """The X-derivative of a series in W, each of whose jets then has one, in Y = W_X."""
+    parts = {}
+    for order, part in series.derivative(0).parts.items():
+        items = ((tuple(sorted(raised(j, 0, -1) for j in m)), v) for m, v in part.terms.items())
+        parts[order] = DifferentialPolynomial.collect(part.field, items)
+    return EpsSeries(series.field, series.limit, parts)

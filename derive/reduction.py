@@ -73,6 +73,30 @@ class Reduction:
         return found.expand() if len(value.denom) == 1 else factor(found)
 
     @property
+    def is_balanced(self) -> bool:
+        """Whether the reduced equation has a nonlinear and a dispersive term."""
+        degrees = {len(monomial) for monomial in self.pde.flow.terms}
+        dispersive = any(len(m) == 1 and m[0][0] > 1 for m in self.pde.flow.terms)
+        return dispersive and max(degrees, default=0) > 1
+
+    @property
+    def is_displacement(self) -> bool:
+        """Whether the lattice's fields are displacements: the wave is W, and Y = W_X."""
+        return any(equation.notation.unknown == "W" for equation in self.orders.values())
+
+    @property
+    def units(self) -> str:
+        """What Y is, in words."""
+        scaling, names = self.scaling, list(self.lattice.fields)
+        if not self.is_displacement:
+            return f"Y: {names[0]} less its mean is eps^{scaling.amplitude} Y, at first order"
+        power = scaling.amplitude + scaling.space[0].exponent
+        wave = (
+            f"{names[0]} is eps^{scaling.amplitude} W" if scaling.amplitude else f"{names[0]} is W"
+        )
+        return f"Y = W_X: {wave}, the strain of a cell eps^{power} Y, at first order"
+
+    @property
     def sound_condition(self) -> Eq:
         """``c^2 = K2``, from the lowest order."""
         return Eq(self.scaling.speed**2, self.speed_squared, evaluate=False)

@@ -163,23 +163,23 @@ class Scaling(Displayed):
             found |= expression.free_symbols
         return tuple(sorted(found - {eps}, key=str))
 
-    def text(self, field: str = "y") -> str:
+    def text(self, field: str = "y", wave: str = "Y") -> str:
         """The ansatz for a lattice's ``field`` in plain text.
 
         >>> Scaling().text()
         'y = eps Y(X, T), X = eps (n - c t), T = eps^3 t'
         """
-        return ", ".join(self._parts(field, text_of))
+        return ", ".join(self._parts(field, wave, text_of))
 
-    def latex(self, field: str = "y") -> str:
+    def latex(self, field: str = "y", wave: str = "Y") -> str:
         """The same in LaTeX, without delimiters."""
-        return r",\; ".join(self._parts(field, latex_of))
+        return r",\; ".join(self._parts(field, wave, latex_of))
 
-    def _parts(self, field: str, printed: Printed) -> list[str]:
+    def _parts(self, field: str, wave: str, printed: Printed) -> list[str]:
         def small(exponent: int) -> str:
             return power_of(eps, exponent, printed)
 
         mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
-        wave = f"{small(self.amplitude)}Y({', '.join(self.axes)})"
+        moving = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
         slow = (f"{v.name} = {small(v.exponent)}({v.phase(printed)})" for v in self.space)
-        return [f"{field} = {mean}{wave}", *slow, f"T = {small(self.time)}t"]
+        return [f"{field} = {mean}{moving}", *slow, f"T = {small(self.time)}t"]

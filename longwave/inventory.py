@@ -20,8 +20,8 @@ PIPE_WIDTH = 160
 def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     """The records of each kind, made of numbers, text and lists alone.
 
-    >>> [record["name"] for record in inventory(["lattices"])["lattices"]]
-    ['fput_strain']
+    >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
+    ['fput_strain', 'next_nearest', 'fput']
     """
     return {kind: _RECORDS[kind]() for kind in kinds}
 

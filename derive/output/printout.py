@@ -1,51 +1,127 @@
-"""What ``longwave derive`` prints: a reduction, the linear waves, coefficients at given numbers."""
+"""What ``longwave derive`` prints: a reduction or an envelope, linear waves, numbers, checks."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Literal
 
-from derive.algebra.exact_numbers import Number, parse_rational
+from sympy import Expr, pi
+
+from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
+from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.balances import find_scaling
+from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope
+from derive.checks import Check, checks_of_envelope, checks_of_reduction
 from derive.command_line import fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
-from derive.models.lattices import FPUT_STRAIN
+from derive.lattice import Lattice
+from derive.lattice_file import read_lattice
+from derive.models.lattices import FPUT_STRAIN, LATTICES
 from derive.models.mkdv import initial_velocity, initial_velocity_latex
 from derive.multiscale import reduce
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
+from derive.scaling import Scaling
 
 MOST_ORDERS = 13
 
 Form = Literal["text", "latex", "json"]
 
 
-def print_reduction(constants: Mapping[str, str | None], orders: str | None, form: Form) -> int:
-    """Print the reduction in that form; returns the exit status (2 for wrong input).
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks for, as text: None where it says nothing."""
 
-    ``constants`` are values as text by name, None where a constant stays a symbol; ``orders`` is
-    the highest power of eps as text, None for the default.
-    """
+    model: str | None = None
+    constants: Mapping[str, str] = field(default_factory=dict)
+    background: str | None = None
+    amplitude: str | None = None
+    time: str | None = None
+    orders: str | None = None
+    carrier: str | None = None
+    branch: str | None = None
+    form: Form = "text"
+    check: bool = False
+
+
+def print_derivation(wanted: Wanted) -> int:
+    """Print it; returns the exit status (1 if a check differs, 2 for wrong input)."""
     try:
-        values: dict[str, Number] = {
-            name: parse_rational(name, text) for name, text in constants.items() if text is not None
-        }
-        reduction = reduce(FPUT_STRAIN, orders=None if orders is None else _orders(orders))
-        numbers = list(_number_lines(reduction, values))
-    except ValueError as error:
+        lattice = _lattice(wanted.model)
+        values: dict[str, Number] = {n: parse_rational(n, t) for n, t in wanted.constants.items()}
+        if wanted.carrier is not None:
+            lines = list(_envelope_lines(lattice, wanted, values))
+        else:
+            lines = list(_reduction_lines(lattice, wanted, values))
+    except (ValueError, OSError) as error:
         return fail(error)
-    if form == "json":
-        print(reduction.json(**values))
-    elif form == "latex":
-        print("\n".join([reduction.latex(**values), _linear_latex(reduction)]))
+    print("\n".join(lines))
+    return int(wanted.check and any(line.startswith("DIFFERS") for line in lines))
+
+
+def _lattice(model: str | None) -> Lattice:
+    if model is None:
+        return FPUT_STRAIN
+    if model in LATTICES:
+        return LATTICES[model]
+    if model.endswith(".toml"):
+        return read_lattice(Path(model))
+    raise ValueError(
+        f"MODEL must be a lattice or a file of one, got {shown(model)} (one of "
+        f"{', '.join(LATTICES)}; or FILE.toml)"
+    )
+
+
+# long waves
+
+
+def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
+    reduction = _reduction(lattice, wanted)
+    if wanted.check:
+        yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
+        yield from map(Check.text, checks_of_reduction(reduction))
+        return
+    numbers = list(_number_lines(reduction, values))
+    is_paper = lattice is FPUT_STRAIN and reduction.scaling == Scaling()
+    if wanted.form == "json":
+        yield reduction.json(**values)
+    elif wanted.form == "latex":
+        yield reduction.latex(**values)
+        if is_paper:
+            yield _linear_latex(reduction)
     else:
-        print("\n".join([reduction.text(), *_linear_lines(reduction), *numbers]))
-    return 0
+        yield reduction.text()
+        if is_paper:
+            yield from _linear_lines(reduction)
+        yield from numbers
 
 
-def _orders(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= MOST_ORDERS):
+def _reduction(lattice: Lattice, wanted: Wanted) -> Reduction:
+    """The reduction that is asked for, or else the first that balances the lattice."""
+    orders = None if wanted.orders is None else _count("--orders", wanted.orders, MOST_ORDERS)
+    mean: tuple[tuple[int, Expr], ...] = ()
+    if wanted.background is not None:
+        value = exact("background", wanted.background)
+        mean = ((0, value),) if value else ()
+    asked = (wanted.amplitude, wanted.time)
+    if lattice is FPUT_STRAIN and asked == (None, None) and not mean:
+        return reduce(lattice, orders=orders)
+    scalings = [Scaling()]
+    if lattice.dimension > 1 or (asked == (None, None) and not mean):
+        scalings = [found.scaling for found in find_scaling(lattice)]
+    chosen = scalings[0]
+    amplitude = _count("--amplitude", wanted.amplitude or str(chosen.amplitude + bool(mean)), 8)
+    time = _count("--time", wanted.time or str(chosen.time), 9)
+    return reduce(lattice, Scaling(amplitude, chosen.space, time, mean), orders)
+
+
+def _count(option: str, text: str, most: int) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
         raise ValueError(
-            f"--orders must be an integer <= {MOST_ORDERS}, got {text!r} (leave it for the default)"
+            f"{option} must be an integer <= {most}, got {text!r} (leave it for the default)"
         )
     return int(text)
 
@@ -69,13 +145,91 @@ def _linear_latex(reduction: Reduction) -> str:
 
 def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[str]:
     coefficients = reduction.coefficients(**values)
-    form = reduction.normal_form(**values)
     given = ", ".join(f"{name} = {value}" for name, value in values.items())
     yield ""
     yield f"coefficients{' at ' + given if given else ''}:"
     yield f"  c = {text_of(coefficients.c)}"
     yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
-    yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
-    yield f"  a = {text_of(form.a)}"
-    yield f"  b = {text_of(form.b)}"
-    yield f"  s = {text_of(form.s)}"
+    if reduction.pde.is_mkdv:
+        form = reduction.normal_form(**values)
+        yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
+        yield f"  a = {text_of(form.a)}"
+        yield f"  b = {text_of(form.b)}"
+        yield f"  s = {text_of(form.s)}"
+
+
+# envelopes
+
+
+def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
+    for option, given in (
+        ("--background", wanted.background),
+        ("--amplitude", wanted.amplitude),
+        ("--time", wanted.time),
+        ("--orders", wanted.orders),
+    ):
+        if given is not None:
+            raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
+    wavenumber = _carrier(wanted.carrier or "")
+    branch = wanted.branch or "acoustic"
+    found = envelope(
+        lattice,
+        k=pi if wavenumber == pi else None,
+        branch=int(branch) if branch.isdecimal() and len(branch) < 4 else branch,
+        **(values if wavenumber is not None and not lattice.definitions else {}),
+    )
+    if wanted.check:
+        yield found.text()
+        yield from map(Check.text, checks_of_envelope(found))
+        return
+    numbers = (
+        found.coefficients(wavenumber, None, **values)
+        if wavenumber is not None and values
+        else None
+    )
+    if wanted.form == "json":
+        data = json.loads(found.json())
+        if numbers:
+            data["numbers"] = {name: _plain(value) for name, value in asdict(numbers).items()}
+        yield json.dumps(data, indent=2)
+    elif wanted.form == "latex":
+        yield found.latex()
+    else:
+        yield lattice.title
+        yield from (f"  {line}" for line in lattice.equations())
+        yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
+        yield "  X = eps (n - v t), T = eps^2 t"
+        yield from _carrier_lines(found, numbers, wavenumber)
+
+
+def _carrier_lines(
+    found: Envelope, numbers: EnvelopeNumbers | None, wavenumber: Expr | None
+) -> Iterator[str]:
+    if numbers is None:
+        yield from found.lines()
+        return
+    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {wavenumber}:"
+    yield from (f"  {name} = {_rounded(value)}" for name, value in asdict(numbers).items())
+    kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
+    yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
+
+
+def _carrier(text: str) -> Expr | None:
+    """The wavenumber of ``k=pi``, ``k=pi/2`` or ``k=1.2``; None for ``k``."""
+    name, _, value = text.replace(" ", "").partition("=")
+    if name != "k":
+        raise ValueError(f"--envelope must be k or k=NUMBER, got {shown(text)} (such as k=pi)")
+    if not value:
+        return None
+    try:
+        return read_formula(value, Vocabulary({}), "k")
+    except ValueError as error:
+        raise ValueError(f"--envelope: {error}") from None
+
+
+def _plain(value: complex) -> float | list[float]:
+    return [value.real, value.imag] if isinstance(value, complex) else value
+
+
+def _rounded(value: complex) -> str:
+    return f"{value:.12g}"

@@ -7,7 +7,7 @@ as numerator and denominator, each a list of [exponents, "p/q"] over the documen
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 from sympy import QQ
@@ -32,7 +32,11 @@ def text_report(reduction: Reduction) -> str:
 def _lines(reduction: Reduction) -> Iterator[str]:
     yield reduction.lattice.title
     yield from (f"  {line}" for line in reduction.lattice.equations())
-    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0])}"
+    wave = "W" if reduction.is_displacement else "Y"
+    yield f"ansatz: {reduction.scaling.text(reduction.lattice.fields[0], wave)}"
+    yield from (f"  {line}" for line in _slaved_lines(reduction))
+    if reduction.is_displacement:
+        yield f"  {reduction.units}"
     yield ""
     yield "orders of the lattice equation:"
     for order in range(min(reduction.orders), reduction.highest_order + 1):
@@ -42,9 +46,23 @@ def _lines(reduction: Reduction) -> Iterator[str]:
     sound = reduction.sound_condition
     yield f"sound condition: {text_of(sound.lhs)} = {text_of(sound.rhs)}"
     yield from (f"condition: {condition.text()}" for condition in reduction.conditions)
-    yield f"reduced equation (order eps^{reduction.scaling.leading_order}):"
+    yield f"reduced equation (order eps^{reduction.scaling.leading_order}), {reduction.pde.kind}:"
     yield f"  {reduction.pde.text()}"
+    for symbol, value in reduction.lattice.definitions:
+        if value.is_zero is not True and reduction.pde.flow.field.symbols.count(symbol):
+            yield f"  {symbol} = {text_of(value)}"
     yield from _beyond(reduction)
+
+
+def _slaved_lines(reduction: Reduction) -> Iterator[str]:
+    """The first slaved term of each field behind the first."""
+    notation = replace(reduction.notation, unknown="W")
+    for name, (share, series) in list(reduction.slaved.items())[1:]:
+        first = next(iter(series.parts.items()), None)
+        wave = f"eps^{reduction.scaling.amplitude} ({text_of(share.as_expr())}) W"
+        yield f"{name} = {wave}" + (
+            f" + eps^{first[0]} ({notation.text(first[1])}) + ..." if first else ""
+        )
 
 
 def _beyond(reduction: Reduction) -> Iterator[str]:
@@ -104,6 +122,9 @@ def reduction_data(reduction: Reduction, constants: Mapping[str, Number] | None 
             {"order": item.order, "vanishes": text_of(item.expression), "reason": item.reason}
             for item in reduction.conditions
         ],
+        "kind": reduction.pde.kind,
+        "units": reduction.units,
+        "definitions": {str(s): text_of(value) for s, value in reduction.lattice.definitions},
         "pde": {"equation": reduction.pde.text(), **data(reduction.pde.polynomial)},
         "remainders": {str(o): data(part) for o, part in reduction.remainders.items()},
         "corrections": {str(p): data(part) for p, part in reduction.corrections.items()},

@@ -139,12 +139,13 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         got.append(given)
         return 1
 
-    monkeypatch.setattr(derive.output.printout, "print_reduction", keep)
+    monkeypatch.setattr(derive.output.printout, "print_derivation", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_mutations", keep)
     monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
     monkeypatch.setattr(verify.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(reports.build, "write_report", keep)
+    Wanted = derive.output.printout.Wanted
     verdicts, runs = verify.cli.verdicts.VerdictOptions, verify.cli.run.RunOptions
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
@@ -158,7 +159,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     ):
         assert main(line.split()) == 1
     assert got == [
-        ({"K2": None, "K3": None, "K4": "-1/2"}, "5", "latex"),
+        (Wanted(constants={"K4": "-1/2"}, orders="5", form="latex"),),
         (verdicts(("kink", "wave_cn"), True, "c.json"), "longwave prove"),
         (verdicts(("kink",), digits="20,40", seed=3), "longwave verify"),
         (("kink",), False, "longwave verify mutations"),

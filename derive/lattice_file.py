@@ -1,0 +1,233 @@
+"""A lattice from a TOML file: fields, masses, springs, on-site forces, or bonds of any stencil.
+
+    name = "mass_in_mass"
+    fields = ["u", "v"]
+    masses = ["m1", "m2"]
+    positive = ["K2", "g", "m1", "m2"]      # all other constants are real
+
+    [[spring]]
+    between = ["u[n]", "u[n+1]"]
+    force = "K2*x + K4*x**3"                # of the stretch x: any smooth function
+
+    [[spring]]
+    between = ["u[n]", "v[n]"]
+    force = "g*sinh(x)"
+
+    [[site]]
+    field = "u"
+    force = "h*x"
+
+    [[bond]]                                # what it measures, and where its force F acts
+    stretch = "y[n]"
+    action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
+    force = "K2*x + K3*x**2"
+
+Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from derive.algebra.exact_numbers import shown
+from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
+from derive.symbols import x
+
+LARGEST = 100_000
+"""Bytes of a file."""
+
+MOST = 50
+"""Entries of each kind."""
+
+SMOOTH = (
+    *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech),
+    *(sp.atan, sp.asinh),
+)
+FUNCTIONS = {function.__name__: (function, 1) for function in SMOOTH}
+
+_KEYS = {
+    "": {"name", "title", "fields", "masses", "positive", "spring", "site", "bond"},
+    "spring": {"between", "force"},
+    "site": {"field", "force"},
+    "bond": {"stretch", "action", "force"},
+}
+_TERM = re.compile(
+    r"\s*([+-]?)\s*(?:(\d{1,6})\s*\*\s*)?([A-Za-z]+)\[\s*n\s*([+-]\s*\d{1,6})?\s*"
+    r"(?:,\s*m\s*([+-]\s*\d{1,6})?\s*)?\]\s*",
+    re.ASCII,
+)
+
+
+def read_lattice(path: Path) -> Lattice:
+    """The lattice of a file.
+
+    Raises ValueError, with the file and the place, for what is no lattice; OSError where the file
+    cannot be read.
+    """
+    content = path.read_bytes()
+    if len(content) > LARGEST:
+        raise ValueError(f"{path.name}: a lattice must have at most {LARGEST} bytes, got more")
+    try:
+        document = tomllib.loads(content.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise ValueError(f"{path.name}: no TOML: {' '.join(str(error).split())}") from None
+    try:
+        return lattice_of(document, path.stem)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from None
+
+
+def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
+    """The lattice that the tables of a file describe.
+
+    >>> spring = {"between": ["u[n]", "u[n+1]"], "force": "K2*x"}
+    >>> lattice_of({"fields": ["u"], "positive": ["K2"], "spring": [spring]}).equations()[0]
+    "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
+    """
+    _check_keys(document, "")
+    fields = _texts(document, "fields")
+    symbols = _Symbols(set(_texts(document, "positive", required=False)))
+    masses = [symbols.formula(f"masses[{i}]", m) for i, m in enumerate(_masses(document, fields))]
+    bonds: list[Bond] = []
+    for kind, build in (("spring", _spring), ("site", _site), ("bond", _bond)):
+        for place, entry in _entries(document, kind):
+            try:
+                bonds.append(build(entry, fields, symbols))
+            except ValueError as error:
+                raise ValueError(f"{place}: {error}") from None
+    if not bonds:
+        raise ValueError("bonds must be there, got none (write a [[spring]])")
+    called = document.get("name", name)
+    title = document.get("title", called)
+    return Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
+
+
+class _Symbols:
+    """The constants by name, positive or real, and the formulas that are read with them."""
+
+    def __init__(self, positive: set[str]) -> None:
+        self.positive = positive
+        self.known: dict[str, sp.Symbol] = {}
+
+    def symbol(self, name: str) -> sp.Symbol:
+        """The constant of a name."""
+        made = (
+            sp.Symbol(name, positive=True) if name in self.positive else sp.Symbol(name, real=True)
+        )
+        return self.known.setdefault(name, made)
+
+    def formula(self, label: str, text: Any) -> sp.Expr:
+        """A formula in the stretch x and constants."""
+        if isinstance(text, int) and not isinstance(text, bool):
+            return sp.Integer(text)
+        if not isinstance(text, str):
+            raise ValueError(f"{label} must be text, got {shown(text)} (write it in quotes)")
+        words = Vocabulary(FUNCTIONS, {"x": x}, unknown_name=self.symbol)
+        return read_formula(text, words, label)
+
+
+def _check_keys(table: object, kind: str) -> None:
+    known = _KEYS[kind]
+    if not isinstance(table, Mapping):
+        raise ValueError(f"[[{kind}]] must be a table, got {shown(table)}")
+    for key in table:
+        if key not in known:
+            raise ValueError(f"keys must be among {', '.join(sorted(known))}, got {shown(key)}")
+
+
+def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    found = document.get(kind, [])
+    if not isinstance(found, list) or len(found) > MOST:
+        raise ValueError(f"{kind} must be [[{kind}]] tables, at most {MOST}, got {shown(found)}")
+    for number, entry in enumerate(found, 1):
+        _check_keys(entry, kind)
+        yield f"[[{kind}]] {number}", entry
+
+
+def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
+    found = document.get(key, None if required else [])
+    texts = isinstance(found, list) and all(isinstance(entry, str) for entry in found)
+    if not texts or (required and not found) or len(found) > MOST:
+        raise ValueError(f'{key} must be a list of names, got {shown(found)} (such as ["u"])')
+    return list(found)
+
+
+def _masses(document: Mapping[str, Any], fields: list[str]) -> list[Any]:
+    found = document.get("masses", [1] * len(fields))
+    if not isinstance(found, list) or len(found) != len(fields):
+        raise ValueError(
+            f"masses must be a list of {len(fields)}, one a field, got {shown(found)} "
+            '(such as ["m1", "m2"])'
+        )
+    return list(found)
+
+
+def _terms(label: str, text: object) -> list[tuple[int, str, Cell]]:
+    """Weight, name and cell of each term of a sum such as ``F[n+1] - 2*F[n]``."""
+    if not isinstance(text, str) or len(text) > 1000:
+        raise ValueError(f"{label} must be a short text, got {shown(text)} (such as u[n+1])")
+    found: list[tuple[int, str, Cell]] = []
+    place = 0
+    while place < len(text):
+        match = _TERM.match(text, place)
+        if match is None or (found and not match[1]):
+            raise ValueError(
+                f"{label} must be a sum of sites such as F[n+1] - 2*F[n], got {shown(text)}"
+            )
+        sign, weight, name, along, across = match.groups()
+        steps = [int((step or "0").replace(" ", "")) for step in (along, across)]
+        cell = tuple(steps) if "," in match[0] else tuple(steps[:1])
+        found.append((int(f"{sign}{weight or 1}"), name, cell))
+        place = match.end()
+    if not found:
+        raise ValueError(f"{label} must name a site, got {shown(text)} (such as u[n+1])")
+    return found
+
+
+def _field(label: str, name: object, fields: list[str]) -> int:
+    if name not in fields:
+        raise ValueError(f"{label} must be among {', '.join(fields)}, got {shown(name)}")
+    return fields.index(str(name))
+
+
+def _spring(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:
+    between = entry.get("between")
+    if not isinstance(between, list) or len(between) != 2:
+        raise ValueError(f'between must be two sites, got {shown(between)} (["u[n]", "u[n+1]"])')
+    ends = []
+    for text in between:
+        terms = _terms("between", text)
+        if len(terms) != 1 or terms[0][0] != 1:
+            raise ValueError(f"between must be two sites, got {shown(text)} (such as u[n+1])")
+        _, name, cell = terms[0]
+        ends.append((cell, _field("between", name, fields)))
+    return spring(symbols.formula("force", entry.get("force")), ends[0], ends[1])
+
+
+def _site(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:
+    index = _field("field", entry.get("field"), fields)
+    return on_site(symbols.formula("force", entry.get("force")), index)
+
+
+def _bond(entry: Mapping[str, Any], fields: list[str], symbols: _Symbols) -> Bond:
+    action = entry.get("action")
+    if not isinstance(action, Mapping) or not action:
+        raise ValueError(f'action must name fields, got {shown(action)} ({{u = "F[n] - F[n-1]"}})')
+    stretch = tuple(
+        Stencil(cell, weight, _field("stretch", name, fields))
+        for weight, name, cell in _terms("stretch", entry.get("stretch"))
+    )
+    ends = []
+    for name, text in action.items():
+        for weight, force, cell in _terms("action", text):
+            if force != "F":
+                raise ValueError(f"action must be a sum of F, the bond's force, got {shown(text)}")
+            ends.append(Stencil(cell, weight, _field("action", name, fields)))
+    return Bond(stretch, symbols.formula("force", entry.get("force")), tuple(ends))

@@ -1,0 +1,212 @@
+"""Envelope equations against closed forms found without this program, and against themselves."""
+
+import json
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from sympy import Integer, Rational, Symbol, acos, cos, cot, pi, simplify, sin, sqrt
+
+from derive import LATTICES, EnvelopeError, checks_of_envelope, envelope, modulation_map, on_site
+from derive.carrier_envelope import Envelope, omega
+from derive.models.lattices import cubic, g1, g2, g3
+from derive.symbols import K2, K3, K4, k, x
+
+FPUT = LATTICES["fput_strain"]
+s, C = sin(k / 2), cos(k / 2)
+
+
+@pytest.fixture(scope="module")
+def strain() -> Envelope:
+    return envelope(FPUT)
+
+
+@pytest.fixture(scope="module")
+def pinned() -> Envelope:
+    return envelope(LATTICES["klein_gordon"])
+
+
+def test_coefficients_of_the_strain_lattice(strain: Envelope) -> None:
+    stiffness, c = omega**2 / (4 * s**2), omega / (2 * s)
+    q = c * s / stiffness * (2 * K3**2 / stiffness * (1 + 1 / s**2) - 3 * K4)
+    known = {
+        "v": c * C,
+        "p": -c * s / 4,
+        "mean": -2 * K3 / (stiffness * s**2),
+        "second": K3 / stiffness * cot(k / 2) ** 2,
+        "q": q,
+        "a3": -c * C / 24,
+        "a1": -q * cot(k / 2),
+        "a2": C / c**3 * (K3**2 * (1 + 3 / s**2) - Rational(3, 2) * stiffness * K4),
+    }
+    for name, value in known.items():
+        assert simplify(strain.expressions[name] - value) == 0, name
+
+
+def test_coefficients_of_the_pinned_chain(pinned: Envelope) -> None:
+    tie = omega**2 - 4 * K2 * s**2
+    v = K2 * sin(k) / omega
+    M = 3 * tie + 16 * K2 * s**4
+    p = (K2 * cos(k) - v**2) / (2 * omega)
+    q = -(3 * g3 - 4 * g2**2 / tie + 2 * g2**2 / M) / (2 * omega)
+    known = {
+        "v": v,
+        "p": p,
+        "q": q,
+        "mean": -2 * g2 / tie,
+        "second": g2 / M,
+        "a3": -(K2 * sin(k) + 6 * v * p) / (6 * omega),
+        "a2": -q * v / omega,
+        "a1": 2 * q * v / omega - 32 * K2 * g2**2 * s**3 * C / (omega * M**2),
+    }
+    at = {k: Rational(7, 5), omega: Rational(9, 4), K2: Rational(3, 7), g2: Rational(5, 3), g3: 2}
+    for name, value in known.items():
+        assert abs((pinned.expressions[name] - value).subs(at).evalf(40)) < 1e-35, name
+
+
+@pytest.mark.parametrize("name", ["fput_strain", "fput", "klein_gordon", "toda"])
+def test_a_shifted_carrier_gives_the_next_order(name: str) -> None:
+    checks = list(checks_of_envelope(envelope(LATTICES[name])))
+    assert len(checks) == 3
+    assert all(check.passed for check in checks)
+
+
+def test_a_mistake_in_the_next_order_is_seen(strain: Envelope) -> None:
+    broken = replace(strain)
+    wrong: dict[str, Any] = {**strain.parts, "a2": strain.parts["a2"] * 101 / 100}
+    broken.__dict__["parts"] = wrong
+    assert [check.passed for check in checks_of_envelope(broken)] == [True, True, False]
+
+
+def test_toda_is_defocusing_at_every_wavenumber() -> None:
+    """p q = -1/8 in the strain for force exp(x) - 1, and so -omega^2/8 in the displacement."""
+    found = envelope(LATTICES["toda"])
+    b = Symbol("b", positive=True)
+    product = found.expressions["p"] * found.expressions["q"]
+    assert simplify(product + omega**2 * b**2 / 8) == 0
+
+
+def test_both_forms_of_the_chain_give_the_same_physics(strain: Envelope) -> None:
+    """q of the displacement is 4 sin^2(k/2) q of the strain; the mean strain is 4 s^2 b0."""
+    found = envelope(LATTICES["fput"])
+    for name in ("q", "mean"):
+        ratio = found.expressions[name] / strain.expressions[name]
+        assert simplify(ratio - 4 * s**2) == 0
+
+
+def test_equal_masses_in_turn_are_a_chain() -> None:
+    """Cells of two: wavenumber and space count double, the displacement is the same."""
+    constants: Any = {"K2": 1, "K3": Rational(1, 4), "K4": 1}
+    chain = envelope(LATTICES["fput"]).coefficients(Rational(1, 2), **constants)
+    dimer = envelope(LATTICES["mass_dimer"], m2=1, **constants)
+    cells = dimer.coefficients(1, m1=1, m2=1, **constants)
+    powers = {"omega": 0, "v": 1, "p": 2, "q": 0, "a3": 3, "a1": 1, "a2": 1, "second": 0}
+    for name, power in powers.items():
+        got, wanted = getattr(cells, name) * 2**power, getattr(chain, name)
+        assert abs(got - wanted) < 1e-12, name
+
+
+def test_the_optical_branch_of_a_dimer() -> None:
+    """Its frequency and group velocity from the closed dispersion relation."""
+    constants: Any = {"K2": 1, "K3": Rational(1, 4), "K4": 1, "m1": 1, "m2": 4}
+    found = envelope(LATTICES["mass_dimer"], branch="optical", **constants)
+    numbers = found.coefficients(1, "optical", **constants)
+
+    def frequency(wavenumber: float) -> float:
+        return math.sqrt(5 / 4 + math.sqrt(25 / 16 - math.sin(wavenumber / 2) ** 2))
+
+    assert abs(numbers.omega - frequency(1)) < 1e-14
+    assert abs(numbers.v - (frequency(1.0001) - frequency(0.9999)) / 2e-4) < 1e-7
+    acoustic = found.coefficients(1, "acoustic", **constants)
+    assert acoustic.omega < 1 < numbers.omega
+
+
+def test_at_the_zone_boundary_the_next_order_vanishes() -> None:
+    found = envelope(FPUT, k=pi)
+    assert found.expressions["v"] == found.expressions["a1"] == found.expressions["a2"] == 0
+    numbers = found.coefficients(K2=4, K3=1, K4=2)
+    assert numbers.p == -0.5
+    assert abs(numbers.q - (2 / 4) * (4 / 4 - 6)) < 1e-14
+    assert numbers == envelope(FPUT).coefficients(pi, K2=4, K3=1, K4=2)
+
+
+def test_plane_waves_are_unstable_where_p_q_is_positive() -> None:
+    """3 K2 K4 > 2 K3^2 (1 + 1/s^2): only short waves, for these constants."""
+    rows = modulation_map(
+        FPUT, [Rational(1, 5), 1, 3], amplitude=2.0, K2=1, K3=Rational(1, 4), K4=1
+    )
+    stable, unstable = rows[0], rows[2]
+    assert stable[1] is not None
+    assert unstable[1] is not None
+    assert stable[2] == 0 < unstable[2] == abs(unstable[1].q) * 4
+    assert [wavenumber for wavenumber, _, _ in rows] == [0.2, 1.0, 3.0]
+
+
+def test_a_resonance_is_named() -> None:
+    """omega^2 = 4 sin^2(k/2) + 4 L2 sin^2 k: at k = pi/2 and L2 = -1/4 it is 1, at 2k it is 4."""
+    lattice = LATTICES["next_nearest"]
+    values: Any = {"K2": 1, "K3": 1, "K4": 0, "L2": -Rational(1, 4), "L3": 0, "L4": 0}
+    found = envelope(lattice, **values)
+    with pytest.raises(EnvelopeError, match=r"where 4 omega\(k\)\^2 = omega\(2k\)\^2"):
+        found.coefficients(pi / 2, **values)
+    assert modulation_map(lattice, [pi / 2], **values)[0][1] is None
+
+
+def test_a_carrier_without_dispersion_is_refused() -> None:
+    """p = 0 at one wavenumber of the pinned chain: K2 cos k = v^2."""
+    values: Any = {"K2": 1, "g1": 2, "g2": 1, "g3": 1}
+    found = envelope(LATTICES["klein_gordon"], **values)
+    low, high = Rational(1, 2), Integer(2)
+    assert found.coefficients(low, **values).p > 0 > found.coefficients(high, **values).p
+    # K2 cos k omega^2 = K2^2 sin^2 k with omega^2 = 4 - 2 cos k
+    with pytest.raises(EnvelopeError, match="no zero of the dispersion p"):
+        found.coefficients(acos(2 - sqrt(3)), **values)
+
+
+WRONG: dict[str, tuple[Any, str]] = {
+    "k 0": (lambda: envelope(FPUT, k=0), "k must satisfy 0 < k <= pi, got 0"),
+    "k 4": (lambda: envelope(FPUT, k=4), "k must satisfy 0 < k <= pi, got 4"),
+    "k text": (lambda: envelope(FPUT, k="pi"), "k must be a rational number"),
+    "branch": (lambda: envelope(FPUT, branch=1), "branch must be acoustic, optical or a number"),
+    "branch name": (lambda: envelope(FPUT, branch="upper"), "branch must be acoustic"),
+    "lattice": (lambda: envelope("fput"), "lattice must be a Lattice"),
+    "axes": (lambda: envelope(LATTICES["square"]), "lattice must have one axis, got 2"),
+    "constant": (lambda: envelope(FPUT, K5=1), "constants must be among K2, K3, K4, got K5"),
+    "no constant": (lambda: envelope(FPUT).coefficients(1, K2=1), "K3 must be given, got none"),
+    "no k": (lambda: envelope(FPUT).coefficients(K2=1, K3=0, K4=1), "k must be given, got none"),
+    "unstable": (
+        lambda: envelope(LATTICES["klein_gordon"]).coefficients(1, K2=1, g1=-9, g2=0, g3=1),
+        "constants must give a real frequency",
+    ),
+    "linear": (
+        lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=2 * x),))),
+        "must be linear in one of the lattice's constants, got none among",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_has_no_envelope_is_refused_in_one_line(name: str) -> None:
+    build, message = WRONG[name]
+    with pytest.raises(ValueError, match=message) as refused:
+        build()
+    assert "\n" not in str(refused.value)
+
+
+def test_outputs(strain: Envelope) -> None:
+    assert strain.text().startswith("fput_strain: i A_T + p A_XX + q |A|^2 A = 0, p = -omega/8")
+    assert r"i A_T + p A_{XX}" in strain.latex()
+    data = json.loads(strain.json())
+    assert data["p"] == "-omega/8"
+    assert data["fixed"] == "K2"
+    assert "Envelope(fput_strain" in repr(strain)
+
+
+def test_a_tie_of_its_own_is_only_data() -> None:
+    """The chain with an on-site force of another name is the pinned chain."""
+    bonds = (LATTICES["fput"].bonds[0], on_site(cubic(g1, g2, g3)))
+    lattice = replace(LATTICES["fput"], bonds=bonds)
+    values: Any = {"K2": 1, "g1": 2, "g2": 1, "g3": 1}
+    found = envelope(lattice, K3=0, K4=0, **values).coefficients(1, K3=0, K4=0, **values)
+    assert found == envelope(LATTICES["klein_gordon"], **values).coefficients(1, **values)

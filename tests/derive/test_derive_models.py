@@ -1,0 +1,269 @@
+"""The catalogue of lattices: its reductions against results found without this program.
+
+The numbers of the rows are those of the known results for chains, dimers and the square lattice:
+speed, nonlinear and dispersive coefficient in closed form.  What no table holds is checked by plane
+waves, manufactured waves and the static stress law (`derive.checks`).
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from sympy import Expr, Integer, Rational, Symbol, expand, simplify, sqrt, symbols
+
+from derive import LATTICES, Lattice, Reduction, Scaling, SlowVariable, find_scaling, reduce
+from derive.checks import checks_of_reduction, numbers
+from derive.lattice import spring
+from derive.models.lattices import H2, H3, H4, m1, m2
+from derive.symbols import K2, K3, K4, c, eps, x
+
+C, S = symbols("C S", real=True)
+drift = Symbol("v", real=True)
+M = m1 + m2
+SERIES = H2 * K2 / ((H2 + K2) * M)
+DIMER = 1 - 12 * m1 * m2 / M**2 * K2 * H2 / (K2 + H2) ** 2
+MASSES = (m1**2 - m1 * m2 + m2**2) / M**2
+ALONG = (SlowVariable("X", 1, (1, 0), c), SlowVariable("Z", 2, (0, 1), Integer(0)))
+OBLIQUE = (SlowVariable("X", 1, (C, S), c), SlowVariable("Z", 2, (-S, C), drift))
+UNIT = (Rational(3, 5), Rational(4, 5))
+INCLINED = K2 * C**2 + H2 * S**2
+
+KNOWN: dict[str, tuple[str, Scaling, Expr, dict[str, Expr]]] = {
+    "chain, quadratic": ("fput", Scaling(1), K2, {"Y Y_X": K3 / c, "Y_XXX": c / 24}),
+    "chain, cubic": (
+        "beta_fput",
+        Scaling(0),
+        K2,
+        {"Y^2 Y_X": 3 * K4 / (2 * c), "Y_XXX": c / 24},
+    ),
+    "masses in turn, cubic": (
+        "mass_dimer",
+        Scaling(0),
+        K2 / (2 * M),
+        {"Y^2 Y_X": 3 * c * K4 / (8 * K2), "Y_XXX": c / 24 * MASSES},
+    ),
+    "masses in turn, quadratic": (
+        "mass_dimer",
+        Scaling(1),
+        K2 / (2 * M),
+        {"Y Y_X": c * K3 / (2 * K2), "Y_XXX": c / 24 * MASSES},
+    ),
+    "dimer, quadratic": (
+        "dimer",
+        Scaling(1),
+        SERIES,
+        {
+            "Y Y_X": c * (H2**3 * K3 + K2**3 * H3) / (H2 * K2 * (H2 + K2) ** 2),
+            "Y_XXX": c / 24 * DIMER,
+        },
+    ),
+    "dimer, cubic": (
+        "cubic dimer",
+        Scaling(0),
+        SERIES,
+        {
+            "Y^2 Y_X": 3 * c / 2 * (H2**4 * K4 + K2**4 * H4) / (H2 * K2 * (H2 + K2) ** 3),
+            "Y_XXX": c / 24 * DIMER,
+        },
+    ),
+    "dimer whose quadratic terms cancel": (
+        "balanced dimer",
+        Scaling(0),
+        SERIES,
+        {
+            "Y^2 Y_X": -3
+            / (2 * M * c)
+            * (
+                (2 * K3**2 / K2**5 - K4 / K2**4)
+                + (2 * (K3 * H2**3 / K2**3) ** 2 / H2**5 - H4 / H2**4)
+            )
+            / (1 / K2 + 1 / H2) ** 4,
+            "Y_XXX": c / 24 * DIMER,
+        },
+    ),
+    "square, along an axis": (
+        "square",
+        Scaling(1, ALONG),
+        K2,
+        {"Y Y_X": K3 / c, "Y_XXX": c / 24, "Y_ZZ": H2 / (2 * c)},
+    ),
+    "square, oblique": (
+        "square",
+        Scaling(1, OBLIQUE),
+        INCLINED,
+        {
+            "Y Y_X": (K3 * C**3 + H3 * S**3) / c,
+            "Y_XXX": (K2 * C**4 + H2 * S**4) / (24 * c),
+            "Y_ZZ": K2 * H2 / (2 * c**3),
+        },
+    ),
+    "square, oblique, cubic": (
+        "cubic square",
+        Scaling(0, OBLIQUE),
+        INCLINED,
+        {
+            "Y^2 Y_X": 3 * (K4 * C**4 + H4 * S**4) / (2 * c),
+            "Y_XXX": (K2 * C**4 + H2 * S**4) / (24 * c),
+            "Y_ZZ": K2 * H2 / (2 * c**3),
+        },
+    ),
+}  # fmt: skip
+
+
+def without(lattice: Lattice, values: dict[Symbol, Expr]) -> Lattice:
+    """The lattice with values in the places of constants."""
+    bonds = tuple(replace(bond, force=bond.force.subs(values)) for bond in lattice.bonds)
+    return replace(lattice, bonds=bonds)
+
+
+MADE = {
+    "cubic dimer": without(LATTICES["dimer"], {K3: 0, H3: 0}),
+    "balanced dimer": without(LATTICES["dimer"], {H3: -K3 * H2**3 / K2**3}),
+    "cubic square": without(LATTICES["square"], {K3: 0, H3: 0}),
+}
+
+
+def reduced(name: str) -> Reduction:
+    lattice, scaling, _, _ = KNOWN[name]
+    return reduce({**LATTICES, **MADE}[lattice], scaling, scaling.leading_order)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_reductions_come_out(name: str) -> None:
+    _, _, squared, terms = KNOWN[name]
+    reduction = reduced(name)
+    assert simplify(reduction.speed_squared - squared) == 0
+    found = reduction.coefficients().terms
+    assert set(found) == set(terms)
+    for term, value in terms.items():
+        rest = (found[term] - value).subs(c, sqrt(squared)).subs({C: UNIT[0], S: UNIT[1]})
+        assert abs(rest.subs(numbers(sorted(rest.free_symbols, key=str))).evalf(50)) < 1e-45
+
+
+def test_the_static_stretch_of_the_other_spring_is_slaved() -> None:
+    """The effective quadratic term vanishes where K3/K2^3 + H3/H2^3 = 0, not where K3 = 0."""
+    reduction = reduce(LATTICES["dimer"], Scaling(0), 4)
+    [condition] = reduction.conditions
+    assert expand(condition.expression - (H3 * K2**3 + H2**3 * K3)) == 0
+
+
+KINDS = {
+    "fput_strain": ["KdV", "mKdV"],
+    "next_nearest": ["KdV", "mKdV", "fifth-order KdV"],
+    "alpha_fput": ["KdV"],
+    "beta_fput": ["mKdV"],
+    "mass_dimer": ["KdV", "mKdV"],
+    "local_resonators": ["KdV", "mKdV"],
+    "toda": ["KdV"],
+    "granular": ["KdV", "mKdV"],
+    "lennard_jones": ["KdV"],
+    "square": ["KP-II", "generalised KP-II"],
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_balances_are_found(name: str) -> None:
+    assert {reduction.pde.kind for reduction in find_scaling(LATTICES[name])} >= set(KINDS[name])
+
+
+def test_a_pinned_lattice_has_no_long_wave() -> None:
+    with pytest.raises(ValueError, match=r"no scaling fits klein_gordon: .* pinned"):
+        find_scaling(LATTICES["klein_gordon"])
+
+
+def test_next_nearest_springs_turn_the_kp_equation() -> None:
+    """KP-I where the dispersion K2 + 16 L2 is negative."""
+    L2 = Symbol("L2", real=True)
+    second = spring(L2 * x, ((0, 0), 0), ((2, 0), 0))
+    square = LATTICES["square"]
+    lattice = replace(square, bonds=(*square.bonds, second))
+    reduction = reduce(lattice, Scaling(1, ALONG), 5)
+    assert reduction.pde.kind == "KP-I or KP-II"
+    found = reduction.coefficients(K2=4, K3=1, H2=1, L2=-Rational(1, 2))
+    assert found.dispersive == Rational(4 - 8, 24) / sqrt(2)
+    negative = without(lattice, {L2: -K2 / 8})
+    assert reduce(negative, Scaling(1, ALONG), 5).pde.kind == "KP-I"
+
+
+def test_a_transverse_variable_must_drift() -> None:
+    still = (OBLIQUE[0], replace(OBLIQUE[1], speed=Integer(0)))
+    with pytest.raises(ValueError, match="let the transverse variable drift"):
+        reduce(LATTICES["square"], Scaling(0, still), 4)
+
+
+def test_forces_are_expanded_as_far_as_the_orders_ask() -> None:
+    granular = reduce(LATTICES["granular"], Scaling(1))
+    A, d = symbols("A d", positive=True)
+    found = granular.coefficients()
+    assert simplify(found.c**2 - 3 * A * sqrt(d) / 2) == 0
+    assert simplify(found.terms["Y Y_X"] + 3 * A / (8 * sqrt(d) * found.c)) == 0
+    at = granular.coefficients(A=2, d=9)
+    assert at.c == 3
+    assert at.terms["Y Y_X"] == -Rational(1, 12)
+    with pytest.raises(ValueError, match="constants must be among A, d, got F1"):
+        granular.coefficients(F1=1)
+
+
+def test_toda_has_no_obstruction_and_granular_chains_have() -> None:
+    assert reduce(LATTICES["toda"], Scaling(1), 11).obstruction is None
+    found = reduce(LATTICES["granular"], Scaling(1), 11).obstruction
+    assert found is not None
+    assert found[0] == 6
+
+
+CHECKED = [
+    *(("fput_strain", scaling) for scaling in (Scaling(), Scaling(2, background=((0, K3 / 7),)))),
+    *((name, Scaling(0)) for name in ("mass_dimer", "dimer", "local_resonators")),
+    *((name, Scaling(1)) for name in ("mass_dimer", "local_resonators")),
+    *((name, Scaling(1)) for name in ("triatomic", "toda", "granular", "lennard_jones")),
+    ("square", Scaling(1, OBLIQUE)),
+    ("next_nearest", Scaling(4, time=5)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "scaling"), CHECKED, ids=lambda value: str(value)[:40])
+def test_the_lattice_itself_agrees(name: str, scaling: Scaling) -> None:
+    orders = scaling.leading_order + (0 if name == "dimer" else 2)
+    for check in checks_of_reduction(reduce(LATTICES[name], scaling, orders)):
+        assert check.passed, check.text()
+
+
+def tampered(reduction: Reduction, change: str) -> Reduction:
+    """The reduction with a mistake of one part in a hundred somewhere."""
+    factor = reduction.pde.flow.field(101) / 100
+    if change == "slaved":
+        share, series = reduction.slaved["v"]
+        wrong = replace(series, parts={o: factor * p for o, p in series.parts.items()})
+        return replace(reduction, slaved={**reduction.slaved, "v": (share, wrong)})
+    if change == "flow":
+        return replace(reduction, pde=replace(reduction.pde, flow=factor * reduction.pde.flow))
+    order, equation = next(
+        item for item in reduction.orders.items() if len(item[1].polynomial.terms) > 1
+    )
+    wrong_order = replace(equation, polynomial=factor * equation.polynomial)
+    return replace(reduction, orders={**reduction.orders, order: wrong_order})
+
+
+@pytest.mark.parametrize(("change", "names"), [
+    ("slaved", ["manufactured wave"]),
+    ("flow", ["static stress law"]),
+    ("order", ["dispersion determinant", "manufactured wave"]),
+])  # fmt: skip
+def test_a_mistake_is_seen(change: str, names: list[str]) -> None:
+    reduction = tampered(reduce(LATTICES["mass_dimer"], Scaling(1)), change)
+    differing = [check.name for check in checks_of_reduction(reduction) if not check.passed]
+    assert differing == names
+
+
+def test_units_are_told() -> None:
+    assert reduce(LATTICES["mass_dimer"], Scaling(0), 4).units.startswith("Y = W_X: u is W")
+    assert "less its mean" in reduce(LATTICES["fput_strain"]).units
+
+
+def test_small_constants_are_data() -> None:
+    """K3 = eps k3 in the displacement: the Gardner equation."""
+    k3: Any = Symbol("k3", real=True)
+    lattice = without(LATTICES["fput"], {K3: eps * k3})
+    reduction = reduce(lattice, Scaling(0), 4)
+    assert reduction.pde.kind == "Gardner"
+    assert reduction.coefficients().terms["Y Y_X"].subs(c, sqrt(K2)) == k3 / sqrt(K2)
