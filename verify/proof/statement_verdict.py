@@ -8,7 +8,7 @@ residual with 0: the formulas are put in and differentiated by SymPy before the 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -246,13 +246,28 @@ def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     """By the residual with ``sin(4*atan(w))`` as an algebraic function of w."""
-    residual = residual_of(statement, equation)
+    expanded = _expanded_angles(residual_of(statement, equation))
+    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
+
+
+def _expanded_angles(residual: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+    """The functions of multiple angles with what they are expanded; raises ValueError if none is.
+
+    An angle is a multiple of an inverse function.
+    """
     angles = [f for f in residual.atoms(*ANGULAR) if f.args[0].has(*INVERSE)]
     largest = max((abs(n) for f in angles for n in f.args[0].atoms(sp.Integer)), default=0)
     if not angles or largest > LARGEST_MULTIPLE:
         raise ValueError("there is no function of a multiple angle")
-    expanded = {f: sp.expand_trig(f) for f in angles}
-    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
+    return {f: sp.expand_trig(f) for f in angles}
+
+
+def residuals_of(statement: Statement, equation: sp.Expr) -> Iterator[sp.Expr]:
+    """The residual as it is, and with multiple angles expanded if it has any."""
+    residual = residual_of(statement, equation)
+    yield _with_exponentials(residual)
+    with suppress(ValueError):
+        yield _with_exponentials(residual.xreplace(_expanded_angles(residual)))
 
 
 def _as_equality(

@@ -1,0 +1,285 @@
+"""Values of constants put into a statement: what the domains say of them, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from derive.algebra.formula_printing import formula_as_text
+from verify.verdict import Outcome
+
+from .domain_signs import DomainSigns
+from .domains import REAL, Domain, settled_domains
+from .explicit_values import Explicit, Values, put_in, tidy
+from .statement_text import Statement
+from .statement_verdict import StatementVerdict, decide_statement
+
+
+@dataclass(frozen=True)
+class Restriction:
+    """``value`` is > 0, >= 0 or != 0, or (``relation`` is a word) it is real or an integer."""
+
+    value: sp.Expr
+    relation: str = ">"
+
+    @property
+    def text(self) -> str:
+        """The restriction in words."""
+        value = formula_as_text(self.value)
+        is_word = self.relation in ("real", "integer")
+        return f"{value} is {self.relation}" if is_word else f"{value} {self.relation} 0"
+
+    def holds(self) -> bool:
+        """Whether a number meets it."""
+        match self.relation:
+            case "!=":
+                return bool(self.value != 0)
+            case "integer":
+                return bool(self.value.is_integer)
+            case "real":
+                return bool(self.value.is_real)
+        real = bool(self.value.is_real)
+        return real and bool(self.value > 0 if self.relation == ">" else self.value >= 0)
+
+
+@dataclass(frozen=True)
+class ConstantCase:
+    """Values of constants with which a ``statement`` holds, and the ``verdict`` on that.
+
+    ``restrictions`` must hold beside the domains; ``implicit`` are polynomials that must vanish.
+    A ``trivial`` case makes all unknowns constants, or an equation empty.
+    """
+
+    values: Values
+    statement: Statement
+    restrictions: tuple[Restriction, ...] = ()
+    implicit: tuple[sp.Expr, ...] = ()
+    trivial: bool = False
+    verdict: StatementVerdict | None = None
+
+    @property
+    def proved(self) -> bool:
+        """Whether the prover has accepted it."""
+        return self.verdict is not None and self.verdict.outcome is Outcome.PROVED
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it is wrong somewhere on its domains."""
+        return self.verdict is not None and self.verdict.outcome is Outcome.REFUTED
+
+    @property
+    def text(self) -> str:
+        """The case in words."""
+        parts = [f"{s} = {formula_as_text(value)}" for s, value in self.values.items()]
+        parts += [f"{formula_as_text(polynomial)} = 0" for polynomial in self.implicit]
+        where = " and ".join(restriction.text for restriction in self.restrictions)
+        notes = [*["trivial"] * self.trivial, *["not proved"] * (not self.proved)]
+        words = ", ".join(parts) or "all values"
+        words += f" where {where}" if where else ""
+        return words + (f" ({', '.join(notes)})" if notes else "")
+
+
+# values put into a statement
+
+
+def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
+    """The case with further values; None where these leave the domains or a formula undefined."""
+    old, values = case.statement, more.values
+    statement = _put_into(old, values)
+    if statement is None:
+        return None
+    known = {s: tidy(put_in(values, v)) for s, v in case.values.items()} | values
+    given = [Restriction(put_in(values, r.value), r.relation) for r in case.restrictions]
+    for symbol, value in values.items():
+        domain = settled_domains(_with_ends([symbol], old), old.domains)[symbol]
+        given += [*_reality(value), *_restrictions(domain, value, values)]
+    restrictions = _needed(given, statement)
+    if restrictions is None:
+        return None
+    return ConstantCase(known, statement, restrictions, (*case.implicit, *more.implicit))
+
+
+def symbols_of(statement: Statement) -> set[sp.Symbol]:
+    """The variables and parameters of a statement."""
+    formulas = (*statement.equations, *statement.solutions.values())
+    return _with_ends({s for f in formulas for s in f.free_symbols}, statement)
+
+
+def _with_ends(symbols: Iterable[sp.Symbol], statement: Statement) -> set[sp.Symbol]:
+    return {*symbols, *(s for domain in statement.domains.values() for s in domain.symbols)}
+
+
+def _put_into(statement: Statement, values: Values) -> Statement | None:
+    """The statement with values for symbols; None where a formula is not defined."""
+    solutions = {u: put_in(values, f) for u, f in statement.solutions.items()}
+    equations = tuple(put_in(values, e) for e in statement.equations)
+    if any(f.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for f in (*solutions.values(), *equations)):
+        return None
+    domains = {
+        s: replace(d, lower=put_in(values, d.lower), upper=put_in(values, d.upper))
+        for s, d in statement.domains.items()
+        if s not in values
+    }
+    return Statement(statement.name, equations, solutions, domains)
+
+
+def _reality(value: sp.Expr) -> Iterator[Restriction]:
+    """What makes a value real: no root of even degree of what is negative."""
+    yield Restriction(value, "real")
+    for power in value.atoms(sp.Pow):
+        if power.exp.is_Rational and power.exp.q % 2 == 0 and power.free_symbols:
+            yield Restriction(tidy(power.base), ">=")
+
+
+def _restrictions(domain: Domain, value: sp.Expr, values: Values) -> Iterator[Restriction]:
+    """What a domain says of a value in the place of its symbol."""
+    if domain.lower != -sp.oo:
+        gap = tidy(value - put_in(values, domain.lower))
+        yield Restriction(gap, ">" if domain.lower_open else ">=")
+    if domain.upper != sp.oo:
+        gap = tidy(put_in(values, domain.upper) - value)
+        yield Restriction(gap, ">" if domain.upper_open else ">=")
+    if domain.nonzero:
+        yield Restriction(value, "!=")
+    if domain.integer:
+        yield Restriction(value, "integer")
+
+
+def _needed(given: Sequence[Restriction], statement: Statement) -> tuple[Restriction, ...] | None:
+    """The restrictions that the domains do not imply; None if they exclude one."""
+    signs = DomainSigns(settled_domains(symbols_of(statement), statement.domains))
+    kept: dict[Restriction, None] = {}
+    for restriction in given:
+        for r in _simplified(restriction, signs):
+            if r.value.is_number:
+                if not r.holds():
+                    return None
+            elif r.relation in (">", ">="):
+                if signs.is_positive(-r.value) or (
+                    r.relation == ">" and signs.is_nonpositive(r.value)
+                ):
+                    return None
+                if r.relation == ">" or not signs.is_nonnegative(r.value):
+                    kept[r] = None
+            else:
+                kept[r] = None
+    roots = {r.value for r in kept if r.relation == ">="}
+    return tuple(r for r in kept if r.relation != "real" or not _is_real(r.value, signs, roots))
+
+
+def _is_real(value: sp.Expr, signs: DomainSigns, roots: set[sp.Expr]) -> bool:
+    """Whether a value is real where what stands under its roots is not negative."""
+    names = {
+        p: sp.Dummy(nonnegative=True, real=True)
+        for p in value.atoms(sp.Pow)
+        if p.exp.is_Rational and p.exp.q != 1 and not p.exp.is_negative
+    }
+    return signs.is_real(value.xreplace(names)) if names and roots else signs.is_real(value)
+
+
+def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
+    """The restriction without factors of known sign and without squares."""
+    relation = restriction.relation
+    if restriction.value.is_number or relation in ("real", "integer"):
+        if not (relation == "integer" and restriction.value.is_integer):
+            yield restriction
+        return
+    above, below = sp.fraction(sp.together(restriction.value))
+    rest = sp.S.One
+    for side, part in ((1, above), (-1, below)):
+        number, factors = sp.factor_list(part)
+        rest *= sp.sign(number)
+        for factor, power in factors:
+            if signs.is_positive(factor) or (power % 2 == 0 and signs.is_nonzero(factor)):
+                continue
+            if signs.is_positive(-factor):
+                rest *= (-1) ** power
+            elif power % 2 and relation != "!=":
+                rest *= factor
+            elif not signs.is_nonzero(factor) and (relation != ">=" or side < 0):
+                yield Restriction(factor, "!=")
+    if rest.is_number or relation != "!=":
+        yield Restriction(sp.expand(rest), relation)
+
+
+# the verdicts
+
+
+def largest_cases(cases: Sequence[ConstantCase]) -> list[ConstantCase]:
+    """The cases with the prover's verdicts; none that lies in another one that is proved."""
+    kept: list[ConstantCase] = []
+    for case in sorted(cases, key=lambda c: len(c.values) + len(c.implicit)):
+        if not any(_lies_in(case, other) for other in kept):
+            kept.append(_decided(case))
+    return sorted(kept, key=lambda case: (case.trivial, not case.proved))
+
+
+def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
+    """Whether the values of a case satisfy those of another one, which is proved."""
+    if not other.proved or not set(other.restrictions) <= set(case.restrictions):
+        return False
+    return all(
+        sp.simplify(put_in(case.values, s) - put_in(case.values, value)) == 0
+        for s, value in other.values.items()
+    )
+
+
+def _decided(case: ConstantCase) -> ConstantCase:
+    """The case with the prover's verdict, with restrictions as domains where they can be."""
+    statement = case.statement
+    moving = set(statement.variables)
+    is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())
+    kept = tuple(e for e in statement.equations if e != 0)
+    case = replace(case, trivial=is_constant or len(kept) < len(statement.equations))
+    if case.implicit or not kept:
+        return case
+    statement = replace(statement, equations=kept)
+    tried = restricted(statement, case.restrictions)
+    if tried is not None:
+        verdict = decide_statement(tried)
+        if verdict.outcome is not Outcome.UNDECIDED:
+            return replace(case, statement=tried, verdict=verdict)
+    verdict = decide_statement(statement)
+    if verdict.outcome is not Outcome.REFUTED or not case.restrictions:
+        return replace(case, statement=statement, verdict=verdict)
+    return case
+
+
+def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:
+    """The statement on domains that say what the restrictions say; None where these cannot.
+
+    >>> from .statement_text import read_statement
+    >>> statement = read_statement("u_t - c*u_x", "u = exp(sqrt(c)*(x + c*t))")
+    >>> c = next(s for s in symbols_of(statement) if s.name == "c")
+    >>> restricted(statement, [Restriction(c - 1)]).domains[c].text("c")
+    '1 < c'
+    """
+    domains = dict(statement.domains)
+    for restriction in restrictions:
+        bound = _bound(restriction, DomainSigns(domains))
+        if bound is None:
+            return None
+        symbol, domain = bound
+        domains[symbol] = domains.get(symbol, REAL) & domain
+    return replace(statement, domains=domains) if restrictions else None
+
+
+def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:
+    """A symbol that a restriction bounds, and where it is then; ends are left out."""
+    if restriction.relation == "!=" and restriction.value.is_Symbol:
+        return restriction.value, Domain(nonzero=True)
+    if restriction.relation not in (">", ">="):
+        return None
+    above, below = sp.fraction(sp.together(restriction.value))
+    value = sp.expand(above if signs.is_positive(below) else above * below)
+    for s in sorted(value.free_symbols, key=str):
+        if not value.is_polynomial(s) or sp.degree(value, s) != 1:
+            continue
+        slope, rest = value.coeff(s, 1), value.coeff(s, 0)
+        for side in (1, -1):
+            if signs.is_positive(side * slope):
+                end = tidy(-rest / slope)
+                return s, Domain(lower=end) if side > 0 else Domain(upper=end)
+    return None
