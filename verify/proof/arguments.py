@@ -7,7 +7,7 @@ combinations of a few: sn(2 x) and sn(3 x + K) follow from sn(x) and sn(K).
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import lcm
 
 import sympy as sp
@@ -52,6 +52,9 @@ class Dependence:
 
 Vector = dict[sp.Expr, sp.Rational]
 
+KEPT = (sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+"""Functions that stay as they are written, as their exponentials are known."""
+
 LONGEST = 60
 """Operations of a quotient that common factors are looked for in."""
 
@@ -64,8 +67,12 @@ def expanded_terms(expression: sp.Expr) -> Vector:
     {x: 2, y: -2/3}
     """
     found: Vector = {}
-    for term in sp.Add.make_args(sp.expand(cancelled(expression))):
+    names = {f: sp.Dummy(real=f.is_real) for f in expression.atoms(*KEPT)}
+    hidden = sp.expand(cancelled(expression.xreplace(names)))
+    kept = {name: f for f, name in names.items()}
+    for term in sp.Add.make_args(hidden):
         coefficient, rest = term.as_coeff_Mul(rational=True)
+        rest = rest.xreplace(kept)
         found[rest] = found.get(rest, sp.S.Zero) + coefficient
     return {rest: value for rest, value in found.items() if value != 0}
 
@@ -174,16 +181,26 @@ HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
+NO_LOGARITHMS: Mapping[sp.Expr, sp.Expr] = {}
+
+
 class Arguments:
     """The arguments of the exponentials and of the elliptic functions, as integer combinations.
 
     ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
     and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
     each function occurs; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
-    root of a sum with s, as its relation with that one would be lost.
+    root of a sum with s, as its relation with that one would be lost.  ``logarithms`` are sums for
+    logarithms of products, which exponents are written with.
     """
 
-    def __init__(self, expressions: Iterable[sp.Expr], variables: Sequence[sp.Symbol]) -> None:
+    def __init__(
+        self,
+        expressions: Iterable[sp.Expr],
+        variables: Sequence[sp.Symbol],
+        logarithms: Mapping[sp.Expr, sp.Expr] = NO_LOGARITHMS,
+    ) -> None:
+        self._logarithms = logarithms
         self.dependence = Dependence(variables)
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self._exponents: dict[sp.Expr, None] = {}
@@ -209,6 +226,10 @@ class Arguments:
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
 
+    def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
+        """An exponent without logarithms, and those with their factors."""
+        return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
+
     def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
         for inner in node.args:
             self._visit(inner, seen)
@@ -218,9 +239,9 @@ class Arguments:
             return
         seen.add(node)
         if isinstance(node, (sp.exp, *HYPERBOLIC)):
-            self._exponents[without_logarithms(node.args[0])[0]] = None
+            self._exponents[self.exponent(node.args[0])[0]] = None
         elif isinstance(node, TRIGONOMETRIC):
-            self._exponents[sp.I * node.args[0]] = None
+            self._exponents[self.exponent(sp.I * node.args[0])[0]] = None
         elif isinstance(node, JacobiFunction):
             argument, m = node.args
             for moves, part in zip((True, False), self.parts(argument), strict=True):

@@ -75,7 +75,7 @@ class Domain:
         return set(self.lower.free_symbols | self.upper.free_symbols)
 
     def __and__(self, other: Domain) -> Domain:
-        """The common part; of two ends that cannot be compared, that of ``other``."""
+        """The common part; raises ValueError for two ends that cannot be compared."""
         lower, lower_open = _inner(
             (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
         )
@@ -219,6 +219,11 @@ def _inner(
     if right[0] in (sp.oo, -sp.oo):
         return left
     closer = side * (left[0] - right[0])
+    if closer.is_nonnegative is None and closer.is_nonpositive is None:
+        raise ValueError(
+            f"ends of a domain on one side must be comparable, got {left[0]} and {right[0]} "
+            "(state one of them as a bound of the other symbol)"
+        )
     return left if closer.is_positive else right
 
 

@@ -13,8 +13,9 @@ from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms
+from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments
 from .certificate_writer import Data, NodeTable, ProofWriter
+from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, visible
@@ -55,7 +56,8 @@ class GeneratorSearch:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = visible(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
-        self._arguments = Arguments([*shown, *values], self._variables)
+        logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
+        self._arguments = Arguments([*shown, *values], self._variables, logarithms)
         self._elliptic = EllipticSearch(
             self._writer,
             self._arguments,
@@ -144,6 +146,11 @@ class GeneratorSearch:
 
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp
+        if base is sp.S.NegativeOne and exponent.is_integer and not exponent.is_Integer:
+            for symbol in exponent.free_symbols:
+                self.need(symbol)
+                self._writer.atom(self._place(sp.Pow(base, symbol)))
+            return
         if not exponent.is_Rational:
             raise ValueError(f"no generator is known for the power {node}")
         if isinstance(base, sp.Abs) and exponent.is_Integer and exponent % 2 == 0:
@@ -152,6 +159,8 @@ class GeneratorSearch:
         self.need(base)
         if exponent.is_Integer:
             return
+        if is_small_polynomial(base):
+            self.show_sign(base)
         root = sp.Pow(base, sp.Rational(1, exponent.q))
         if root != node and (root in self._values or not root.is_Pow or root.base != base):
             self.need(root)
@@ -220,7 +229,7 @@ class GeneratorSearch:
         self._writer.hints["logs"][self._place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
-        rest, logarithms = without_logarithms(z)
+        rest, logarithms = self._arguments.exponent(z)
         combinations = self._arguments.exponents
         found = []
         for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):

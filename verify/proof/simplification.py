@@ -54,6 +54,8 @@ class Rewriting:
         written = node if same else _rebuilt(node, arguments)
         simpler = self.simpler(written)
         if simpler is None:
+            if isinstance(node, sp.log) and not isinstance(written, sp.log):
+                self.found[node] = written
             return written
         self.found[node] = value = self(simpler)
         if node.is_Pow and node.exp.p != 1:

@@ -233,7 +233,12 @@ class _Reading:
         found = REAL
         while True:
             place = part.words.index(parser.next)
-            found &= condition(part, parser, name)
+            try:
+                found &= condition(part, parser, name)
+            except FormulaError:
+                raise
+            except ValueError as error:
+                raise part.error(str(error), place) from None
             if not parser.take_sign(","):
                 break
         parser.expect_end()

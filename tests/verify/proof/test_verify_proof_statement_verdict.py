@@ -25,6 +25,7 @@ NLS, BRIGHT = "I*u_t + u_xx + 2*abs(u)**2*u", "u = a*sech(a*x)*exp(I*a**2*t)"
 GORDON, KINK = "u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2)))"
 TODA = "diff(q[n],t,t) - exp(q[n-1]-q[n]) + exp(q[n]-q[n+1])"
 TODA_SOLITON = "q[n] = log((1+exp(2*k*(n-1)-2*b*t))/(1+exp(2*k*n-2*b*t)))"
+GENERAL = "u = (c/2)**(1/g)*sech(g*sqrt(c)/2*(x - c*t))**(2/g)"
 SYSTEM = "u_t + u*u_x + v_x ;; v_t + diff(u*v, x)"
 
 EXAMPLES = [
@@ -52,6 +53,11 @@ EXAMPLES = [
     ("u_x - u/x", "u = sqrt(a**2*x**2)", "", "", "PROVED"),
     ("u_x - a", "u = sqrt(a**2*x**2)", "", "x > 0", "REFUTED"),
     ("u_x - a", "u = sqrt(a**2*x**2)", "a: a>0", "x > 0", "PROVED"),
+    ("I*u_t + abs(u)**2*u", "u = exp(I*t/x**2)/x", "", "", "PROVED"),
+    ("u[n+1] - u[n-1] ;; u[n]**2 - 1", "u[n] = (-1)**n", "", "", "PROVED"),
+    ("u[n+1] - u[n]", "u[n] = (-1)**n", "", "", "REFUTED"),
+    ("u_t + (g+1)*(g+2)*u**g*u_x + u_xxx", GENERAL, "c: c>0; g: g>0", "", "PROVED"),
+    ("u_t + (g+1)*(g+3)*u**g*u_x + u_xxx", GENERAL, "c: c>0; g: g>0", "", "REFUTED"),
     ("u_t = u_xx + u_yy", "u = exp(-2*a**2*t)*sin(a*x)*cos(a*y)", "", "", "PROVED"),
 ]
 
@@ -74,7 +80,7 @@ def test_a_proof_names_all_parameters_even_those_that_cancel() -> None:
     assert verdict.assumptions[0].startswith("for all real a, c, t, x with ")
     assert "a < c" in verdict.assumptions[0]
     assert "0 < t" in verdict.assumptions[0]
-    assert any("differentiated by SymPy" in line for line in verdict.assumptions)
+    assert not any("SymPy" in line for line in verdict.assumptions)
 
 
 def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0() -> None:
@@ -100,7 +106,7 @@ def test_poles_jumps_and_branch_points_are_named_whichever_way_it_is_proved() ->
 
 def test_what_cannot_be_taken_is_undecided_with_a_reason() -> None:
     for equation, solution in [
-        ("I*u_t + abs(u)**2*u", "u = exp(I*t/x**2)/x"),
+        ("conjugate(u) - log(x - I)", "u = log(x + I)"),
         ("u_x - asinh(sinh(u))", "u = exp(x)"),
     ]:
         verdict = prove(equation, solution)

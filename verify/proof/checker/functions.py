@@ -103,10 +103,11 @@ def _phase(images: Images, f: int) -> Element:
 
 def logarithm(images: Images, node: int, inner: int) -> Element:
     """log of a product of powers of positive factors."""
-    if node not in images.hints.logs:
+    factors = images.hinted(images.hints.logs, node)
+    if factors is None:
         raise CertificateError("there is no generator for a log")
     product, total = images.one, images.zero
-    for q, factor in images.hints.logs[node]:
+    for q, factor in factors:
         # It is not 0 where the logarithm is smooth.
         if not images.signs.not_negative(factor):
             raise CertificateError("a factor in a logarithm is not shown to be positive")
@@ -127,6 +128,22 @@ def arctangent(images: Images, node: int, inner: int) -> Element:
     if not (images.made("tan", value) - images.image(inner)).is_zero:
         raise CertificateError("what an atan is said to be has another tangent")
     return images.image(value)
+
+
+def parity(images: Images, z: int) -> Element:
+    """(-1)**z of a sum of integer symbols times integers, and of an integer."""
+    nodes = images.nodes
+    match nodes.all[z]:
+        case ("number", value):
+            return images.one if integer_of(value) % 2 == 0 else -images.one
+        case ("Add", *terms):
+            return images.product([images.made("parity", term) for term in terms])
+        case ("Mul", *factors):
+            numbers = [f for f in factors if nodes.value(f) is not None]
+            rest = [f for f in factors if f not in numbers]
+            if len(numbers) == len(rest) == 1:
+                return images.made("parity", *rest) ** integer_of(nodes.all[numbers[0]][1])
+    raise CertificateError("a power of -1 must be to a sum of integers")
 
 
 class Functions:
@@ -173,6 +190,15 @@ class Functions:
             case ("im", f):
                 other = images.image(images.signs.conjugate(f))
                 return (images.image(f) - other) / images.made("I") * half
+            case ("diff", _, *variables):
+                inner = images.nodes.made("diff", *images.nodes.all[node][1:-1])
+                lower = images.image(inner if variables[1:] else images.nodes.all[node][1])
+                return images.derivative(lower, variables[-1])
+            case ("power", base, exponent):
+                total = images.nodes.made("Mul", exponent, images.nodes.made("log", base))
+                return images.made("exp", total)
+            case ("parity", z):
+                return parity(images, z)
             case (name, z) if name in axioms.HYPERBOLIC:
                 return axioms.HYPERBOLIC[name](images.made("exp", z), images.one)
             case (name, z) if name in axioms.TRIGONOMETRIC:

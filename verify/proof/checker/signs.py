@@ -36,11 +36,15 @@ REAL = (
     *ODD,
     *("sin", "cos", "tan", "cot", "sec", "csc"),
     *("jacobi_sn", "jacobi_cn", "jacobi_epsilon", "jacobi_zeta"),
+    *("diff", "parity"),
 )
 """Real where their arguments are real."""
 
-UNBOUNDED = ("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", *BELOW_ONE)
-"""Functions with poles or jumps at real arguments, or for m > 1."""
+UNBOUNDED = (
+    *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
+    *BELOW_ONE,
+)
+"""Functions that may have poles or jumps at real arguments, or for m > 1."""
 
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
 """Analytic functions, besides those of Jacobi."""
@@ -128,6 +132,8 @@ class Signs:
                 return made("poly", terms, *map(inside, parts))
             case ("conjugate", inner):
                 return int(inner)
+            case ("diff", inner, *variables):
+                return made("diff", inside(inner), *variables)
             case (str(name), inner) if name in THROUGH:
                 return made(name, inside(inner))
             case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.is_real(m):
@@ -176,13 +182,15 @@ class Signs:
             case ("number", _) | ("pi",):
                 return True
             case ("symbol", _, kind):
-                return bool(kind == "real")
+                return bool(kind != "complex")
             case ("Abs" | "re" | "im", _):
                 return True
             case ("Pow", base, exponent):
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("log", inner):
                 return self.positive(inner)
+            case ("power", base, exponent):
+                return self.not_negative(base) and self.is_real(exponent)
             case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
                 return False
             case ("elliptic_k" | "elliptic_e", _):
@@ -209,6 +217,8 @@ class Signs:
                 return _combined(lambda a, b: a * b, [self.sign(factor) for factor in factors])
             case ("Pow", base, exponent):
                 return self._of_power(self.sign(base), exponent.p, exponent.q)
+            case ("power", base, _):
+                return self.sign(base) & NOT_NEGATIVE
             case ("Abs", inner):
                 found = self.sign(inner) if self.is_real(inner) else ANY
                 return Sign(abs(s) for s in found)
