@@ -8,7 +8,7 @@ from itertools import product
 
 import sympy as sp
 
-from .case_tree import SystemCase, Constants
+from .case_tree import Constants, SystemCase
 
 RELATIONS = 4
 """Most algebraic constants that a root is looked for in."""

@@ -269,9 +269,9 @@ def _expanded_angles(residual: sp.Expr) -> dict[sp.Expr, sp.Expr]:
 def residuals_of(statement: Statement, equation: sp.Expr) -> Iterator[sp.Expr]:
     """The residual as it is, and with multiple angles expanded if it has any."""
     residual = residual_of(statement, equation)
-    yield _with_exponentials(residual)
+    yield with_exponentials(residual)
     with suppress(ValueError):
-        yield _with_exponentials(residual.xreplace(_expanded_angles(residual)))
+        yield with_exponentials(residual.xreplace(_expanded_angles(residual)))
 
 
 def _as_equality(
