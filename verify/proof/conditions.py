@@ -34,6 +34,7 @@ from .statement_verdict import (
     equation_text,
     residuals_of,
     statement_latex,
+    verified_sentence,
 )
 
 Progress = Callable[[str], None]
@@ -46,13 +47,18 @@ EXPLORED = 60
 class ConditionalVerdict(StatementVerdict):
     """For which values of the constants ``solved`` a statement holds.
 
-    ``complete`` says that there are no others, apart from where one of ``left_out`` holds.
+    Without anything ``unknown`` there are no others, apart from where one of ``left_out`` holds.
     """
 
     solved: tuple[str, ...] = ()
     cases: tuple[ConstantCase, ...] = field(default=(), compare=False)
-    complete: bool = False
     left_out: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether there are no values beside the cases and what is left out."""
+        return self.outcome is not Outcome.UNDECIDED and not self.unknown
 
     def json(self) -> dict[str, Any]:
         """The record as plain data."""
@@ -69,24 +75,55 @@ class ConditionalVerdict(StatementVerdict):
             }
             for case in self.cases
         ]
-        more = {"solved": list(self.solved), "cases": cases, "complete": self.complete}
-        return super().json() | more | {"left_out": list(self.left_out)}
+        return super().json() | {
+            "solved": list(self.solved),
+            "cases": cases,
+            "complete": self.complete,
+            "left_out": list(self.left_out),
+            "unknown": list(self.unknown),
+        }
+
+    def lines(self) -> list[str]:
+        """The answer in words, several cases on lines of their own."""
+        if len(self.cases) < 2:
+            return [self.detail]
+        texts = [case.text for case in self.cases]
+        return [line for line in (self._heading, *texts, self._ending) if line]
+
+    def words(self) -> str:
+        """The answer on one line."""
+        names = ", ".join(self.solved)
+        ending = f", {self._ending}" if self._ending else ""
+        if not self.cases:
+            found = "no value was found" if self.unknown else "holds for no value"
+            return f"{found} of {names}{ending}"
+        if any(case.proved and not case.values and not case.restrictions for case in self.cases):
+            return f"holds for all values of {names}"
+        return f"{self._heading} {'; or '.join(case.text for case in self.cases)}{ending}"
+
+    @property
+    def _heading(self) -> str:
+        return "holds if" if self.unknown else "holds if and only if"
+
+    @property
+    def _ending(self) -> str:
+        if self.unknown:
+            return f"others are not excluded ({', '.join(self.unknown)})"
+        return f"apart from where {' or '.join(self.left_out)}" if self.left_out else ""
 
 
 def solve_statement(
-    statement: Statement, names: Sequence[str], progress: Progress = lambda _: None
+    statement: Statement, progress: Progress = lambda _: None
 ) -> ConditionalVerdict:
-    """The cases in which a statement holds, solved for the constants ``names``.
-
-    Raises ValueError for a name that is no parameter of the statement.
+    """The cases in which a statement holds, solved for what is wanted of it.
 
     >>> from verify.proof.statement_text import read_statement
-    >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2")
-    >>> print(solve_statement(kdv, ["a", "c"]).detail)
+    >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2", solve="a, c")
+    >>> print(solve_statement(kdv).detail)
     holds if and only if a = 2, c = 4; or a = 0 (trivial)
     """
     start = time.perf_counter()
-    search = _Search(_parameters(statement, names))
+    search = _Search(statement.wanted)
     progress("the coefficients of the residual")
     try:
         found = search.cases(statement)
@@ -102,20 +139,17 @@ def solve_statement(
     return _verdict(statement, search, cases, time.perf_counter() - start)
 
 
-def _parameters(statement: Statement, names: Sequence[str]) -> list[sp.Symbol]:
-    known = {s.name: s for s in symbols_of(statement) if s not in statement.variables}
-    for name in names:
-        if name not in known:
-            listed = ", ".join(sorted(known)) or "none"
-            raise ValueError(
-                f"solve must name parameters of the statement, got {name!r} (it has {listed})"
-            )
-    if not names or len(set(names)) < len(names):
-        raise ValueError(
-            f"solve must name one or more parameters once, got {', '.join(names) or 'none'} "
-            "(as in c,b)"
-        )
-    return [known[name] for name in names]
+def conditional_sentence(verdict: ConditionalVerdict) -> str:
+    """The answer in LaTeX: a sentence on each case, and whether there are others."""
+    if verdict.outcome is Outcome.UNDECIDED:
+        return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
+    names = ", ".join(sp.latex(sp.Symbol(name)) for name in verdict.solved)
+    apart = ", ".join((*verdict.unknown, *verdict.left_out))
+    last = f"We found no further values of ${names}$ with which it does."
+    if verdict.complete:
+        last = f"There are no other values of ${names}$ with which it does."
+    sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
+    return "\n\n".join([*sentences, last + (f"\n% left out: {apart}" if apart else "")])
 
 
 # the search
@@ -125,7 +159,7 @@ def _parameters(statement: Statement, names: Sequence[str]) -> list[sp.Symbol]:
 class _Search:
     """The cases of a statement and of those that it becomes."""
 
-    wanted: list[sp.Symbol]
+    wanted: Sequence[sp.Symbol]
     unknown: dict[str, None] = field(default_factory=dict)
     left_out: dict[str, None] = field(default_factory=dict)
 
@@ -234,20 +268,19 @@ def _verdict(
 ) -> ConditionalVerdict:
     """The answer; with a reason there is none."""
     certificates = tuple(c for case in cases if case.verdict for c in case.verdict.certificates)
-    complete = not reason and not search.unknown
     outcome, witness = Outcome.UNDECIDED, None
     if certificates and all(case.proved or case.trivial for case in cases):
         outcome = Outcome.PROVED
-    elif not cases and complete:
+    elif not (cases or reason or search.unknown):
         whole = decide_statement(statement)
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness
-    return ConditionalVerdict(
+    found = ConditionalVerdict(
         statement.name,
         "; ".join(equation_text(equation) for equation in statement.equations),
         prover.METHOD,
         outcome,
-        reason or _words(search, cases),
+        reason or "solved",
         witness=witness,
         seconds=seconds,
         statement=statement_latex(statement),
@@ -255,22 +288,7 @@ def _verdict(
         certificates=certificates,
         solved=tuple(map(str, search.wanted)),
         cases=tuple(cases),
-        complete=complete,
-        left_out=(*search.unknown, *search.left_out),
+        left_out=tuple(search.left_out),
+        unknown=tuple(search.unknown),
     )
-
-
-def _words(search: _Search, cases: Sequence[ConstantCase]) -> str:
-    """The answer on one line."""
-    names = ", ".join(map(str, search.wanted))
-    apart = f", apart from where {' or '.join(search.left_out)}" if search.left_out else ""
-    if search.unknown:
-        apart = f"; others are not excluded ({', '.join(search.unknown)})"
-    if not cases:
-        return (
-            f"{'no value was found' if search.unknown else 'holds for no value'} of {names}{apart}"
-        )
-    if any(case.proved and not case.values and not case.restrictions for case in cases):
-        return f"holds for all values of {names}"
-    listed = "; or ".join(case.text for case in cases)
-    return f"holds if {'' if search.unknown else 'and only if '}{listed}{apart}"
+    return found if reason else replace(found, detail=found.words())
