@@ -13,8 +13,16 @@ from dataclasses import dataclass
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
+from derive.algebra.formula_printing import formula_as_text
+
+from .balls import ball_value
 from .domain_signs import DomainSigns
-from .residual_system import Terms
+from .domains import Domains
+from .problem import POINTS
+from .residual_system import Terms, terms_of
+from .samples import sample
+
+BITS = 160
 
 SIGNED_TERMS = 8
 """A polynomial with more terms is not looked at for its sign."""
@@ -134,8 +142,8 @@ class _Node:
 class CaseTree:
     """The real solutions of polynomial systems, solved for the ``wanted`` symbols, the first first.
 
-    An equation without these is solved for one of the ``others``.  ``signs`` knows the domains.
-    ``left_out`` says where solutions are not excluded.
+    An equation without these is solved for one of the ``others``.  ``left_out`` says where
+    solutions are not excluded, ``unknown`` what may be 0 everywhere.
     """
 
     def __init__(
@@ -143,9 +151,10 @@ class CaseTree:
         constants: Constants,
         wanted: Sequence[sp.Symbol],
         others: Sequence[sp.Symbol],
-        signs: DomainSigns,
+        domains: Domains,
     ) -> None:
-        self._constants, self._signs = constants, signs
+        self._constants, self._signs = constants, DomainSigns(domains)
+        self._points = sample(domains, POINTS)
         self._wanted = {constants.places[s] for s in wanted if s in constants.places}
         symbols = (*wanted, *others)
         self._symbols = [constants.places[s] for s in symbols if s in constants.places]
@@ -160,6 +169,7 @@ class CaseTree:
         self._nonzero: dict[str, bool] = {}
         self._steps = 0
         self.left_out: dict[str, None] = {}
+        self.unknown: dict[str, None] = {}
 
     def branches(self, equations: Sequence[fmpq_mpoly]) -> Iterator[SystemCase]:
         """The cases of a system; raises ValueError where there are too many."""
@@ -323,6 +333,48 @@ class CaseTree:
                 relation = self._constants.context.gens()[place] ** degree - value
                 norm = self._constants.reduced(equation.resultant(relation, name))
                 return [self._without(node, equation).having(norm)]
-        words = sp.factor(self._constants.written(equation))
-        self.left_out[f"{words} = 0"] = None
+        linear = self._exponents_difference(equation)
+        if linear is not None:
+            return [self._without(node, equation).having(linear)]
+        written = sp.factor(self._constants.written(equation))
+        kept = [f for f in sp.Mul.make_args(written) if not self._signs.is_nonzero(f)]
+        self.left_out[f"{formula_as_text(sp.Mul(*kept))} = 0"] = None
+        if self._vanishes(equation):
+            self.unknown[f"a relation of {', '.join(map(str, written.atoms(sp.Function)))}"] = None
         return []
+
+    def _vanishes(self, equation: fmpq_mpoly) -> bool:
+        """Whether a polynomial may be 0 everywhere: functions may have a relation."""
+        written = self._constants.written(equation)
+        for point in self._points:
+            try:
+                if not ball_value(written, point, BITS, self._signs).contains(0):
+                    return False
+            except (ValueError, ZeroDivisionError):
+                continue
+        return True
+
+    def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:
+        """What is 0 where two products of real exponentials are equal; None for anything else."""
+        terms = list(equation.terms())
+        used = [self._constants.all[place] for place in self._constants.used(equation)]
+        if len(terms) != 2 or terms[0][1] != -terms[1][1]:
+            return None
+        if not all(isinstance(g, sp.exp) and self._signs.is_real(g.args[0]) for g in used):
+            return None
+        sums = [
+            sp.Add(
+                *(
+                    int(n) * g.args[0]
+                    for g, n in zip(self._constants.all, powers, strict=False)
+                    if n
+                )
+            )
+            for powers, _ in terms
+        ]
+        difference = sp.Poly(
+            sums[0] - sums[1], *sorted(sums[0].free_symbols | sums[1].free_symbols, key=str)
+        )
+        if not all(c.is_Rational for c in difference.coeffs()):
+            return None
+        return self._constants.polynomial(terms_of(difference))

@@ -21,7 +21,6 @@ from verify.verdict import Outcome
 from . import prover
 from .case_tree import CaseTree, Constants
 from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
-from .domain_signs import DomainSigns
 from .domains import settled_domains
 from .explicit_values import explicit_values
 from .phase_variable import with_phase
@@ -204,7 +203,7 @@ class _Search:
         constants = Constants(_constants(system, degenerate), system.relations)
         own = [s for s in self.wanted if s in domains]
         others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
-        tree = CaseTree(constants, own, others, DomainSigns(domains))
+        tree = CaseTree(constants, own, others, domains)
         solved: list[ConstantCase] = []
         further: list[ConstantCase] = []
         for place, polynomials in enumerate((system.polynomials, *degenerate)):
@@ -218,7 +217,7 @@ class _Search:
                     new = with_values(case, values)
                     if new is not None:
                         (solved if is_case else further).append(new)
-        self.unknown |= system.unknown
+        self.unknown |= system.unknown | tree.unknown
         self.left_out |= dict.fromkeys((*system.left_out, *tree.left_out))
         return solved, further
 

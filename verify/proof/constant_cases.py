@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -27,9 +27,11 @@ class Restriction:
     @property
     def text(self) -> str:
         """The restriction in words."""
-        value = formula_as_text(self.value)
-        is_word = self.relation in ("real", "integer")
-        return f"{value} is {self.relation}" if is_word else f"{value} {self.relation} 0"
+        if self.relation in ("real", "integer"):
+            return f"{formula_as_text(self.value)} is {self.relation}"
+        if self.value.could_extract_minus_sign():
+            return f"{formula_as_text(-self.value)} {self.relation.replace('>', '<')} 0"
+        return f"{formula_as_text(self.value)} {self.relation} 0"
 
     def holds(self) -> bool:
         """Whether a number meets it."""
@@ -87,14 +89,25 @@ class ConstantCase:
 def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     """The case with further values; None where these leave the domains or a formula undefined."""
     old, values = case.statement, more.values
-    statement = _put_into(old, values)
-    if statement is None:
-        return None
     known = {s: tidy(put_in(values, v)) for s, v in case.values.items()} | values
     given = [Restriction(put_in(values, r.value), r.relation) for r in case.restrictions]
-    for symbol, value in values.items():
-        domain = settled_domains(_with_ends([symbol], old), old.domains)[symbol]
-        given += [*_reality(value), *_restrictions(domain, value, values)]
+    domains: dict[sp.Symbol, Domain] = {}
+    for symbol, domain in settled_domains(symbols_of(old), old.domains).items():
+        value = values.get(symbol, symbol)
+        lower, upper = put_in(values, domain.lower), put_in(values, domain.upper)
+        if value != symbol or symbol in lower.free_symbols | upper.free_symbols:
+            given += [
+                *_reality(value),
+                *_restrictions(replace(domain, lower=lower, upper=upper), value),
+            ]
+            continue
+        if lower.is_number and upper.is_number and lower >= upper:
+            return None
+        if symbol in old.domains:
+            domains[symbol] = replace(domain, lower=lower, upper=upper)
+    statement = _put_into(old, values, domains)
+    if statement is None:
+        return None
     restrictions = _needed(given, statement)
     if restrictions is None:
         return None
@@ -104,43 +117,43 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
 def symbols_of(statement: Statement) -> set[sp.Symbol]:
     """The variables and parameters of a statement."""
     formulas = (*statement.equations, *statement.solutions.values())
-    return _with_ends({s for f in formulas for s in f.free_symbols}, statement)
+    found = {s for formula in formulas for s in formula.free_symbols}
+    return found | {s for domain in statement.domains.values() for s in domain.symbols}
 
 
-def _with_ends(symbols: Iterable[sp.Symbol], statement: Statement) -> set[sp.Symbol]:
-    return {*symbols, *(s for domain in statement.domains.values() for s in domain.symbols)}
-
-
-def _put_into(statement: Statement, values: Values) -> Statement | None:
+def _put_into(
+    statement: Statement, values: Values, domains: Mapping[sp.Symbol, Domain]
+) -> Statement | None:
     """The statement with values for symbols; None where a formula is not defined."""
     solutions = {u: put_in(values, f) for u, f in statement.solutions.items()}
     equations = tuple(put_in(values, e) for e in statement.equations)
     if any(f.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for f in (*solutions.values(), *equations)):
         return None
-    domains = {
-        s: replace(d, lower=put_in(values, d.lower), upper=put_in(values, d.upper))
-        for s, d in statement.domains.items()
-        if s not in values
-    }
     return Statement(statement.name, equations, solutions, domains)
 
 
 def _reality(value: sp.Expr) -> Iterator[Restriction]:
     """What makes a value real: no root of even degree of what is negative."""
     yield Restriction(value, "real")
-    for power in value.atoms(sp.Pow):
-        if power.exp.is_Rational and power.exp.q % 2 == 0 and power.free_symbols:
-            yield Restriction(tidy(power.base), ">=")
+    below = sp.factor_list(sp.denom(sp.together(value)))[1]
+    for power in _roots_in(value):
+        base = tidy(power.base)
+        is_below = any(factor in below for factor in sp.factor_list(sp.numer(base))[1])
+        yield Restriction(base, ">" if power.exp.is_negative or is_below else ">=")
 
 
-def _restrictions(domain: Domain, value: sp.Expr, values: Values) -> Iterator[Restriction]:
+def _roots_in(value: sp.Expr) -> list[sp.Expr]:
+    """The roots of even degree of formulas."""
+    powers = (p for p in value.atoms(sp.Pow) if p.exp.is_Rational and p.free_symbols)
+    return sorted((p for p in powers if p.exp.q % 2 == 0), key=sp.default_sort_key)
+
+
+def _restrictions(domain: Domain, value: sp.Expr) -> Iterator[Restriction]:
     """What a domain says of a value in the place of its symbol."""
     if domain.lower != -sp.oo:
-        gap = tidy(value - put_in(values, domain.lower))
-        yield Restriction(gap, ">" if domain.lower_open else ">=")
+        yield Restriction(tidy(value - domain.lower), ">" if domain.lower_open else ">=")
     if domain.upper != sp.oo:
-        gap = tidy(put_in(values, domain.upper) - value)
-        yield Restriction(gap, ">" if domain.upper_open else ">=")
+        yield Restriction(tidy(domain.upper - value), ">" if domain.upper_open else ">=")
     if domain.nonzero:
         yield Restriction(value, "!=")
     if domain.integer:
@@ -148,43 +161,65 @@ def _restrictions(domain: Domain, value: sp.Expr, values: Values) -> Iterator[Re
 
 
 def _needed(given: Sequence[Restriction], statement: Statement) -> tuple[Restriction, ...] | None:
-    """The restrictions that the domains do not imply; None if they exclude one."""
-    signs = DomainSigns(settled_domains(symbols_of(statement), statement.domains))
+    """The restrictions that the domains do not imply; None if they exclude one.
+
+    What stands under a root is a restriction of its own, so that the root is not negative.
+    """
+    powers = {p for r in given for p in _roots_in(r.value)}
+    roots = {p: sp.Dummy("root") for p in sorted(powers, key=sp.default_sort_key)}
+    domains = dict(settled_domains(symbols_of(statement), statement.domains))
+    domains |= {
+        name: Domain(lower=sp.S.Zero, lower_open=bool(p.exp.is_negative))
+        for p, name in roots.items()
+    }
+    signs = DomainSigns(domains)
+    bases = {name: p.base for p, name in roots.items()}
     kept: dict[Restriction, None] = {}
-    for restriction in given:
-        for r in _simplified(restriction, signs):
+    waiting = list(given)
+    while waiting:
+        first = waiting.pop(0)
+        for r in _simplified(Restriction(first.value.xreplace(roots), first.relation), signs):
             if r.value.is_number:
                 if not r.holds():
                     return None
-            elif r.relation in (">", ">="):
-                if signs.is_positive(-r.value) or (
-                    r.relation == ">" and signs.is_nonpositive(r.value)
-                ):
+            elif r.value in bases:
+                waiting.append(Restriction(tidy(bases[r.value]), r.relation))
+            elif not _is_implied(r, signs):
+                if r.relation in (">", ">=") and _is_excluded(r, signs):
                     return None
-                if r.relation == ">" or not signs.is_nonnegative(r.value):
-                    kept[r] = None
-            else:
-                kept[r] = None
-    roots = {r.value for r in kept if r.relation == ">="}
-    return tuple(r for r in kept if r.relation != "real" or not _is_real(r.value, signs, roots))
+                back = {name: p for p, name in roots.items()}
+                kept[Restriction(r.value.xreplace(back), r.relation)] = None
+    strict = {r.value for r in kept if r.relation == ">"}
+    if any(-value in strict for value in strict):
+        return None
+    return tuple(r for r in kept if r.relation == ">" or r.value not in strict)
 
 
-def _is_real(value: sp.Expr, signs: DomainSigns, roots: set[sp.Expr]) -> bool:
-    """Whether a value is real where what stands under its roots is not negative."""
-    names = {
-        p: sp.Dummy(nonnegative=True, real=True)
-        for p in value.atoms(sp.Pow)
-        if p.exp.is_Rational and p.exp.q != 1 and not p.exp.is_negative
-    }
-    return signs.is_real(value.xreplace(names)) if names and roots else signs.is_real(value)
+def _is_implied(restriction: Restriction, signs: DomainSigns) -> bool:
+    match restriction.relation:
+        case ">":
+            return signs.is_positive(restriction.value)
+        case ">=":
+            return signs.is_nonnegative(restriction.value)
+        case "!=":
+            return signs.is_nonzero(restriction.value)
+        case "real":
+            return signs.is_real(restriction.value)
+    return bool(restriction.value.is_integer)
+
+
+def _is_excluded(restriction: Restriction, signs: DomainSigns) -> bool:
+    is_strict = restriction.relation == ">"
+    return signs.is_positive(-restriction.value) or (
+        is_strict and signs.is_nonpositive(restriction.value)
+    )
 
 
 def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
     """The restriction without factors of known sign and without squares."""
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
-        if not (relation == "integer" and restriction.value.is_integer):
-            yield restriction
+        yield restriction
         return
     above, below = sp.fraction(sp.together(restriction.value))
     rest = sp.S.One
@@ -275,11 +310,25 @@ def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Dom
     above, below = sp.fraction(sp.together(restriction.value))
     value = sp.expand(above if signs.is_positive(below) else above * below)
     for s in sorted(value.free_symbols, key=str):
-        if not value.is_polynomial(s) or sp.degree(value, s) != 1:
+        if not value.is_polynomial(s):
             continue
-        slope, rest = value.coeff(s, 1), value.coeff(s, 0)
-        for side in (1, -1):
-            if signs.is_positive(side * slope):
-                end = tidy(-rest / slope)
-                return s, Domain(lower=end) if side > 0 else Domain(upper=end)
+        ends = [_end(s, factor, signs) for factor, n in sp.factor_list(value, s)[1] if n % 2]
+        if sp.degree(value, s) == 1 and ends[0] is not None:
+            slope = value.coeff(s, 1)
+            if signs.is_positive(slope):
+                return s, Domain(lower=ends[0])
+            if signs.is_positive(-slope):
+                return s, Domain(upper=ends[0])
+        lead = value.coeff(s, 2)
+        if sp.degree(value, s) == 2 and len(ends) == 2 and signs.is_positive(-lead):
+            for low, high in (ends, ends[::-1]):
+                if low is not None and high is not None and signs.is_positive(high - low):
+                    return s, Domain(lower=low, upper=high)
     return None
+
+
+def _end(symbol: sp.Symbol, factor: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
+    """Where a linear factor is 0."""
+    if sp.degree(factor, symbol) != 1 or not signs.is_nonzero(factor.coeff(symbol, 1)):
+        return None
+    return tidy(-factor.coeff(symbol, 0) / factor.coeff(symbol, 1))

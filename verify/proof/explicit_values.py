@@ -10,7 +10,7 @@ import sympy as sp
 
 from .case_tree import Constants, SystemCase
 
-RELATIONS = 4
+RELATIONS = 3
 """Most algebraic constants that a root is looked for in."""
 
 SHORT = 60
@@ -38,7 +38,8 @@ def explicit_values(branch: SystemCase, constants: Constants) -> Iterator[Explic
     while waiting:
         place, found = waiting.pop(0)
         if place == 0:
-            yield found
+            values = {s: in_squares(value, squares) for s, value in found.values.items()}
+            yield Explicit(values, found.implicit)
             continue
         rule = branch.rules[place - 1]
         rows = [
@@ -109,19 +110,16 @@ def _square_roots(radicand: sp.Expr, squares: Squares) -> list[sp.Expr]:
     """Both square roots; in algebraic constants of which the squares are known, if it is one."""
     if radicand == 0:
         return [sp.S.Zero]
-    best: sp.Expr | None = None
+    candidates: list[tuple[int, int, sp.Expr, sp.Expr]] = []
     for powers in product((0, 1, -1), repeat=len(squares)):
         pairs = list(zip(squares, powers, strict=True))
-        rest = radicand / sp.Mul(*(square**n for (_, square), n in pairs))
-        root, odd = _parted(rest)
-        if odd.is_Rational and odd > 0:
-            value = tidy(sp.sqrt(odd) * root * sp.Mul(*(g**n for (g, _), n in pairs)))
-            if best is None or value.count_ops() < best.count_ops():
-                best = value
-    if best is None:
-        root, odd = _parted(radicand)
-        best = _root_of_quotient(odd) * root
-    return [best, -best]
+        root, odd = _parted(radicand / sp.Mul(*(square**n for (_, square), n in pairs)))
+        root *= sp.Mul(*(g**n for (g, _), n in pairs))
+        size = len(odd.atoms(sp.Function)), odd.count_ops() + root.count_ops()
+        candidates.append((*size, odd, root))
+    _, _, odd, root = min(candidates, key=lambda candidate: candidate[:2])
+    value = _root_of_quotient(odd) * tidy(root)
+    return [value, -value]
 
 
 def _root_of_quotient(quotient: sp.Expr) -> sp.Expr:
@@ -165,6 +163,20 @@ def tidy(expression: sp.Expr) -> sp.Expr:
         factored = sp.factor(found)
         return factored if factored.count_ops() <= found.count_ops() else found
     return found
+
+
+def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
+    """The value in algebraic constants in the place of their squares, where that is shorter."""
+    best = value
+    for constant, square in squares:
+        for factor, power in sp.factor_list(square)[1]:
+            if power != 1 or not factor.has(sp.Function):
+                continue
+            other = constant**2 * factor / square
+            for number in (1, -1):
+                image = best.subs(number * factor, number * sp.cancel(other))
+                best = min(best, tidy(image), key=lambda v: v.count_ops())
+    return best
 
 
 def put_in(values: Mapping[sp.Symbol, sp.Expr], expression: sp.Expr) -> sp.Expr:

@@ -98,6 +98,7 @@ class _Coefficients:
         phases = self._phases(groups)
         self._system.polynomials += [p for part in groups.values() for p in real_parts(part)]
         self._relate()
+        self._relate_turns(groups.values())
         factors = [self._by_moving(factor) for factor in self._field.ring.factors]
         present = {g for moving in groups for g, _ in moving} - phases.keys()
         sums = [parts for parts in factors if len(parts) > 1]
@@ -149,6 +150,15 @@ class _Coefficients:
             if meaning is not sp.I and not self._dependence.moves(meaning):
                 value = ring.context.gens()[index] ** degree - modulus
                 self._system.relations[meaning] = (degree, self._terms(value))
+
+    def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
+        """The sines in which complex exponentials are written."""
+        constants = {g for terms in polynomials for monomial in terms for g, _ in monomial}
+        for constant in filter(is_turn, constants):
+            angle = constant.args[0].as_real_imag()[1]
+            (sine,), (cosine,) = sp.sin(angle).atoms(sp.sin), sp.cos(angle).atoms(sp.cos)
+            square: Terms = {(): fmpq(1), ((cosine, 2),): fmpq(-1)}
+            self._system.relations[sine] = (2, square)
 
     # independence
 
@@ -301,14 +311,15 @@ def as_terms(entries: Sequence[Terms | sp.Expr], system: ResidualSystem) -> list
             found.append({(): fmpq(1)} if above != 0 else {})
             continue
         polynomial = sp.Poly(above)
-        found.append(_terms_of(polynomial))
+        found.append(terms_of(polynomial))
         for g in polynomial.gens:
             if g.is_Pow and g.exp.is_Rational and g.exp.p == 1 and g not in system.relations:
-                system.relations[g] = (int(g.exp.q), _terms_of(sp.Poly(g.base)))
+                system.relations[g] = (int(g.exp.q), terms_of(sp.Poly(g.base)))
     return found
 
 
-def _terms_of(polynomial: sp.Poly) -> Terms:
+def terms_of(polynomial: sp.Poly) -> Terms:
+    """A polynomial by its terms."""
     gens = polynomial.gens
     return {
         tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): _number(c)
