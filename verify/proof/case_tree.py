@@ -7,7 +7,7 @@ where `CaseTree.left_out` says so.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -16,10 +16,10 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from derive.algebra.formula_printing import formula_as_text
 
 from .balls import ball_value
+from .constant_terms import Relations, Terms, terms_of
 from .domain_signs import DomainSigns
-from .domains import Domains
+from .domains import Domain, Domains
 from .problem import POINTS
-from .residual_system import Terms, terms_of
 from .samples import sample
 
 BITS = 160
@@ -34,9 +34,7 @@ STEPS = 4_000
 class Constants:
     """Polynomials in constants: parameters, and roots and functions of parameters."""
 
-    def __init__(
-        self, constants: Iterable[sp.Expr], relations: Mapping[sp.Expr, tuple[int, Terms]]
-    ) -> None:
+    def __init__(self, constants: Iterable[sp.Expr], relations: Relations) -> None:
         self.all = sorted(set(constants), key=sp.default_sort_key)
         names = tuple(f"c{place}" for place in range(max(1, len(self.all))))
         self.context = fmpq_mpoly_ctx.get(names, Ordering.lex)
@@ -212,8 +210,27 @@ class CaseTree:
             return False
         key = str(factor)
         if key not in self._nonzero:
-            self._nonzero[key] = self._signs.is_nonzero(self._constants.written(factor))
+            self._nonzero[key] = self._signs.is_nonzero(
+                self._constants.written(factor)
+            ) or self._has_no_root(factor)
         return self._nonzero[key]
+
+    def _has_no_root(self, factor: fmpq_mpoly) -> bool:
+        """Whether a polynomial in one function has no root among the values of that."""
+        used = self._constants.used(factor)
+        function = self._constants.all[used[0]]
+        values = self._signs.range(function) if len(used) == 1 else None
+        if values is None or function.is_Symbol:
+            return False
+        name = sp.Dummy("value")
+        domain = Domain(lower=sp.sympify(values.lower), lower_open=values.lower_open)
+        polynomial = sp.Add(
+            *(
+                sp.Rational(int(c.p), int(c.q)) * name ** int(powers[used[0]])
+                for powers, c in factor.terms()
+            )
+        )
+        return DomainSigns({name: domain}).is_nonzero(polynomial)
 
     def _next(self, node: _Node) -> list[_Node] | SystemCase:
         """The cases of the next step."""

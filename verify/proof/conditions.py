@@ -20,12 +20,13 @@ from verify.verdict import Outcome
 
 from . import prover
 from .case_tree import CaseTree, Constants
-from .constant_cases import ConstantCase, largest_cases, symbols_of, with_values
+from .constant_cases import ALL, ConstantCase, largest_cases, symbols_of, with_values
+from .constant_terms import Terms, as_terms
 from .domains import settled_domains
 from .explicit_values import explicit_values
 from .phase_variable import with_phase
 from .problem import equality_problem
-from .residual_system import ResidualSystem, Terms, as_terms
+from .residual_system import ResidualSystem
 from .statement_text import Statement
 from .statement_verdict import (
     StatementVerdict,
@@ -53,11 +54,12 @@ class ConditionalVerdict(StatementVerdict):
     cases: tuple[ConstantCase, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
+    is_solved: bool = True
 
     @property
     def complete(self) -> bool:
         """Whether there are no values beside the cases and what is left out."""
-        return self.outcome is not Outcome.UNDECIDED and not self.unknown
+        return self.is_solved and not self.unknown
 
     def json(self) -> dict[str, Any]:
         """The record as plain data."""
@@ -96,7 +98,7 @@ class ConditionalVerdict(StatementVerdict):
         if not self.cases:
             found = "no value was found" if self.unknown else "holds for no value"
             return f"{found} of {names}{ending}"
-        if any(case.proved and not case.values and not case.restrictions for case in self.cases):
+        if any(case.proved and case.text == ALL for case in self.cases):
             return f"holds for all values of {names}"
         return f"{self._heading} {'; or '.join(case.text for case in self.cases)}{ending}"
 
@@ -199,7 +201,7 @@ class _Search:
         """Cases of one statement, and those that must be looked at anew."""
         system = self._system(case.statement)
         domains = settled_domains(symbols_of(case.statement), case.statement.domains)
-        degenerate = [as_terms(entries, system) for entries in system.degenerate]
+        degenerate = [as_terms(entries, system.relations) for entries in system.degenerate]
         constants = Constants(_constants(system, degenerate), system.relations)
         own = [s for s in self.wanted if s in domains]
         others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
@@ -289,5 +291,6 @@ def _verdict(
         cases=tuple(cases),
         left_out=tuple(search.left_out),
         unknown=tuple(search.unknown),
+        is_solved=not reason,
     )
     return found if reason else replace(found, detail=found.words())

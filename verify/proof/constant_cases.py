@@ -16,6 +16,11 @@ from .explicit_values import Explicit, Values, put_in, tidy
 from .statement_text import Statement
 from .statement_verdict import StatementVerdict, decide_statement
 
+ALL = "all values"
+"""The case without conditions."""
+
+UNDEFINED = (sp.zoo, sp.nan, sp.oo, -sp.oo)
+
 
 @dataclass(frozen=True)
 class Restriction:
@@ -78,7 +83,7 @@ class ConstantCase:
         parts += [f"{formula_as_text(polynomial)} = 0" for polynomial in self.implicit]
         where = " and ".join(restriction.text for restriction in self.restrictions)
         notes = [*["trivial"] * self.trivial, *["not proved"] * (not self.proved)]
-        words = ", ".join(parts) or "all values"
+        words = ", ".join(parts) or ALL
         words += f" where {where}" if where else ""
         return words + (f" ({', '.join(notes)})" if notes else "")
 
@@ -91,6 +96,8 @@ def with_values(case: ConstantCase, more: Explicit) -> ConstantCase | None:
     old, values = case.statement, more.values
     known = {s: tidy(put_in(values, v)) for s, v in case.values.items()} | values
     given = [Restriction(put_in(values, r.value), r.relation) for r in case.restrictions]
+    if any(v.has(*UNDEFINED) for v in (*known.values(), *(r.value for r in given))):
+        return None
     domains: dict[sp.Symbol, Domain] = {}
     for symbol, domain in settled_domains(symbols_of(old), old.domains).items():
         value = values.get(symbol, symbol)
@@ -127,7 +134,7 @@ def _put_into(
     """The statement with values for symbols; None where a formula is not defined."""
     solutions = {u: put_in(values, f) for u, f in statement.solutions.items()}
     equations = tuple(put_in(values, e) for e in statement.equations)
-    if any(f.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for f in (*solutions.values(), *equations)):
+    if any(f.has(*UNDEFINED) for f in (*solutions.values(), *equations)):
         return None
     return Statement(statement.name, equations, solutions, domains)
 
@@ -268,9 +275,10 @@ def _decided(case: ConstantCase) -> ConstantCase:
     is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())
     kept = tuple(e for e in statement.equations if e != 0)
     case = replace(case, trivial=is_constant or len(kept) < len(statement.equations))
-    if case.implicit or not kept:
+    explicit = _explicit(replace(statement, equations=kept), case.implicit)
+    if explicit is None or not kept:
         return case
-    statement = replace(statement, equations=kept)
+    statement = explicit
     tried = restricted(statement, case.restrictions)
     if tried is not None:
         verdict = decide_statement(tried)
@@ -280,6 +288,21 @@ def _decided(case: ConstantCase) -> ConstantCase:
     if verdict.outcome is not Outcome.REFUTED or not case.restrictions:
         return replace(case, statement=statement, verdict=verdict)
     return case
+
+
+def _explicit(statement: Statement, implicit: Sequence[sp.Expr]) -> Statement | None:
+    """The statement with what makes the polynomials 0, where each is linear in a parameter."""
+    for place, polynomial in enumerate(implicit):
+        for s in sorted(polynomial.free_symbols, key=str):
+            slope = polynomial.coeff(s, 1) if sp.degree(polynomial, s) == 1 else sp.S.Zero
+            if slope.is_Rational and slope != 0:
+                values = {s: sp.expand(s - polynomial / slope)}
+                domains = {q: d for q, d in statement.domains.items() if not {q, *d.symbols} & {s}}
+                found = _put_into(statement, values, domains)
+                rest = [sp.numer(sp.together(put_in(values, p))) for p in implicit[place + 1 :]]
+                return found and _explicit(found, [p for p in map(sp.expand, rest) if p != 0])
+        return None
+    return statement
 
 
 def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Statement | None:

@@ -90,7 +90,7 @@ def _roots(
         size = sp.Pow(abs(number), sp.Rational(1, step))
         return [size if number > 0 else -size]
     polynomial = sp.Add(*(row * symbol**power for power, row in enumerate(rows)))
-    return [_Implicit(sp.factor(polynomial))]
+    return [_Implicit(sp.expand(polynomial))]
 
 
 def _even(

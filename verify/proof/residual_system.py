@@ -16,6 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
+from math import gcd
 
 import sympy as sp
 from flint import fmpq, fmpq_mpoly
@@ -31,14 +32,9 @@ from .checker.images import Generator
 from .checker.nodes import Nodes
 from .checker.ring import Element
 from .checker.statement import read_statement
+from .constant_terms import Monomial, Relations, Terms, is_turn, real_parts
 from .domain_signs import DomainSigns
 from .problem import Problem
-
-Monomial = tuple[tuple[sp.Expr, int], ...]
-"""Constants with their powers, in a fixed order."""
-
-Terms = Mapping[Monomial, fmpq]
-"""A polynomial in constants."""
 
 Vector = dict[tuple[sp.Expr, bool], sp.Expr]
 """The constant factors of an argument's monomials in the variables, real and imaginary ones."""
@@ -55,7 +51,7 @@ class ResidualSystem:
     """
 
     polynomials: list[Terms] = field(default_factory=list)
-    relations: dict[sp.Expr, tuple[int, Terms]] = field(default_factory=dict)
+    relations: Relations = field(default_factory=dict)
     degenerate: list[list[Terms | sp.Expr]] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     unknown: dict[str, None] = field(default_factory=dict)
@@ -103,6 +99,7 @@ class _Coefficients:
         present = {g for moving in groups for g, _ in moving} - phases.keys()
         sums = [parts for parts in factors if len(parts) > 1]
         self._judge(present | {g for parts in sums for moving in parts for g, _ in moving})
+        self._judge_exponentials([groups, *sums])
         for parts in factors:
             entries = [p for part in parts.values() for p in real_parts(part)]
             if not any(list(entry) == [()] for entry in entries):
@@ -167,10 +164,10 @@ class _Coefficients:
 
     def _judge(self, present: set[sp.Expr]) -> None:
         """Say what is known of the independence of the moving generators."""
-        exponents, triples = [], dict[sp.Expr, dict[sp.Expr, None]]()
+        triples = dict[sp.Expr, dict[sp.Expr, None]]()
         for generator in sorted(present - {sp.I, *self._variables}, key=sp.default_sort_key):
             if isinstance(generator, sp.exp):
-                exponents.append(generator.args[0])
+                self._judge_exponent(generator.args[0])
             elif isinstance(generator, JacobiFunction) and generator.func.__name__ in INDEPENDENT:
                 z, m = generator.args
                 triples.setdefault(m, {})[z] = None
@@ -178,7 +175,6 @@ class _Coefficients:
                 self._judge_form(generator, present)
             else:
                 self._system.unknown[str(generator)[:LENGTH]] = None
-        self._judge_exponents(exponents)
         if len(triples) > 1:
             self._system.unknown["elliptic functions of several parameters"] = None
         for m, arguments in triples.items():
@@ -197,18 +193,37 @@ class _Coefficients:
         else:
             self._system.degenerate.append(list(rest))
 
-    def _judge_exponents(self, exponents: Sequence[sp.Expr]) -> None:
-        vectors = [self._vector_of(z) for z in exponents]
-        for z, vector in zip(exponents, vectors, strict=True):
-            if vector is None:
-                self._system.unknown[str(sp.exp(z))[:LENGTH]] = None
-                continue
-            self._system.degenerate.append(list(vector.values()))
-            if any(is_imaginary and v.is_integer for v, is_imaginary in vector):
-                words = f"{sp.expand(z / sp.I)} takes finitely many values up to periods"
-                self._system.left_out[words] = None
-        known = [vector for vector in vectors if vector]
-        self._judge_together(known, ", ".join(str(z) for z in exponents))
+    def _judge_exponent(self, exponent: sp.Expr) -> None:
+        vector = self._vector_of(exponent)
+        if vector is None:
+            self._system.unknown[str(sp.exp(exponent))[:LENGTH]] = None
+        elif any(is_imaginary and v.is_integer for v, is_imaginary in vector):
+            words = f"{sp.expand(exponent / sp.I)} takes finitely many values up to periods"
+            self._system.left_out[words] = None
+
+    def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
+        """Products of exponentials depend on each other where two exponents differ by a constant.
+
+        Looked at are the products that stand with the same other generators in one polynomial.
+        """
+        directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
+        for monomials in polynomials:
+            rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)
+            for monomial in monomials:
+                powers = Counter({g: n for g, n in monomial if isinstance(g, sp.exp)})
+                rows[tuple(pair for pair in monomial if pair[0] not in powers)].append(powers)
+            for row in rows.values():
+                for one, other in combinations(row, 2):
+                    directions[_direction(one, other)] = None
+        if len(directions) > DIRECTIONS:
+            self._system.left_out["exponents have a rational ratio"] = None
+            directions = {frozenset({(g, 1)}): None for d in directions for g, _ in d}
+        for direction in directions:
+            total: Vector = {}
+            for g, n in direction:
+                for key, value in (self._vector_of(g.args[0]) or {}).items():
+                    total[key] = total.get(key, sp.S.Zero) + n * value
+            self._system.degenerate.append([sp.expand(value) for value in total.values()])
 
     def _judge_together(self, vectors: Sequence[Vector], listed: str) -> None:
         """Several arguments: independent where a minor of their factors is not 0."""
@@ -221,10 +236,13 @@ class _Coefficients:
         table = sp.Matrix([[vector.get(key, 0) for key in columns] for vector in vectors])
         rows = list(range(len(vectors)))
         minors = [
-            table.extract(rows, list(chosen)).det()
+            sp.expand(table.extract(rows, list(chosen)).det())
             for chosen in combinations(range(len(columns)), len(vectors))
         ]
-        self._system.degenerate.append([sp.expand(minor) for minor in minors])
+        if any(minors):
+            self._system.degenerate.append(list(minors))
+        else:
+            self._system.left_out[f"a combination of {listed} with integers is constant"] = None
 
     def _judge_elliptic(self, m: sp.Expr, arguments: Sequence[sp.Expr]) -> None:
         vectors = [self._vector_of(z) for z in arguments]
@@ -238,6 +256,14 @@ class _Coefficients:
                 self._system.left_out[words] = None
         self._judge_together([v for v in vectors if v], ", ".join(map(str, arguments)))
         self._system.degenerate += [[m], [1 - m]]
+
+
+def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tuple[sp.Expr, int]]:
+    """The difference of two products of exponentials, up to a factor and a sign."""
+    table = {g: one[g] - other[g] for g in one | other if one[g] != other[g]}
+    first = min(table, key=sp.default_sort_key)
+    scale = gcd(*table.values()) * (1 if table[first] > 0 else -1)
+    return frozenset((g, n // scale) for g, n in table.items())
 
 
 def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
@@ -257,79 +283,16 @@ def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
     return found
 
 
-def is_turn(constant: sp.Expr) -> bool:
-    """Whether a constant is the exponential of a complex sum."""
-    return isinstance(constant, sp.exp) and constant.has(sp.I)
-
-
-def real_parts(terms: Terms) -> list[Terms]:
-    """The real and the imaginary part of a polynomial, without those that are 0.
-
-    The exponential of a complex constant is written as a cosine and a sine.
-    """
-    found: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
-    for monomial, c in terms.items():
-        turning = [pair for pair in monomial if pair[0] is sp.I or is_turn(pair[0])]
-        plain = Counter({g: n for g, n in monomial if (g, n) not in turning})
-        whole = sp.expand(sp.Mul(*(_turned(g) ** n for g, n in turning)))
-        for term in sp.Add.make_args(whole):
-            number, rest = term.as_coeff_Mul(rational=True)
-            factors = [f.as_base_exp() for f in sp.Mul.make_args(rest) if f not in (1, sp.I)]
-            powers = plain + Counter({g: int(n) for g, n in factors})
-            key = tuple(sorted(powers.items(), key=str))
-            part = found[1 if sp.I in sp.Mul.make_args(rest) else 0]
-            part[key] = part.get(key, fmpq(0)) + c * fmpq(int(number.p), int(number.q))
-    kept = ({key: c for key, c in part.items() if c} for part in found)
-    return [part for part in kept if part]
-
-
-def _turned(constant: sp.Expr) -> sp.Expr:
-    if not is_turn(constant):
-        return constant
-    real, angle = constant.args[0].as_real_imag()
-    return sp.exp(real) * (sp.cos(angle) + sp.I * sp.sin(angle))
-
-
 INDEPENDENT = ("jacobi_sn", "jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
+
+DIRECTIONS = 60
+"""Most differences of exponents that are looked at; two solitons have about 15."""
 
 LARGEST_MINOR = 3
 """Arguments whose independence is looked at exactly."""
 
 LENGTH = 60
 """Characters of a function that is named."""
-
-
-def as_terms(entries: Sequence[Terms | sp.Expr], system: ResidualSystem) -> list[Terms]:
-    """Polynomials from expressions; roots that are new get their relation."""
-    found: list[Terms] = []
-    for entry in entries:
-        if not isinstance(entry, sp.Expr):
-            found.append(entry)
-            continue
-        above = sp.numer(sp.together(entry))
-        if above.is_number:
-            found.append({(): fmpq(1)} if above != 0 else {})
-            continue
-        polynomial = sp.Poly(above)
-        found.append(terms_of(polynomial))
-        for g in polynomial.gens:
-            if g.is_Pow and g.exp.is_Rational and g.exp.p == 1 and g not in system.relations:
-                system.relations[g] = (int(g.exp.q), terms_of(sp.Poly(g.base)))
-    return found
-
-
-def terms_of(polynomial: sp.Poly) -> Terms:
-    """A polynomial by its terms."""
-    gens = polynomial.gens
-    return {
-        tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): _number(c)
-        for powers, c in polynomial.terms()
-    }
-
-
-def _number(value: sp.Expr) -> fmpq:
-    rational = sp.Rational(value)
-    return fmpq(int(rational.p), int(rational.q))
 
 
 class Meanings:
