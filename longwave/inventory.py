@@ -126,7 +126,7 @@ def observables() -> list[Record]:
             "needs_ring": entry.needs_ring,
             "arrays": [variable.name for variable in entry.variables],
         }
-        for entry in OBSERVABLES
+        for entry in OBSERVABLES.values()
     ]
 
 

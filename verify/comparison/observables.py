@@ -1,7 +1,7 @@
 """The observables that a scene may ask for; each is computed only if it is asked for.
 
-Adding one is one function here, of a view of the run, and one entry in `OBSERVABLES`: what it
-computes, when it looks, what it adds and what it needs.
+Adding one is one function here, of a view of the run: what it computes, when it looks and what it
+adds stand above it.
 
 >>> from verify.comparison.observables import observable_named
 >>> [variable.name for variable in observable_named("momentum").variables]
@@ -34,6 +34,88 @@ from numpy.typing import NDArray
 from lattice.model import ring_energy
 from verify.comparison.view import Array, View
 
+Moment = Literal["snapshots", "curve", "looks", "refinement"]
+
+TIME_DIMENSION: Mapping[Moment, str] = {
+    "snapshots": "time",
+    "curve": "curve_time",
+    "looks": "look_time",
+    "refinement": "time",
+}
+"""The time dimension of what is seen at each kind of moment.
+
+``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
+taken where the run stops anyway, so they change no step. A ``refinement`` runs the scene again.
+"""
+
+Measure = Callable[[View], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array that an observable adds; ``dimensions`` are those after the time."""
+
+    name: str
+    dimensions: tuple[str, ...] = ()
+    units: str = "1"
+    long_name: str = ""
+    optional: bool = False
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the array in the run."""
+        return {"units": self.units} | ({"long_name": self.long_name} if self.long_name else {})
+
+
+@dataclass(frozen=True)
+class Observable:
+    """One observable.
+
+    ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
+    missing from all moments of a run. ``needs_ring`` says that the sites must form a ring,
+    ``all_sites`` that others than the compared ones are looked at.
+    """
+
+    name: str
+    what: str
+    seen: Moment
+    variables: tuple[Variable, ...]
+    measure: Measure
+    needs_ring: bool = False
+    all_sites: bool = False
+
+
+OBSERVABLES: dict[str, Observable] = {}
+"""The observables by name, in the order in which they are declared."""
+
+
+def observable(
+    what: str, seen: Moment, *variables: Variable, needs_ring: bool = False, all_sites: bool = False
+) -> Callable[[Measure], Measure]:
+    """Declare the function below as the measurement of the observable of its name."""
+
+    def declare(measure: Measure) -> Measure:
+        name = measure.__name__
+        OBSERVABLES[name] = Observable(name, what, seen, variables, measure, needs_ring, all_sites)
+        return measure
+
+    return declare
+
+
+def observable_named(name: str) -> Observable:
+    """The observable of that name; ValueError lists the known ones.
+
+    >>> observable_named("colour")
+    Traceback (most recent call last):
+    ...
+    ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
+    """
+    if name not in OBSERVABLES:
+        known = ", ".join(OBSERVABLES)
+        raise ValueError(f"observables must be known ones, got {name!r} (one of {known})")
+    return OBSERVABLES[name]
+
+
 MAP_CELLS = 256
 """Most cells of a space-time map."""
 
@@ -47,6 +129,36 @@ def cell_width(compared: int) -> int:
     return math.ceil((2 * compared + 1) / MAP_CELLS)
 
 
+def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dict[str, str]] | None:
+    """Values and attributes of a dimension, None for one that is only counted."""
+    count = 2 * compared + 1
+    if dimension == "site":
+        offsets = np.arange(-compared, compared + 1)
+        return offsets, {"long_name": "offset from the site nearest c t"}
+    if dimension == "wavenumber":
+        values = 2.0 * np.pi * np.fft.rfftfreq(count)
+        return values, {"units": "1/site"}
+    if dimension == "map_site":
+        starts = np.arange(-compared, compared + 1, cell_width(compared))
+        return starts, {"long_name": "first site of the cell, from the site nearest c t"}
+    return None
+
+
+STRAIN, PER_TIME, SITES = "strain (lattice units)", "strain per lattice time", "sites"
+RELATIVE = "relative sup error against the bare background"
+RELATIVE_FAR = "relative sup error against the true far field"
+
+
+@observable(
+    "strains of run, wave and background at the snapshots, and the error there",
+    "snapshots",
+    Variable("strain", ("site",), STRAIN),
+    Variable("analytic", ("site",), STRAIN),
+    Variable("background", ("site",), STRAIN),
+    Variable("n", ("site",), long_name="site on the lattice"),
+    Variable("error", long_name=RELATIVE),
+    Variable("error_far_field", long_name=RELATIVE_FAR, optional=True),
+)
 def strain(view: View) -> Mapping[str, Any]:
     """Strains of run, wave and bare background, the sites' numbers, and the errors.
 
@@ -64,20 +176,15 @@ def strain(view: View) -> Mapping[str, Any]:
     return rows | {"error": np.nan} | far
 
 
+@observable(
+    "the relative sup error against time",
+    "curve",
+    Variable("error_curve", long_name=RELATIVE),
+    Variable("error_curve_far_field", long_name=RELATIVE_FAR, optional=True),
+)
 def error_curve(view: View) -> Mapping[str, Any]:
     """The relative sup errors alone."""
     return _errors(view, "error_curve")
-
-
-def background_difference(view: View) -> Mapping[str, Any]:
-    """Strain of the run less the bare wave of the same phase (or the constant)."""
-    return {"background_difference": view.numeric - view.background}
-
-
-def whole_state(view: View) -> Mapping[str, Any]:
-    """Strains and velocities of all computed sites, in the order of storage."""
-    state = view.state
-    return {"state_y": state.y.copy(), "state_s": state.s.copy(), "state_left": state.left}
 
 
 def _errors(view: View, prefix: str) -> dict[str, float]:
@@ -87,9 +194,72 @@ def _errors(view: View, prefix: str) -> dict[str, float]:
     return found
 
 
+@observable(
+    "kinetic and potential energy of the ring against time",
+    "looks",
+    Variable("energy", units="lattice energy"),
+    needs_ring=True,
+    all_sites=True,
+)
+def energy(view: View) -> Mapping[str, float]:
+    """The energy of the chain whose bonds are strained by y (`ring_energy`)."""
+    return {"energy": ring_energy(view.state, view.moving.constants)}
+
+
+@observable(
+    "mean strain and mean velocity of the ring against time",
+    "looks",
+    Variable("mean_strain", units=STRAIN),
+    Variable("mean_velocity", units=PER_TIME, long_name="conserved by the exact flow"),
+    needs_ring=True,
+    all_sites=True,
+)
+def momentum(view: View) -> Mapping[str, float]:
+    """Mean strain and mean velocity over the ring.
+
+    The second difference sums to zero over a ring, so the mean velocity is conserved and the mean
+    strain moves linearly with it.
+    """
+    state = view.state
+    return {"mean_strain": float(np.mean(state.y)), "mean_velocity": float(np.mean(state.s))}
+
+
+@observable(
+    "Fourier amplitudes of the compared strains at the snapshots",
+    "snapshots",
+    Variable("spectrum", ("wavenumber",), STRAIN),
+)
+def spectrum(view: View) -> Mapping[str, Array]:
+    """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
+    return {"spectrum": amplitudes(view.numeric)}
+
+
+def amplitudes(values: Array) -> Array:
+    """Hann-windowed Fourier amplitudes of ``values`` less their mean.
+
+    Scaled so that a cos(k n) with k on the grid has the amplitude a there. The window keeps the
+    jump between the two ends from covering the tail: its leakage falls like 1/k^3.
+
+    >>> n = np.arange(64)
+    >>> float(np.round(amplitudes(3.0 * np.cos(2.0 * np.pi * 8.0 * n / 64.0))[8], 12))
+    3.0
+    """
+    count = values.size
+    window = 1.0 - np.cos(2.0 * np.pi * np.arange(count) / count)
+    modes = np.fft.rfft((values - np.mean(values)) * window)
+    found: Array = 2.0 * np.abs(modes) / count
+    return found
+
+
 NEWTON_STEPS = 4
 
 
+@observable(
+    "position and strain of the crest against time",
+    "looks",
+    Variable("crest_position", units=SITES, long_name="position of the crest less c t"),
+    Variable("crest_strain", units=STRAIN),
+)
 def crest_track(view: View) -> Mapping[str, float]:
     """Position of the crest relative to c t, and its strain, interpolated between the sites."""
     deviation = view.numeric - view.moving.level
@@ -131,6 +301,11 @@ def extremum(f: Array) -> tuple[float, float]:
     return float(x), float(f[2] + x * (c1 + x * (c2 + x * (c3 + c4 * x))))
 
 
+@observable(
+    "a map of the strain over time and cells of sites",
+    "looks",
+    Variable("space_time", ("map_site",), STRAIN),
+)
 def space_time(view: View) -> Mapping[str, Array]:
     """The strain farthest from the background in each cell of sites: no crest is lost."""
     starts = np.arange(0, view.numeric.size, cell_width((view.numeric.size - 1) // 2))
@@ -139,43 +314,25 @@ def space_time(view: View) -> Mapping[str, Array]:
     return {"space_time": np.where(high + low >= 2.0 * view.moving.level, high, low)}
 
 
-def energy(view: View) -> Mapping[str, float]:
-    """The energy of the chain whose bonds are strained by y (`ring_energy`)."""
-    return {"energy": ring_energy(view.state, view.moving.constants)}
+@observable(
+    "strain of the run less the bare background at the snapshots",
+    "snapshots",
+    Variable("background_difference", ("site",), STRAIN),
+)
+def background_difference(view: View) -> Mapping[str, Any]:
+    """Strain of the run less the bare wave of the same phase (or the constant)."""
+    return {"background_difference": view.numeric - view.background}
 
 
-def momentum(view: View) -> Mapping[str, float]:
-    """Mean strain and mean velocity over the ring.
-
-    The second difference sums to zero over a ring, so the mean velocity is conserved and the mean
-    strain moves linearly with it.
-    """
-    state = view.state
-    return {"mean_strain": float(np.mean(state.y)), "mean_velocity": float(np.mean(state.s))}
-
-
-def spectrum(view: View) -> Mapping[str, Array]:
-    """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
-    return {"spectrum": amplitudes(view.numeric)}
-
-
-def amplitudes(values: Array) -> Array:
-    """Hann-windowed Fourier amplitudes of ``values`` less their mean.
-
-    Scaled so that a cos(k n) with k on the grid has the amplitude a there. The window keeps the
-    jump between the two ends from covering the tail: its leakage falls like 1/k^3.
-
-    >>> n = np.arange(64)
-    >>> float(np.round(amplitudes(3.0 * np.cos(2.0 * np.pi * 8.0 * n / 64.0))[8], 12))
-    3.0
-    """
-    count = values.size
-    window = 1.0 - np.cos(2.0 * np.pi * np.arange(count) / count)
-    modes = np.fft.rfft((values - np.mean(values)) * window)
-    found: Array = 2.0 * np.abs(modes) / count
-    return found
-
-
+@observable(
+    "the error at the snapshots as shift in position, amplitude and shape",
+    "snapshots",
+    Variable("shift", units=SITES, long_name="fitted shift of the run"),
+    Variable("scale", long_name="fitted amplitude over the wave's"),
+    Variable("error_position", long_name="relative sup of the shift's part"),
+    Variable("error_amplitude", long_name="relative sup of the amplitude's part"),
+    Variable("error_shape", long_name="relative sup of what is left"),
+)
 def error_split(view: View) -> Mapping[str, float]:
     """Shift, scale, and the three parts of the relative error."""
     analytic = view.analytic
@@ -222,219 +379,26 @@ def _slopes(view: View, unknown: Array) -> Array:
     return np.stack([by_shift, background - wave], axis=1)
 
 
-Moment = Literal["snapshots", "curve", "looks", "refinement"]
-
-TIME_DIMENSION: Mapping[Moment, str] = {
-    "snapshots": "time",
-    "curve": "curve_time",
-    "looks": "look_time",
-    "refinement": "time",
-}
-"""The time dimension of what is seen at each kind of moment.
-
-``snapshots`` and ``curve`` times are hit exactly, and the steps are fitted to them. ``looks`` are
-taken where the run stops anyway, so they change no step. A ``refinement`` runs the scene again.
-"""
-
-Measure = Callable[[View], Mapping[str, Any]]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One array that an observable adds; ``dimensions`` are those after the time."""
-
-    name: str
-    dimensions: tuple[str, ...] = ()
-    units: str = "1"
-    long_name: str = ""
-    optional: bool = False
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """Attributes of the array in the run."""
-        return {"units": self.units} | ({"long_name": self.long_name} if self.long_name else {})
-
-
-@dataclass(frozen=True)
-class Observable:
-    """One observable.
-
-    ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
-    missing from all moments of a run. ``uses_wave`` says that the closed form is evaluated,
-    ``needs_ring`` that the sites must form a ring, ``all_sites`` that others than the compared ones
-    are looked at.
-    """
-
-    name: str
-    what: str
-    seen: Moment
-    variables: tuple[Variable, ...]
-    measure: Measure
-    uses_wave: bool = False
-    needs_ring: bool = False
-    all_sites: bool = False
-
-
-def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dict[str, str]] | None:
-    """Values and attributes of a dimension, None for one that is only counted."""
-    count = 2 * compared + 1
-    if dimension == "site":
-        offsets = np.arange(-compared, compared + 1)
-        return offsets, {"long_name": "offset from the site nearest c t"}
-    if dimension == "wavenumber":
-        values = 2.0 * np.pi * np.fft.rfftfreq(count)
-        return values, {"units": "1/site"}
-    if dimension == "map_site":
-        starts = np.arange(-compared, compared + 1, cell_width(compared))
-        return starts, {"long_name": "first site of the cell, from the site nearest c t"}
-    return None
-
-
-STRAIN, PER_TIME, SITES = "strain (lattice units)", "strain per lattice time", "sites"
-RELATIVE = "relative sup error against the bare background"
-RELATIVE_FAR = "relative sup error against the true far field"
-REFINED = "sup difference to the refined run"
-
-
-def _nothing(_: View) -> Mapping[str, Any]:
-    """A refinement is measured by a second run, not by looking at the first."""
-    return {}
-
-
-OBSERVABLES = (
-    Observable(
-        name="strain",
-        what="strains of run, wave and background at the snapshots, and the error there",
-        seen="snapshots",
-        variables=(
-            Variable("strain", ("site",), STRAIN),
-            Variable("analytic", ("site",), STRAIN),
-            Variable("background", ("site",), STRAIN),
-            Variable("n", ("site",), long_name="site on the lattice"),
-            Variable("error", long_name=RELATIVE),
-            Variable("error_far_field", long_name=RELATIVE_FAR, optional=True),
-        ),
-        measure=strain,
-        uses_wave=True,
-    ),
-    Observable(
-        name="error_curve",
-        what="the relative sup error against time",
-        seen="curve",
-        variables=(
-            Variable("error_curve", long_name=RELATIVE),
-            Variable("error_curve_far_field", long_name=RELATIVE_FAR, optional=True),
-        ),
-        measure=error_curve,
-        uses_wave=True,
-    ),
-    Observable(
-        name="energy",
-        what="kinetic and potential energy of the ring against time",
-        seen="looks",
-        variables=(Variable("energy", units="lattice energy"),),
-        measure=energy,
-        needs_ring=True,
-        all_sites=True,
-    ),
-    Observable(
-        name="momentum",
-        what="mean strain and mean velocity of the ring against time",
-        seen="looks",
-        variables=(
-            Variable("mean_strain", units=STRAIN),
-            Variable("mean_velocity", units=PER_TIME, long_name="conserved by the exact flow"),
-        ),
-        measure=momentum,
-        needs_ring=True,
-        all_sites=True,
-    ),
-    Observable(
-        name="spectrum",
-        what="Fourier amplitudes of the compared strains at the snapshots",
-        seen="snapshots",
-        variables=(Variable("spectrum", ("wavenumber",), STRAIN),),
-        measure=spectrum,
-    ),
-    Observable(
-        name="crest_track",
-        what="position and strain of the crest against time",
-        seen="looks",
-        variables=(
-            Variable("crest_position", units=SITES, long_name="position of the crest less c t"),
-            Variable("crest_strain", units=STRAIN),
-        ),
-        measure=crest_track,
-    ),
-    Observable(
-        name="space_time",
-        what="a map of the strain over time and cells of sites",
-        seen="looks",
-        variables=(Variable("space_time", ("map_site",), STRAIN),),
-        measure=space_time,
-    ),
-    Observable(
-        name="background_difference",
-        what="strain of the run less the bare background at the snapshots",
-        seen="snapshots",
-        variables=(Variable("background_difference", ("site",), STRAIN),),
-        measure=background_difference,
-        uses_wave=True,
-    ),
-    Observable(
-        name="error_split",
-        what="the error at the snapshots as shift in position, amplitude and shape",
-        seen="snapshots",
-        variables=(
-            Variable("shift", units=SITES, long_name="fitted shift of the run"),
-            Variable("scale", long_name="fitted amplitude over the wave's"),
-            Variable("error_position", long_name="relative sup of the shift's part"),
-            Variable("error_amplitude", long_name="relative sup of the amplitude's part"),
-            Variable("error_shape", long_name="relative sup of what is left"),
-        ),
-        measure=error_split,
-        uses_wave=True,
-    ),
-    Observable(
-        name="state",
-        what="strains and velocities of all computed sites at the snapshots, for a restart",
-        seen="snapshots",
-        variables=(
-            Variable("state_y", ("cell",), STRAIN),
-            Variable("state_s", ("cell",), PER_TIME),
-            Variable("state_left", long_name="leftmost site held"),
-        ),
-        measure=whole_state,
-        all_sites=True,
-    ),
-    Observable(
-        name="time_step_error",
-        what="largest difference of y/eps to the run with half the step",
-        seen="refinement",
-        variables=(Variable("time_step_error", units="strain / eps", long_name=REFINED),),
-        measure=_nothing,
-    ),
-    Observable(
-        name="domain_error",
-        what="largest difference of y/eps to the run with twice the sites",
-        seen="refinement",
-        variables=(Variable("domain_error", units="strain / eps", long_name=REFINED),),
-        measure=_nothing,
-    ),
+@observable(
+    "strains and velocities of all computed sites at the snapshots, for a restart",
+    "snapshots",
+    Variable("state_y", ("cell",), STRAIN),
+    Variable("state_s", ("cell",), PER_TIME),
+    Variable("state_left", long_name="leftmost site held"),
+    all_sites=True,
 )
+def state(view: View) -> Mapping[str, Any]:
+    """Strains and velocities of all computed sites, in the order of storage."""
+    held = view.state
+    return {"state_y": held.y.copy(), "state_s": held.s.copy(), "state_left": held.left}
 
-NAMES = tuple(entry.name for entry in OBSERVABLES)
+
+def _refinement(name: str, change: str) -> None:
+    """Declare what a second run measures, and no look at the first."""
+    what = f"largest difference of y/eps to the run with {change}"
+    added = Variable(name, (), "strain / eps", "sup difference to the refined run")
+    OBSERVABLES[name] = Observable(name, what, "refinement", (added,), lambda _: {})
 
 
-def observable_named(name: str) -> Observable:
-    """The entry of that name; ValueError lists the known ones.
-
-    >>> observable_named("colour")
-    Traceback (most recent call last):
-    ...
-    ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
-    """
-    for entry in OBSERVABLES:
-        if entry.name == name:
-            return entry
-    raise ValueError(f"observables must be known ones, got {name!r} (one of {', '.join(NAMES)})")
+_refinement("time_step_error", "half the step")
+_refinement("domain_error", "twice the sites")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from lattice.model import Model
 from lattice.schemes import Scheme, scheme_named
 from verify.comparison import scene_fields as check
-from verify.comparison.observables import NAMES, observable_named
+from verify.comparison.observables import OBSERVABLES, observable_named
 from verify.comparison.scene_fields import read_scene_file
 
 if TYPE_CHECKING:
@@ -166,7 +166,8 @@ class Scene:
             object.__setattr__(self, key, check.whole(key, getattr(self, key)))
         check.positive("eps", self.eps)
         object.__setattr__(self, "snapshots", check.times(self.snapshots, self.t0))
-        object.__setattr__(self, "observables", check.names("observables", self.observables, NAMES))
+        asked = check.names("observables", self.observables, tuple(OBSERVABLES))
+        object.__setattr__(self, "observables", asked)
         object.__setattr__(self, "parameters", check.parameters(self.parameters))
         if self.look_points is not None:
             object.__setattr__(self, "look_points", check.whole("look_points", self.look_points))

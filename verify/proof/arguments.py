@@ -52,7 +52,8 @@ class Dependence:
 
 Vector = dict[sp.Expr, sp.Rational]
 
-KEPT = (sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+KEPT = (sp.log, sp.atan, *INVERSE)
 """Functions that stay as they are written, as their exponentials are known."""
 
 LONGEST = 60
@@ -91,6 +92,36 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
     return found
 
 
+def definition(node: sp.Expr) -> sp.Expr:
+    """An inverse function, other than atan, by logarithms; all values are principal ones.
+
+    >>> definition(sp.asinh(sp.Symbol("x")))
+    log(x + sqrt(x**2 + 1))
+    """
+    (f,) = node.args
+    if isinstance(node, sp.asinh):
+        return sp.log(f + sp.sqrt(1 + f**2))
+    if isinstance(node, sp.acosh):
+        return sp.log(f + sp.sqrt(f - 1) * sp.sqrt(f + 1))
+    if isinstance(node, sp.atanh):
+        return (sp.log(1 + f) - sp.log(1 - f)) / 2
+    arc = -sp.I * sp.log(sp.I * f + sp.sqrt(1 - f**2))
+    return arc if isinstance(node, sp.asin) else sp.pi / 2 - arc
+
+
+def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
+    """The expressions, and the definitions of the inverse functions in them."""
+    found = dict.fromkeys(expressions)
+    waiting = list(found)
+    while waiting:
+        for node in waiting.pop().atoms(*INVERSE):
+            defined = definition(node)
+            if defined not in found:
+                found[defined] = None
+                waiting.append(defined)
+    return list(found)
+
+
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
     """``exponent`` less its multiples of logarithms and of i atan, and these.
 
@@ -109,8 +140,14 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
     """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
-    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
     return bool(isinstance(term, sp.log) or turned)
+
+
+def _nesting(expression: sp.Expr) -> int:
+    """How many functions stand in one another: those within a basis must come without it."""
+    inner = max(map(_nesting, expression.args), default=0)
+    return inner + bool(expression.is_Function)
 
 
 class IntegerCombinations:
@@ -128,7 +165,7 @@ class IntegerCombinations:
         given = list(dict.fromkeys(arguments))
         vectors = [expanded_terms(argument) for argument in given]
         monomials = {monomial for vector in vectors for monomial in vector}
-        self._monomials = sorted(monomials, key=sp.default_sort_key)
+        self._monomials = sorted(monomials, key=lambda m: (-_nesting(m), sp.default_sort_key(m)))
         self._scale = lcm(*(int(value.q) for vector in vectors for value in vector.values()))
         self._rows = self._hermite([self._integers(vector) for vector in vectors])
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
@@ -228,6 +265,7 @@ class Arguments:
 
     def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
         """An exponent without logarithms, and those with their factors."""
+        z = z.xreplace({node: definition(node) for node in z.atoms(*INVERSE)})
         return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
 
     def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:

@@ -22,7 +22,7 @@ from flint import acb, ctx, fmpq_mpoly
 
 from verify.subexpressions import distinct_nodes, replaced
 
-from .arguments import Dependence
+from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
@@ -56,7 +56,8 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     table = NodeTable(list(problem.solutions))
     statement = statement_data(problem, table)
     rewriting = Rewriting(DomainSigns(problem.domains))
-    for expression in problem.expressions:
+    expressions = with_definitions(problem.expressions)
+    for expression in expressions:
         rewriting(expression)
     point = regular_point(problem)
 
@@ -64,9 +65,9 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         found = rewriting.found
         return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
 
-    whole = search(problem.expressions, moving=problem.right is None)
+    whole = search(expressions, moving=problem.right is None)
     for pair in parts:
-        proof = search(pair, moving=False).proof(point)
+        proof = search(with_definitions(pair), moving=False).proof(point)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
     proof = with_square_roots(table, statement, whole.proof(point))
     return Certificate.signed(problem.name, table, statement, proof)

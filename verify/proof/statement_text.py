@@ -19,6 +19,7 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
+    Parser,
     Token,
     Vocabulary,
 )
@@ -66,15 +67,24 @@ class Statement:
     """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
+<<<<<<< HEAD
     its formula.  ``domains`` has every variable and parameter that is not all real numbers.
     ``wanted`` are parameters of which the values are asked for, rather than taken as any.
+=======
+    its formula.  ``domains`` has every variable and parameter that is not all real numbers;
+    ``divisors`` is what the texts divide by or take the logarithm of.
+>>>>>>> main
     """
 
     name: str
     equations: tuple[sp.Expr, ...]
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
+<<<<<<< HEAD
     wanted: tuple[sp.Symbol, ...] = ()
+=======
+    divisors: tuple[sp.Expr, ...] = ()
+>>>>>>> main
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -138,6 +148,7 @@ class _Reading:
     fields: dict[str, AppliedUndef] = field(default_factory=dict)
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
+    divisors: dict[sp.Expr, None] = field(default_factory=dict)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -156,11 +167,20 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
+<<<<<<< HEAD
         wanted = tuple(self._wanted(part) for part in self.asked)
         for place, symbol in enumerate(wanted):
             if symbol in wanted[:place]:
                 raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
         return Statement(self.name, equations, solutions, self.domains, wanted)
+=======
+        return Statement(self.name, equations, solutions, self.domains, tuple(self.divisors))
+
+    def _note(self, parser: Parser) -> None:
+        """Keep what a text names, and what it divides by."""
+        self.used |= parser.used
+        self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
+>>>>>>> main
 
     def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
         for part in (*self.equations, *self.solutions):
@@ -218,7 +238,7 @@ class _Reading:
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
             self.names[name] = parser.expression()
             parser.expect_end()
-            self.used |= parser.used
+            self._note(parser)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)
@@ -345,7 +365,7 @@ class _Reading:
         parser = part.parser(self._vocabulary(), equal + 1)
         found = parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         return self.fields[name], found
 
     def _equation(self, part: TextPart) -> sp.Expr:
@@ -354,7 +374,7 @@ class _Reading:
         if parser.take_sign("="):
             found -= parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         if not found.atoms(AppliedUndef):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")

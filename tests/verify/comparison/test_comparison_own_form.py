@@ -71,7 +71,7 @@ USER = """
 import longwave
 import sympy as sp
 from solutions import ClosedForm, FarFields, Parameter, Reference
-from solutions.parameter import Bound
+from solutions.record import Bound
 from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import A, tau, xi
 
