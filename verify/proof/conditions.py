@@ -27,12 +27,12 @@ from .explicit_values import explicit_values
 from .phase_variable import with_phase
 from .problem import equality_problem
 from .residual_system import ResidualSystem
+from .statement_problem import residual_of, with_exponentials
 from .statement_text import Statement
 from .statement_verdict import (
     StatementVerdict,
     decide_statement,
     equation_text,
-    residuals_of,
     statement_latex,
     verified_sentence,
 )
@@ -227,24 +227,21 @@ class _Search:
         """The conditions that the residuals of all equations give."""
         system = ResidualSystem()
         for equation in statement.equations:
-            reason: Exception | None = None
-            for residual in residuals_of(statement, equation):
-                if residual == 0:
-                    break
-                phase = with_phase(residual, statement, self.wanted)
-                symbols = phase.residual.free_symbols
-                domains = {s: d for s, d in statement.domains.items() if s in symbols}
-                try:
-                    problem = equality_problem(
-                        phase.residual, sp.S.Zero, phase.variables, stated=domains
-                    )
-                    system.add(problem)
-                    system.judge_phase(phase.rest, statement.variables)
-                    break
-                except (ValueError, TypeError, NotImplementedError, RecursionError) as error:
-                    reason = reason or error
-            else:
-                raise ValueError(f"the residual has no known generators: {reason}")
+            residual = with_exponentials(residual_of(statement, equation))
+            if residual == 0:
+                continue
+            phase = with_phase(residual, statement, self.wanted)
+            symbols = phase.residual.free_symbols
+            domains = {s: d for s, d in statement.domains.items() if s in symbols}
+            try:
+                problem = equality_problem(
+                    phase.residual, sp.S.Zero, phase.variables, stated=domains
+                )
+                system.add(problem)
+            except (ValueError, TypeError, NotImplementedError, RecursionError) as error:
+                words = f"the residual has no known generators: {error}"
+                raise ValueError(words) from None
+            system.judge_phase(phase.rest, statement.variables)
         return system
 
 

@@ -134,9 +134,12 @@ def _put_into(
     """The statement with values for symbols; None where a formula is not defined."""
     solutions = {u: put_in(values, f) for u, f in statement.solutions.items()}
     equations = tuple(put_in(values, e) for e in statement.equations)
-    if any(f.has(*UNDEFINED) for f in (*solutions.values(), *equations)):
+    divisors = tuple(put_in(values, d) for d in statement.divisors)
+    if any(f.has(*UNDEFINED) for f in (*solutions.values(), *equations, *divisors)):
         return None
-    return Statement(statement.name, equations, solutions, domains)
+    if any(divisor == 0 for divisor in divisors):
+        return None
+    return Statement(statement.name, equations, solutions, domains, divisors)
 
 
 def _reality(value: sp.Expr) -> Iterator[Restriction]:

@@ -67,24 +67,17 @@ class Statement:
     """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
-<<<<<<< HEAD
-    its formula.  ``domains`` has every variable and parameter that is not all real numbers.
-    ``wanted`` are parameters of which the values are asked for, rather than taken as any.
-=======
     its formula.  ``domains`` has every variable and parameter that is not all real numbers;
-    ``divisors`` is what the texts divide by or take the logarithm of.
->>>>>>> main
+    ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
+    which the values are asked for, rather than taken as any.
     """
 
     name: str
     equations: tuple[sp.Expr, ...]
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
-<<<<<<< HEAD
-    wanted: tuple[sp.Symbol, ...] = ()
-=======
     divisors: tuple[sp.Expr, ...] = ()
->>>>>>> main
+    wanted: tuple[sp.Symbol, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -167,20 +160,17 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
-<<<<<<< HEAD
         wanted = tuple(self._wanted(part) for part in self.asked)
         for place, symbol in enumerate(wanted):
             if symbol in wanted[:place]:
                 raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
-        return Statement(self.name, equations, solutions, self.domains, wanted)
-=======
-        return Statement(self.name, equations, solutions, self.domains, tuple(self.divisors))
+        divisors = tuple(self.divisors)
+        return Statement(self.name, equations, solutions, self.domains, divisors, wanted)
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
->>>>>>> main
 
     def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
         for part in (*self.equations, *self.solutions):
