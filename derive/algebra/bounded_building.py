@@ -92,7 +92,8 @@ def product(factors: Sequence[sp.Expr]) -> sp.Expr:
     _check_bits(sum(_bits(factor) for factor in factors))
     found = sp.Mul(*factors)
     for factor in sp.Mul.make_args(found):
-        _check_exponent(factor.as_base_exp()[1])
+        if not isinstance(factor, sp.exp):
+            _check_exponent(factor.as_base_exp()[1])
     return _finite(found)
 
 
@@ -154,15 +155,34 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
 
 
 def without_sizes(expression: sp.Expr) -> sp.Expr:
-    """The expression with abs(f)**2 as f*conjugate(f), for real variables as smooth as f is.
+    """The expression with abs, sign, re and im of what is not real by products with conjugates.
+
+    These have derivatives in real variables; SymPy's of ``sign`` are those of a real argument.
 
     >>> u = sp.Function("u")(sp.Symbol("x", real=True))
-    >>> without_sizes(abs(u) ** 2)
-    u(x)*conjugate(u(x))
+    >>> without_sizes(abs(u) ** 2), without_sizes(sp.re(u))
+    (u(x)*conjugate(u(x)), u(x)/2 + conjugate(u(x))/2)
     """
-    sizes = [p for p in expression.atoms(sp.Pow) if isinstance(p.base, sp.Abs) and p.exp.is_even]
-    products = {p: (f := p.base.args[0]) * sp.conjugate(f) for p in sizes}
-    return expression.xreplace({p: pair ** (p.exp / 2) for p, pair in products.items()})
+    images: dict[sp.Basic, sp.Basic] = {}
+
+    def image(node: sp.Basic) -> sp.Basic:
+        if node not in images:
+            parts = [image(part) for part in node.args]
+            complex_size = isinstance(node, MULTIPLIED_OUT) and not node.args[0].is_extended_real
+            same = all(new is old for new, old in zip(parts, node.args, strict=True))
+            plain = node if same else node.func(*parts)
+            images[node] = SIZES[node.func](parts[0]) if complex_size else plain
+        return images[node]
+
+    return sp.sympify(image(expression)) if expression.has(*MULTIPLIED_OUT) else expression
+
+
+SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
+    sp.Abs: lambda f: sp.sqrt(f * sp.conjugate(f)),
+    sp.sign: lambda f: f / sp.sqrt(f * sp.conjugate(f)),
+    sp.re: lambda f: (f + sp.conjugate(f)) / 2,
+    sp.im: lambda f: (f - sp.conjugate(f)) / (2 * sp.I),
+}
 
 
 def _bits(expression: sp.Expr) -> int:

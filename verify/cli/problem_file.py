@@ -40,7 +40,7 @@ FORMULAS = ("equation", "solution")
 TEXTS = ("name", "parameters", "domain", "source", "expect")
 """The keys of a problem with one text."""
 
-REMARKS = ("equation_name", "looked_up", "variant_of", "note")
+REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
 """The keys of a problem with one text on which no verdict depends."""
 
 TAKEN = ("equation", "solution", "parameters", "domain", "source", "equation_name", "looked_up")
@@ -62,9 +62,10 @@ class StatedProblem:
 class ProblemText:
     """A problem as a file has it, before its formulas are read.
 
-    ``looked_up`` is the address of a text in which the formula was found; empty, where it is
-    written from memory of the source. ``variant_of`` is the name of the problem of which this is a
-    wrong variant, and ``note`` says what is hidden in it.
+    ``looked_up`` is the address of a text in which the formula was found, up to the names and the
+    scale of its parameters; empty, where it is written from memory of the source. ``variant_of`` is
+    the name of the problem of which this is a wrong variant, and ``note`` says what is hidden in
+    it; ``misprint_in`` is the publication that has the wrong formula, where it was not made here.
     """
 
     where: str
@@ -78,6 +79,7 @@ class ProblemText:
     equation_name: str = ""
     looked_up: str = ""
     variant_of: str = ""
+    misprint_in: str = ""
     note: str = ""
 
     def problem(self) -> StatedProblem:

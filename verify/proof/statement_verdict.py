@@ -25,7 +25,13 @@ from .balls import ball_value
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
-from .statement_problem import all_domains, residual_of, statement_problem, with_exponentials
+from .statement_problem import (
+    all_domains,
+    residual_of,
+    statement_problem,
+    undefined,
+    with_exponentials,
+)
 from .statement_text import Statement, read_statement
 
 Progress = Callable[[str], None]
@@ -131,7 +137,12 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         found.append(_decide_equation(statement, equation))
         if found[-1].outcome is Outcome.REFUTED:
             break
-    return _together(statement, found, time.perf_counter() - start)
+    verdict = _together(statement, found, time.perf_counter() - start)
+    divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
+    if divisor is not None:
+        reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
+        return undecided(statement, reason, time.perf_counter() - start)
+    return verdict
 
 
 def _together(
@@ -204,7 +215,7 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
     """The verdict with the symbols that were gone before the proof: they are real as the others."""
     if verdict.outcome is Outcome.UNDECIDED:
         return verdict
-    domains = all_domains(statement, equation)
+    domains = all_domains(statement, *statement.equations)
     if verdict.outcome is Outcome.PROVED:
         return replace(verdict, assumptions=(_reading(domains), *verdict.assumptions[1:]))
     witness = dict(verdict.witness or {})

@@ -26,6 +26,9 @@ GORDON, KINK = "u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2))
 TODA = "diff(q[n],t,t) - exp(q[n-1]-q[n]) + exp(q[n]-q[n+1])"
 TODA_SOLITON = "q[n] = log((1+exp(2*k*(n-1)-2*b*t))/(1+exp(2*k*n-2*b*t)))"
 GENERAL = "u = (c/2)**(1/g)*sech(g*sqrt(c)/2*(x - c*t))**(2/g)"
+ZERO = "(sin(x)**2 + cos(x)**2 - 1)"
+ZAKHAROV = "I*u_t + u_xx - u*v ;; v_tt - v_xx - diff(abs(u)**2, x, x)"
+WAVE = "b*sech(b*x)*exp(I*b**2*t)"
 CM = "c: -1<c<1; m: 0<m<1"
 SYSTEM = "u_t + u*u_x + v_x ;; v_t + diff(u*v, x)"
 
@@ -74,6 +77,16 @@ EXAMPLES = [
     ("sin(3*u)*(1+x**2)**(3/2) - 3*x + x**3", "u = atan(x)", "", "", "PROVED"),
     ("u_x - 1", "u = asin(sin(x))", "", "-3/2<x<3/2", "PROVED"),
     ("u_x - 1", "u = asin(sin(x))", "", "-2<x<2", "REFUTED"),
+    (ZAKHAROV, f"u = sqrt(2)*{WAVE} ;; v = -2*b**2*sech(b*x)**2", "b: b>0", "", "PROVED"),
+    (ZAKHAROV, f"u = 2*{WAVE} ;; v = -2*b**2*sech(b*x)**2", "b: b>0", "", "REFUTED"),
+    ("diff(abs(u), x, x) = diff(sqrt(2 + 2*cos(x)), x, x)", "u = 1 + exp(I*x)", "", "", "PROVED"),
+    ("u_xx = diff(sqrt(1 + x**2), x, x)", "u = abs(1 + I*x)", "", "", "PROVED"),
+    ("diff(re(u), x) = -sin(x)", "u = exp(I*x)", "", "", "PROVED"),
+    ("u_x - 0.12345*u", "u = exp(0.12345*x)", "", "", "PROVED"),
+    # what cancels while it is read must be defined
+    (f"u - x*{ZERO}/{ZERO}", f"u = x*{ZERO}/{ZERO}", "", "", "UNDECIDED"),
+    ("u_x - 1", f"u = x + log({ZERO}) - log({ZERO})", "", "", "UNDECIDED"),
+    ("u_x - 1", "u = x*exp(x)/exp(x) + log(x) - log(x)", "", "", "PROVED"),
     ("u_t = u_xx + u_yy", "u = exp(-2*a**2*t)*sin(a*x)*cos(a*y)", "", "", "PROVED"),
 ]
 
@@ -97,6 +110,11 @@ def test_a_proof_names_all_parameters_even_those_that_cancel() -> None:
     assert "a < c" in verdict.assumptions[0]
     assert "0 < t" in verdict.assumptions[0]
     assert not any("SymPy" in line for line in verdict.assumptions)
+
+
+def test_a_witness_of_a_system_has_values_for_all_of_its_parameters() -> None:
+    verdict = prove("u_x - 1 ;; v_x - k", "u = 2*x ;; v = k*x", parameters="k: real")
+    assert set(verdict.witness or {}) == {"x", "k"}
 
 
 def test_a_witness_is_a_whole_point_of_the_domain_at_which_the_residual_is_not_0() -> None:
