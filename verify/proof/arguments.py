@@ -56,6 +56,9 @@ INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 KEPT = (sp.log, sp.atan, *INVERSE)
 """Functions that stay as they are written, as their exponentials are known."""
 
+TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
+"""Half a turn, and the shares of it whose exponentials are known."""
+
 LONGEST = 60
 """Operations of a quotient that common factors are looked for in."""
 
@@ -138,10 +141,10 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 
 
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
-    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    """Whether the exponential of ``value * term`` is algebraic: of log f, i atan f or i pi."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
     turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
-    return bool(isinstance(term, sp.log) or turned)
+    return bool(isinstance(term, sp.log) or turned or (term == TURN and value.q in UNITY))
 
 
 def _nesting(expression: sp.Expr) -> int:

@@ -41,19 +41,10 @@ SMOOTH = "wherever the formulas are smooth"
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
-NOTES = (
-    "the formulas were put into the equation and differentiated by SymPy",
-    "the formulas were put in and differentiated, and multiple angles expanded, by SymPy",
-)
+NOTE = "the formulas were put into the equation and differentiated by SymPy"
 """What a certificate of residual = 0 does not hold."""
 
 WITNESS_BITS = (160, 640)
-
-LARGEST_MULTIPLE = 12
-"""Of an angle that is expanded."""
-
-ANGULAR = (sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh)
-INVERSE = (sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 
 
 @dataclass(frozen=True)
@@ -196,7 +187,7 @@ def equation_text(equation: sp.Expr) -> str:
 def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     """The verdict on one equation, in the first way that decides."""
     reasons: list[str] = []
-    for way in (_as_it_is, _by_substitution, _by_residual, _by_angles):
+    for way in (_as_it_is, _by_substitution, _by_residual):
         try:
             verdict = way(statement, equation)
         except (ValueError, TypeError, RecursionError, NotImplementedError) as error:
@@ -256,35 +247,15 @@ def _by_substitution(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    return _as_equality(statement, equation, lambda formula: formula, NOTES[0])
+    """The verdict on residual = 0.
 
-
-def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """By the residual with ``sin(4*atan(w))`` as an algebraic function of w."""
-    residual = residual_of(statement, equation)
-    angles = [f for f in residual.atoms(*ANGULAR) if f.args[0].has(*INVERSE)]
-    largest = max((abs(n) for f in angles for n in f.args[0].atoms(sp.Integer)), default=0)
-    if not angles or largest > LARGEST_MULTIPLE:
-        raise ValueError("there is no function of a multiple angle")
-    expanded = {f: sp.expand_trig(f) for f in angles}
-    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
-
-
-def _as_equality(
-    statement: Statement, equation: sp.Expr, written: Callable[[sp.Expr], sp.Expr], note: str
-) -> ProofVerdict:
-    """The verdict on residual = 0, all ``written`` as it says.
-
-    ``note`` tells what the certificate does not hold.  Raises ValueError where the formulas, or the
-    powers and functions of the equation, are not shown to be defined: what is not may have
-    cancelled in the residual.
+    Raises ValueError where the formulas, or the powers and functions of the equation, are not shown
+    to be defined: what is not may have cancelled in the residual.
     """
     nodes = [n for n in distinct_nodes(equation) if n.is_Pow or n.is_Function]
     parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
     parts += [residual_of(statement, node) for node in nodes]
-    residual, *parts = (
-        with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
-    )
+    residual, *parts = map(with_exponentials, (residual_of(statement, equation), *parts))
     parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
     verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
     verdict = _completed(statement, equation, verdict)
@@ -300,7 +271,7 @@ def _as_equality(
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
-        assumptions=(*verdict.assumptions, note),
+        assumptions=(*verdict.assumptions, NOTE),
     )
 
 
