@@ -6,6 +6,7 @@ what a window is fed does not fit the sites next to it.
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -257,3 +258,38 @@ class InflowCheck:
             f"more than {LARGEST_MISFIT:g} eps (the wave's far field is not what is fed)"
         )
         return BlowUp(criterion, state.t, int(sites[wrong][0]))
+
+
+class Domain(Protocol):
+    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
+
+    What is written here is a ring of sites that stays where it is.
+    """
+
+    moves: frozenset[float] = frozenset()
+
+    @property
+    def mismatch(self) -> float:
+        """Largest difference of y/eps between what was fed and the sites next to it."""
+        return 0.0
+
+    def start(self) -> State:
+        """The initial state."""
+
+    def follow(self, state: State) -> BlowUp | None:
+        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
+
+        To be called at each of the ``moves``.
+        """
+        return None
+
+    def fade(self, state: State) -> None:
+        """Change what can no longer reach a compared site, if that is of use.
+
+        To be called wherever the march stops.
+        """
+        return
+
+    def locate(self, found: BlowUp, state: State) -> BlowUp:
+        """``found``, with what the domain may have to do with it."""
+        return found

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.kernels import blocked, plain
-from lattice.model import BlowUp, Model, State, find_blow_up
+from lattice.model import BlowUp, Domain, Model, State, find_blow_up
 from lattice.schemes import DriftKick, Scheme
 
 Array = NDArray[np.float64]
@@ -34,41 +33,6 @@ CHUNK = 64
 
 UPDATES = 3e8
 """Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
-
-
-class Domain(Protocol):
-    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
-
-    What is written here is a ring of sites that stays where it is.
-    """
-
-    moves: frozenset[float] = frozenset()
-
-    @property
-    def mismatch(self) -> float:
-        """Largest difference of y/eps between what was fed and the sites next to it."""
-        return 0.0
-
-    def start(self) -> State:
-        """The initial state."""
-
-    def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
-
-        To be called at each of the ``moves``.
-        """
-        return None
-
-    def fade(self, state: State) -> None:
-        """Change what can no longer reach a compared site, if that is of use.
-
-        To be called wherever the march stops.
-        """
-        return
-
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``, with what the domain may have to do with it."""
-        return found
 
 
 @dataclass

@@ -120,10 +120,10 @@ def _run(
     registers: Array,
     outputs: NDArray[np.int64],
     inputs: Array,
+    scratch: Array,
     out: Array,
 ) -> None:
     """Block after block; the points beyond the last are copies of it."""
-    scratch = np.zeros((SCRATCH, PARTS * BLOCK))
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
@@ -172,4 +172,5 @@ def run_pairs(bytecode: Bytecode, constants: Array, inputs: Array, out: Array) -
     registers = np.zeros((bytecode.registers, PARTS * BLOCK))
     outputs = np.array(bytecode.outputs, dtype=np.int64)
     bounds = 2.0**-105 * np.abs(constants[:, :1])
-    _run(bytecode.code, np.hstack([constants, bounds]), registers, outputs, inputs, out)
+    scratch = np.zeros((SCRATCH, PARTS * BLOCK))
+    _run(bytecode.code, np.hstack([constants, bounds]), registers, outputs, inputs, scratch, out)

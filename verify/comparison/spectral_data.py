@@ -11,8 +11,8 @@ from lattice.model import Model
 from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
 from lattice.spectral.ring import RingState, backward, forward
 from lattice.trial import Choices, Estimate
-from verify.comparison.domain import WaveBounds, find_bounds, front, seam_room
-from verify.comparison.moving_wave import MovingWave
+from verify.comparison.domain import front, seam_room
+from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 
 Array = NDArray[np.float64]
 

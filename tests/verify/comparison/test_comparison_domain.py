@@ -9,8 +9,8 @@ import pytest
 from lattice.model import LARGEST_MISFIT, State
 from verify.comparison import Scene, load_scene, run
 from verify.comparison import domain as domain_module
-from verify.comparison.domain import Window
-from verify.comparison.moving_wave import INTERPOLATION_ERROR, MovingWave
+from verify.comparison.domain import INTERPOLATION_ERROR, Window
+from verify.comparison.moving_wave import MovingWave
 
 
 def strain(scene: Scene) -> np.ndarray:
