@@ -20,7 +20,7 @@ Output = pytest.CaptureFixture[str]
 KDV = "u_t + 6*u*u_x + u_xxx"
 SOLITON, MISPRINT = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2", "u = 2*k**2*sech(k*(x + 4*k**2*t))**2"
 STATED = ["--equation", KDV, "--parameters", "k: k>0", "--solution"]
-UNDECIDED = ["--equation", "u_x - asinh(sinh(u))", "--solution", "u = exp(x)"]
+UNDECIDED = ["--equation", "conjugate(u) - log(x - I)", "--solution", "u = log(x + I)"]
 
 FILE = f"""
 [[problem]]
