@@ -94,6 +94,15 @@ def test_derivatives_are_in_real_variables_of_the_statement() -> None:
             check_certificate(changed(certificate, own, wrong))
 
 
+def test_a_hint_has_no_derivative_in_a_parameter() -> None:
+    (certificate,) = proved("sin(u_x) - sin(k)", "u = k*x")
+    k = place(certificate, ["symbol", "k", "real"])
+    data = copy.deepcopy(certificate)
+    data["nodes"].append(["diff", k, k])
+    with pytest.raises(CertificateError, match="real variables"):
+        check_certificate(data | {"digest": digest(data)})
+
+
 def test_a_formula_is_without_unknowns_and_derivatives() -> None:
     (certificate,) = proved("sin(u_x) - sin(1)", "u = x")
     for kind in ("unknown", "diff"):
