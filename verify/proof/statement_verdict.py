@@ -32,7 +32,7 @@ from .statement_problem import (
     undefined,
     with_exponentials,
 )
-from .statement_text import Statement, read_statement
+from .statement_text import Statement
 
 Progress = Callable[[str], None]
 
@@ -73,49 +73,6 @@ class StatementVerdict(ProofVerdict):
             "statement": self.statement,
             "certificates": [certificate["digest"] for certificate in self.certificates],
         }
-
-
-def prove(
-    equation: Any, solution: Any, *, parameters: str = "", domain: str = "", **options: Any
-) -> ProofVerdict:
-    """Decide whether a formula solves an equation, both in text or both as SymPy objects.
-
-    Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
-    SymPy objects and their options are those of `verify.proof.prover.prove`.
-
-    Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
-
-    >>> prove("u_t + c*u_x", "u = sin(x - c*t)").outcome
-    <Outcome.PROVED: 'PROVED'>
-    >>> prove("u_x - 1", "u = sqrt(x**2)").outcome, prove("u_x - 1", "u = x").outcome
-    (<Outcome.REFUTED: 'REFUTED'>, <Outcome.PROVED: 'PROVED'>)
-    """
-    textual = [_is_text(equation), _is_text(solution)]
-    if not any(textual):
-        if parameters or domain:
-            raise ValueError(
-                "parameters and domain must be left out with SymPy objects, got "
-                f"{parameters or domain!r} (give domains={{symbol: sympy.Interval(...)}})"
-            )
-        return prover.prove(equation, solution, **options)
-    if not all(textual):
-        raise TypeError(
-            "equation and solution must be of one kind, got text and a SymPy object "
-            "(write both as text)"
-        )
-    wrong = sorted(options.keys() - {"name"})
-    if wrong:
-        raise TypeError(
-            f"options beside texts must be parameters, domain and name, got {wrong[0]} "
-            "(say it in parameters)"
-        )
-    return decide_statement(read_statement(equation, solution, parameters, domain, **options))
-
-
-def _is_text(given: object) -> bool:
-    return isinstance(given, str) or (
-        isinstance(given, (list, tuple)) and all(isinstance(part, str) for part in given)
-    )
 
 
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
@@ -306,6 +263,7 @@ def statement_latex(statement: Statement) -> str:
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
+    >>> from verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
     >>> print(verified_sentence(statement, decide_statement(statement)))
     We verified (certificate \texttt{...}) that

@@ -13,11 +13,11 @@ from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import (
     StatementVerdict,
     decide_statement,
-    prove,
     residual_of,
     statement_latex,
     verified_sentence,
 )
+from verify.proof.text_prover import prove
 
 KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
 SOLITON = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
@@ -258,11 +258,11 @@ def test_the_face_takes_texts_and_sympy_objects() -> None:
     direct = prove_expression(equation, formula)
     assert longwave.prove(equation, formula).certificate == direct.certificate
     assert longwave.prove(["u_x - 1"], ["u = x"]).outcome == "PROVED"
-    with pytest.raises(ValueError, match="parameters and domain must be left out"):
+    with pytest.raises(ValueError, match="parameters, domain and solve must be left out"):
         longwave.prove(equation, formula, domain="x > 0")
     with pytest.raises(TypeError, match="equation and solution must be of one kind"):
         longwave.prove("u_x - 1", formula)
-    with pytest.raises(TypeError, match="must be parameters, domain and name, got points"):
+    with pytest.raises(TypeError, match="must be parameters, domain, solve and name, got points"):
         longwave.prove("u_x - 1", "u = x", points=[])
 
 
