@@ -7,7 +7,8 @@ import pytest
 
 from verify.proof.checker import CertificateError, check_certificate
 from verify.proof.checker.limits import digest
-from verify.proof.statement_verdict import StatementVerdict, prove
+from verify.proof.statement_verdict import StatementVerdict
+from verify.proof.text_prover import prove
 
 Data = dict[str, Any]
 
