@@ -279,10 +279,9 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
     """Whether the values of a case satisfy those of another one, which is proved."""
     if not other.proved or not set(other.restrictions) <= set(case.restrictions):
         return False
-    return all(
-        sp.simplify(put_in(case.values, s) - put_in(case.values, value)) == 0
-        for s, value in other.values.items()
-    )
+    zeros = [s - value for s, value in other.values.items()]
+    zeros += [p for p in other.implicit if p not in case.implicit]
+    return all(sp.simplify(put_in(case.values, zero)) == 0 for zero in zeros)
 
 
 def _decided(case: ConstantCase) -> ConstantCase:
