@@ -193,6 +193,8 @@ def test_domains_cut_the_cases() -> None:
     assert whole.detail == "holds for all values of j"
     squared = solved(KDV, "u = a*sech(k*(x - c*t))**2", "a: a<0; k: k!=0", "a, c")
     assert squared.detail == "holds for no value of a, c"
+    sum_ = solved("u_xx + u_yy + c*u", "u = exp(k*x + l*y)", "c: c>0", "c")
+    assert sum_.detail == "holds for no value of c"
     empty = solved("u_x - k", "u = m - x", "k: real; m: 0<m<k", "k")
     assert empty.detail == "holds for no value of k"
     third = solved("u_x - 1", "u = 3*j*x", "j: integer", "j")
@@ -211,6 +213,8 @@ def test_where_arguments_become_constant_is_a_case_of_its_own() -> None:
     assert "b = 0 (trivial)" in verdict.detail
     laplace = solved("u_xx + u_yy", "u = exp(k*x + l*y)", "", "k, l")
     assert laplace.detail == "holds if and only if k = 0, l = 0 (trivial)"
+    fourth = solved("u_xxxx + u_yyyy", "u = exp(k*x + l*y)", "", "k, l")
+    assert fourth.detail == laplace.detail
     power = solved("u_xx - u_x", "u = exp(k*x) + exp(l*x)", "", "k, l")
     values = [tuple(map(str, case.values.values())) for case in power.cases]
     assert set(values) == {("0", "0"), ("0", "1"), ("1", "0"), ("1", "1")}
@@ -249,6 +253,11 @@ def test_what_is_not_known_to_be_independent_is_not_called_complete() -> None:
 def test_functions_of_constants_are_left_out_by_name() -> None:
     verdict = solved("u_x - a*sin(b)", "u = x", "", "a")
     assert verdict.detail == "holds if and only if a = 1/sin(b)"
+    circle = "u_x - a ;; v_x - b ;; a*u_x + b*v_x - 1"
+    turn = solved(circle, "u = x*sin(p) ;; v = x*cos(p)", "", "a, b")
+    assert turn.detail.startswith(
+        "holds if and only if a = sin(p), b = cos(p), apart from where cos"
+    )
     more = solved("u_x - a*sin(b) - c*cos(b)", "u = x", "", "a")
     assert (
         more.detail
