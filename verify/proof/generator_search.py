@@ -13,7 +13,7 @@ from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, Arguments, definition
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, TURN, Arguments, definition
 from .certificate_writer import Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
@@ -206,10 +206,15 @@ class GeneratorSearch:
             if isinstance(node, sp.im):
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
-        elif isinstance(node, sp.Abs):
-            self._writer.atom(self._place(node))
-        elif isinstance(node, sp.sign):
-            self.need(sp.Abs(z))
+        elif isinstance(node, sp.Abs | sp.sign):
+            size, place = sp.Abs(z), self._made("Abs", self._place(z))
+            if node == size:
+                self._writer.atom(place)
+            elif isinstance(size, sp.Abs) and size.args[0] == z:
+                self.need(size)
+            else:
+                self._writer.name(place=place, value=self._place(size))
+                self.need(size)
         else:
             raise ValueError(f"no generator is known for {node.func.__name__}")
 
@@ -238,6 +243,8 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
+            elif logarithm == TURN:
+                self.need(sp.exp(q * TURN) if q.q < 3 else sp.cos(q * sp.pi) + sp.sin(q * sp.pi))
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)
