@@ -147,7 +147,7 @@ class Envelope(Displayed):
         Raises EnvelopeError (a ValueError) at a resonance, and ValueError for a wavenumber outside
         of 0 < k <= pi, constants that are missing or unknown, and an unstable lattice.
         """
-        chosen = self.wavenumber if k is None else _wavenumber(k)
+        chosen = self.wavenumber if k is None else wavenumber(k)
         if chosen is None:
             raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
         values = self._values(constants)
@@ -253,7 +253,7 @@ def envelope(
     instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
     if lattice.dimension != 1:
         raise ValueError(f"lattice must have one axis, got {lattice.dimension} (take a chain)")
-    chosen = None if k is None else _wavenumber(k)
+    chosen = None if k is None else wavenumber(k)
     number = _branch(branch, lattice)
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = {}
@@ -282,17 +282,18 @@ def modulation_map(
     """
     found = envelope(lattice, branch=branch, **constants)
     rows: list[tuple[float, EnvelopeNumbers | None, float]] = []
-    for wavenumber in wavenumbers:
+    for given in wavenumbers:
         try:
-            numbers: EnvelopeNumbers | None = found.coefficients(wavenumber, branch, **constants)
+            numbers: EnvelopeNumbers | None = found.coefficients(given, branch, **constants)
         except EnvelopeError:
             numbers = None
         rate = numbers.growth_rate(amplitude) if numbers else 0.0
-        rows.append((float(_wavenumber(wavenumber)), numbers, rate))
+        rows.append((float(wavenumber(given)), numbers, rate))
     return rows
 
 
-def _wavenumber(k: Number) -> Expr:
+def wavenumber(k: Number) -> Expr:
+    """A wavenumber exactly; ValueError unless it is in 0 < k <= pi."""
     value = exact("k", k)
     if value.free_symbols or not 0 < value <= pi:
         raise ValueError(f"k must satisfy 0 < k <= pi, got {shown(k)} (radians a cell)")

@@ -13,7 +13,7 @@ from sympy import Expr, pi
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
 from derive.algebra.formula_text import Vocabulary, read_formula
 from derive.balances import find_scaling
-from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope
+from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, wavenumber
 from derive.checks import Check, checks_of_envelope, checks_of_reduction
 from derive.command_line import fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
@@ -170,21 +170,21 @@ def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number])
     ):
         if given is not None:
             raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
-    wavenumber = _carrier(wanted.carrier or "")
+    chosen = _carrier(wanted.carrier or "")
     branch = wanted.branch or "acoustic"
     found = envelope(
         lattice,
-        k=pi if wavenumber == pi else None,
+        k=pi if chosen == pi else None,
         branch=int(branch) if branch.isdecimal() and len(branch) < 4 else branch,
-        **(values if wavenumber is not None and not lattice.definitions else {}),
+        **(values if chosen is not None and not lattice.definitions else {}),
     )
     if wanted.check:
         yield found.text()
         yield from map(Check.text, checks_of_envelope(found))
         return
     numbers = (
-        found.coefficients(wavenumber, None, **values)
-        if wavenumber is not None and values
+        found.coefficients(chosen, None, **values)
+        if chosen is not None and values
         else None
     )
     if wanted.form == "json":
@@ -199,16 +199,16 @@ def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number])
         yield from (f"  {line}" for line in lattice.equations())
         yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
         yield "  X = eps (n - v t), T = eps^2 t"
-        yield from _carrier_lines(found, numbers, wavenumber)
+        yield from _carrier_lines(found, numbers, chosen)
 
 
 def _carrier_lines(
-    found: Envelope, numbers: EnvelopeNumbers | None, wavenumber: Expr | None
+    found: Envelope, numbers: EnvelopeNumbers | None, at: Expr | None
 ) -> Iterator[str]:
     if numbers is None:
         yield from found.lines()
         return
-    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {wavenumber}:"
+    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {at}:"
     yield from (f"  {name} = {_rounded(value)}" for name, value in asdict(numbers).items())
     kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
     yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
@@ -222,9 +222,10 @@ def _carrier(text: str) -> Expr | None:
     if not value:
         return None
     try:
-        return read_formula(value, Vocabulary({}), "k")
+        found = read_formula(value, Vocabulary({}), "k")
     except ValueError as error:
         raise ValueError(f"--envelope: {error}") from None
+    return wavenumber(found)
 
 
 def _plain(value: complex) -> float | list[float]:
