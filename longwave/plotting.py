@@ -17,7 +17,8 @@ from matplotlib.figure import Figure, FigureBase
 
 from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
-from lattice.refine import Announce, Progress
+from lattice.refine import Announce
+from lattice.trial import Progress
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
