@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from importlib.machinery import SourceFileLoader
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -21,10 +22,24 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["ROOMS", "Sources", "imported_sources", "source_digest"]
+__all__ = [
+    "ROOMS",
+    "Sources",
+    "all_sources",
+    "imported_sources",
+    "runs_as_written",
+    "source_digest",
+    "text_digest",
+]
 
 ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
 """The project's own packages; of all others the version counts."""
+
+
+HOUSE = Path(__file__).resolve().parents[2]
+
+EXACT = ("sympy", "mpmath", "python-flint", "numpy")
+"""Packages that exact numbers are made with."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +73,54 @@ def source_digest(module: str) -> str:
     return total.hexdigest()
 
 
+Files = tuple[tuple[str, Path], ...]
+"""Modules with their files, in order."""
+
+
+@lru_cache
+def all_sources(modules: tuple[str, ...]) -> Files:
+    """Every file of the project that these modules import, which need not be imported for that."""
+    found: dict[str, Path] = {}
+    for module in modules:
+        start = _file(HOUSE, module)
+        if start is not None and module not in found:
+            found |= _sources(module, start).files
+    return tuple(sorted(found.items()))
+
+
+@lru_cache
+def text_digest(sources: Files) -> str:
+    """The digest of their text, and of the versions of Python and of what exact numbers need."""
+    total = hashlib.sha256("\n".join(name for name, _ in sources).encode())
+    for _, path in sources:
+        total.update(_text_digest(path))
+    versions = (f"{name} {_version(name)}" for name in (*EXACT, "sys"))
+    total.update("\n".join(versions).encode())
+    return total.hexdigest()
+
+
+@lru_cache
+def runs_as_written(sources: Files) -> bool:
+    """Whether those of the modules that are imported run what their files say now.
+
+    Not so where Python took old byte code, a file having changed and kept time and size, and
+    perhaps not where a file is younger than the first import of a room.
+    """
+    from derive.lazy_face import BEGUN
+
+    for name, path in sources:
+        module = sys.modules.get(name)
+        loader = getattr(getattr(module, "__spec__", None), "loader", None)
+        if not isinstance(loader, SourceFileLoader):
+            continue
+        state = path.stat()
+        if max(state.st_mtime, state.st_ctime) >= BEGUN:
+            return False
+        if loader.get_code(name) != loader.source_to_code(path.read_bytes(), str(path)):
+            return False
+    return True
+
+
 @lru_cache
 def _text_digest(path: Path) -> bytes:
     return hashlib.sha256(path.read_bytes()).digest()
@@ -76,7 +139,10 @@ def imported_sources(module: str) -> Sources:
     >>> "solutions.run.doubledouble" in sources.loaded, "mpmath" in sources.packages
     (True, True)
     """
-    start = Path(str(sys.modules[module].__file__)).resolve()
+    return _sources(module, Path(str(sys.modules[module].__file__)).resolve())
+
+
+def _sources(module: str, start: Path) -> Sources:
     root = start.parents[len(_package(module, start))]
     files: dict[str, Path] = {}
     loaded: set[str] = set()
