@@ -35,9 +35,9 @@ from reports.figures.drawing import (
 from reports.figures.paper_figures import snapshots
 from verify.cli.run import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
+from verify.comparison.run_record import UnfinishedRun
 from verify.comparison.scene import find_scene
 from verify.comparison.scene_run import scene_of
-from verify.comparison.stated_run import UnfinishedRun
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

@@ -12,9 +12,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from derive.command_line import announce, fail, interrupted
+from verify.comparison.run_record import RunRecord, UnfinishedRun
 from verify.comparison.scene import Scene, find_scene, with_tolerance
 from verify.comparison.scene_run import record_scene, save_run
-from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 
 Tell = Callable[[float], None]

@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lattice.model import Model, Sites
-from solutions.kept_wave import kept_data, kept_wave
-from solutions.numeric_wave import NumericWave, WaveValues
+from solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
     import sympy as sp

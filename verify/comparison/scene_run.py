@@ -15,16 +15,11 @@ import numpy as np
 
 from lattice.model import State
 from lattice.refine import Announce, Progress
+from verify.comparison.run_record import RunRecord, UnfinishedRun
 from verify.comparison.scene import Scene
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
-from verify.comparison.stated_run import (
-    Announcer,
-    RunRecord,
-    UnfinishedRun,
-    run_from,
-    stated_seconds,
-)
+from verify.comparison.stated_run import Announcer, run_from, stated_seconds
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
 

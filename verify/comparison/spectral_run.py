@@ -17,17 +17,11 @@ from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.trial import Estimate
 from verify.comparison.moving_wave import MovingWave
+from verify.comparison.run_record import RunRecord, unfinished
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
 from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
-from verify.comparison.stated_run import (
-    LONG,
-    Observer,
-    Recorder,
-    RunRecord,
-    build_recorders,
-    unfinished,
-)
+from verify.comparison.stated_run import LONG, Observer, Recorder, build_recorders
 from verify.comparison.view import View
 
 START_SECONDS = 0.08

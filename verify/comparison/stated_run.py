@@ -9,11 +9,9 @@ step, with twice the sites.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lattice.model import Domain, State
 from lattice.refine import Progress
@@ -25,14 +23,11 @@ from verify.comparison.observables import (
     TIME_DIMENSION,
     Moment,
     Observable,
-    axis_values,
     observable_named,
 )
+from verify.comparison.run_record import RunRecord, UnfinishedRun, Variables
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 LOOK_EVALUATIONS = 1088
 """Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
@@ -81,10 +76,6 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
     """Equidistant times of the run, and the snapshots."""
     equidistant = np.linspace(scene.t0, scene.end, points)
     return tuple(sorted({float(t) for t in equidistant} | set(scene.snapshots)))
-
-
-Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
-"""Name -> (dimensions, values, attributes)."""
 
 
 class Observer(Protocol):
@@ -140,84 +131,8 @@ def build_recorders(scene: Scene) -> list[Recorder]:
     ]
 
 
-PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
-
-
-@dataclass
-class RunRecord:
-    """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
-
-    ``reached`` are the snapshots that were got to; ``attrs`` is what was told of the run, its cost
-    first, and may be added to until the data set is made.
-    """
-
-    scene: Scene
-    reached: Sequence[float]
-    variables: Variables
-    attrs: dict[str, Any]
-
-    def values(self, name: str) -> NDArray[Any]:
-        """The values of a variable, in the order of its times."""
-        return np.asarray(self.variables[name][1])
-
-    @cached_property
-    def dataset(self) -> "xr.Dataset":
-        """The run with its coordinates, the scene and the versions."""
-        from importlib.metadata import version
-
-        import xarray as xr  # 0.4 s, for those who want a data set
-
-        used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
-        axes = {name: axis_values(name, self.scene.compared) for name in used}
-        coordinates: dict[str, object] = {
-            "time": ("time", list(self.reached), {"units": "lattice time"})
-        }
-        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
-        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
-        coordinates |= {name: self.variables[name] for name in names}
-        data = {name: value for name, value in self.variables.items() if name not in names}
-        attributes = {
-            "scene": self.scene.json(),
-            "title": self.scene.title or self.scene.name,
-            **self.attrs,
-            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
-        }
-        return xr.Dataset(data, coordinates, attributes)
-
-
 LONG = 10.0
 """Seconds from which work is announced."""
-
-
-class UnfinishedRun(KeyboardInterrupt):
-    """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
-
-    The run's attribute ``unfinished`` says why it is not what the scene asks for.
-    """
-
-    def __init__(self, record: RunRecord) -> None:
-        super().__init__("interrupted")
-        self.record = record
-
-    @property
-    def run(self) -> "xr.Dataset":
-        """What was recorded."""
-        return self.record.dataset
-
-
-def unfinished(
-    run: RunRecord | None, error: float | None, planning_seconds: float
-) -> KeyboardInterrupt:
-    """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
-    if run is None:
-        return KeyboardInterrupt("before anything was recorded")
-    run.attrs["planning_seconds"] = planning_seconds
-    why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
-    if error is None:
-        run.attrs["unfinished"] = f"{why}, its error not estimated"
-    else:
-        run.attrs |= {"unfinished": why, "error_estimate": error}
-    return UnfinishedRun(run)
 
 
 class Announcer:

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.numeric_wave import NumericWave, WaveValues
+from solutions import NumericWave, WaveValues
 from verify.comparison.scene import Scene
 
 Array = NDArray[np.float64]
