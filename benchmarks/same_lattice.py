@@ -27,7 +27,7 @@ from contenders import (
 from peak import multiply_add_rate
 from problem import CONSTANTS, SITES, Array, error, initial, reference
 
-from lattice.kernels.vector import OPERATIONS
+from lattice.kernels.blocked import OPERATIONS
 from lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,

@@ -88,9 +88,9 @@ def _vector() -> Finding:
     """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
-    from lattice.kernels import vector
+    from lattice.kernels import blocked
 
-    if why := vector.why_plain():
+    if why := blocked.why_plain():
         cost = f"the lattice's kernels take three times as long: {why}"
         return Finding("vectors", "plain loops", "costs", cost)
     try:

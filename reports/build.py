@@ -25,6 +25,7 @@ from reports.latex import render, write
 from reports.paper import SOURCES
 from reports.sections import costs, runs, theory
 from solutions.catalogue import CATALOGUE, closed_form
+from verify.cli.console import plain_console
 from verify.comparison import Scene
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import check_residual
@@ -293,7 +294,7 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
     Returns the source's path, and whether every form stands and every run came to its end.
     """
     figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES
-    with progress_bar(console) as bar:
+    with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         found = find(
             report_scenes(), full, workers, lambda share: bar.update(working, completed=share)
@@ -326,7 +327,7 @@ def write_bench(output: Path, short: bool, program: str) -> int:
     jobs = study_jobs(full=not short)
     announce("the studies", sum(job.weight for job in jobs.values()))
     try:
-        with progress_bar(console) as bar:
+        with bars(console) as bar:
             task = bar.add_task("measuring", total=1.0)
             found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
             for name, text in write_study_tables(found, output):
@@ -339,12 +340,7 @@ def write_bench(output: Path, short: bool, program: str) -> int:
     return 0 if found.sound else 1
 
 
-def plain_console() -> Console:
-    """A console that prints text as it is."""
-    return Console(highlight=False, markup=False, emoji=False)
-
-
-def progress_bar(console: Console) -> Bars:
+def bars(console: Console) -> Bars:
     """Bars with their names and the time that has gone."""
     columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
     return Bars(*columns, console=console)

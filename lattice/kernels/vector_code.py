@@ -1,6 +1,6 @@
 """The vector code of a splitting scheme's stages, in LLVM's language: what numba is told of it.
 
-`lattice.kernels.vector` says what a stage is; this is read where one is compiled.
+`lattice.kernels.blocked` says what a stage is; this is read where one is compiled.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numba.core import cgutils
 __all__ = ["stages"]
 
 LANES = 8
-"""Sites per row, as in `lattice.kernels.vector`."""
+"""Sites per row, as in `lattice.kernels.blocked`."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _INDEX = ir.IntType(64)

@@ -15,7 +15,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from lattice.kernels import blocked, plain, vector
+from lattice.kernels import blocked, plain
 from lattice.model import Array, Model
 from lattice.schemes import (
     BLANES_MOAN_6,
@@ -108,10 +108,10 @@ def advanced(size: int, steps: int) -> Iterator[Array]:
 OTHER_WAY = """
 import sys
 import numpy as np
-from lattice.kernels import vector
+from lattice.kernels import blocked
 from tests.lattice.test_lattice_blocked import advanced
 np.save(sys.argv[1], list(advanced(*map(int, sys.argv[2:]))))
-print(vector.why_plain())
+print(blocked.why_plain())
 """
 
 
@@ -126,7 +126,7 @@ def test_plain_loops_take_the_place_of_vector_code(
     setting: str, size: int, steps: int, ulps: int, why: str, tmp_path: Path
 ) -> None:
     """To the bit, but for multiply-adds without the compiler: they round twice."""
-    assert not vector.why_plain()
+    assert not blocked.why_plain()
     file = tmp_path / "rings.npy"
     done = subprocess.run(
         [sys.executable, "-c", OTHER_WAY, str(file), str(size), str(steps)],

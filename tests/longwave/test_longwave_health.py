@@ -90,7 +90,8 @@ def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lattice.kernels.vector.why_plain", lambda: "LONGWAVE_PLAIN_KERNELS is set")
+    why = "LONGWAVE_PLAIN_KERNELS is set"
+    monkeypatch.setattr("lattice.kernels.blocked.why_plain", lambda: why)
     finding = found("vectors")
     assert (finding.found, finding.state) == ("plain loops", "costs")
     assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

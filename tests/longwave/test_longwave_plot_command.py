@@ -11,7 +11,7 @@ from longwave.command_tree import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
 from verify.comparison import load_scene
-from verify.comparison.run_record import RunRecord, UnfinishedRun
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

@@ -1,23 +1,19 @@
 """``python -m verify run SCENE``: run a scene, print its errors, cost and trust."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from derive.command_line import announce, fail, interrupted
-from verify.comparison.run_record import RunRecord, UnfinishedRun
+from derive.command_line import fail, interrupted
+from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison.scene import Scene, find_scene, with_tolerance
 from verify.comparison.scene_run import record_scene, save_run
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
-
-Tell = Callable[[float], None]
 
 
 @dataclass
@@ -69,23 +65,6 @@ def _give(run: RunRecord, scene: Scene, output: str | None) -> None:
     print_summary(run, scene, plain_console())
 
 
-def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
-    """A console that prints text as it is: a scene's title and name are no markup."""
-    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
-
-
-def check_output(text: str | None, example: str = "run.nc") -> None:
-    """Raise ValueError before anything is computed if ``text`` can be no file's path."""
-    if text is None:
-        return
-    if text.endswith("/") or Path(text).is_dir():
-        raise ValueError(
-            f"--output must name a file, got the folder {text} (such as {example} in it)"
-        )
-    if not Path(text).parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
-
-
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
     """The scene with what the command line says in the place of what the file says."""
     if tolerance is not None:
@@ -97,25 +76,6 @@ def _run_with_bar(scene: Scene, console: Console) -> RunRecord:
     wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
         return record_scene(scene, advance, tell)
-
-
-@contextmanager
-def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
-    """A bar, where the console is a terminal, as `run` takes it.
-
-    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
-    """
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task(name, total=1.0)
-
-        def tell(seconds: float) -> None:
-            bar.stop()
-            announce(work, seconds)
-            bar.start()
-
-        yield lambda share: bar.update(task, completed=share), tell
 
 
 COLUMNS = {

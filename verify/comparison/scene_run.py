@@ -6,7 +6,8 @@ spectral engine refuses, though it was not named, is run site by site.
 A run can be saved, and gone on with from a snapshot.
 """
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,12 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lattice.model import State
-from lattice.refine import Announce, Progress
-from verify.comparison.run_record import RunRecord, UnfinishedRun
+from lattice.refine import Announce
+from lattice.trial import Progress
 from verify.comparison.scene import Scene
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
-from verify.comparison.stated_run import Announcer, run_from, stated_seconds
+from verify.comparison.stated_run import (
+    LONG,
+    RunRecord,
+    UnfinishedRun,
+    run_from,
+    stated_seconds,
+)
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
 
@@ -27,6 +34,28 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from solutions import ClosedForm
+
+
+class Announcer:
+    """Passes on how many seconds are expected, if they are many and not what was said before.
+
+    >>> told = Announcer(print)
+    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
+    ...     told(seconds)
+    30.0
+    90.0
+    """
+
+    def __init__(self, announce: Callable[[float], None]) -> None:
+        self._announce = announce
+        self._said = LONG / 2.0
+
+    def __call__(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= max(LONG, 2.0 * self._said):
+            self._said = seconds
+            self._announce(seconds)
+
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -63,7 +92,7 @@ def run_to_tolerance(
     """
     by_ring = choose_engine(scene) == "spectral"
     told, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
-    seconds, found = stencil_seconds(scene), None
+    seconds, found, begun = stencil_seconds(scene), None, time.perf_counter()
     try:
         if by_ring:
             told(spectral_seconds(scene))
@@ -78,13 +107,13 @@ def run_to_tolerance(
     except UnfinishedRun as stop:
         stop.record.attrs["tolerance"] = scene.tolerance
         raise
-    run, estimate, planning_seconds = found
+    run, refined = found
     run.attrs |= {
         "tolerance": scene.tolerance,
-        "error_estimate": estimate.total,
-        "rounding_estimate": estimate.rounding,
-        "next_decade": estimate.next_decade,
-        "planning_seconds": planning_seconds,
+        "error_estimate": refined.error,
+        "rounding_estimate": refined.rounding,
+        "next_decade": refined.next_decade,
+        "planning_seconds": time.perf_counter() - begun - refined.trial.seconds,
     }
     return run
 

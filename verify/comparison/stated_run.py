@@ -7,27 +7,32 @@ step, with twice the sites.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lattice.model import Domain, State
-from lattice.refine import Progress
 from lattice.schemes import check_step
 from lattice.stepper import Stepper, advance
+from lattice.trial import Progress
 from verify.comparison.domain import Array, SiteRing, Window
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import (
     TIME_DIMENSION,
     Moment,
     Observable,
+    axis_values,
     observable_named,
 )
-from verify.comparison.run_record import RunRecord, UnfinishedRun, Variables
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LOOK_EVALUATIONS = 1088
 """Fewest force evaluations a site between two looks: a look then costs a hundredth of the run."""
@@ -76,6 +81,10 @@ def _equidistant(scene: Scene, points: int) -> tuple[float, ...]:
     """Equidistant times of the run, and the snapshots."""
     equidistant = np.linspace(scene.t0, scene.end, points)
     return tuple(sorted({float(t) for t in equidistant} | set(scene.snapshots)))
+
+
+Variables = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+"""Name -> (dimensions, values, attributes)."""
 
 
 class Observer(Protocol):
@@ -131,29 +140,84 @@ def build_recorders(scene: Scene) -> list[Recorder]:
     ]
 
 
+PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
+
+
+@dataclass
+class RunRecord:
+    """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
+
+    ``reached`` are the snapshots that were got to; ``attrs`` is what was told of the run, its cost
+    first, and may be added to until the data set is made.
+    """
+
+    scene: Scene
+    reached: Sequence[float]
+    variables: Variables
+    attrs: dict[str, Any]
+
+    def values(self, name: str) -> NDArray[Any]:
+        """The values of a variable, in the order of its times."""
+        return np.asarray(self.variables[name][1])
+
+    @cached_property
+    def dataset(self) -> "xr.Dataset":
+        """The run with its coordinates, the scene and the versions."""
+        from importlib.metadata import version
+
+        import xarray as xr  # 0.4 s, for those who want a data set
+
+        used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
+        axes = {name: axis_values(name, self.scene.compared) for name in used}
+        coordinates: dict[str, object] = {
+            "time": ("time", list(self.reached), {"units": "lattice time"})
+        }
+        coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
+        names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
+        coordinates |= {name: self.variables[name] for name in names}
+        data = {name: value for name, value in self.variables.items() if name not in names}
+        attributes = {
+            "scene": self.scene.json(),
+            "title": self.scene.title or self.scene.name,
+            **self.attrs,
+            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+        }
+        return xr.Dataset(data, coordinates, attributes)
+
+
 LONG = 10.0
 """Seconds from which work is announced."""
 
 
-class Announcer:
-    """Passes on how many seconds are expected, if they are many and not what was said before.
+class UnfinishedRun(KeyboardInterrupt):
+    """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
 
-    >>> told = Announcer(print)
-    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
-    ...     told(seconds)
-    30.0
-    90.0
+    The run's attribute ``unfinished`` says why it is not what the scene asks for.
     """
 
-    def __init__(self, announce: Callable[[float], None]) -> None:
-        self._announce = announce
-        self._said = LONG / 2.0
+    def __init__(self, record: RunRecord) -> None:
+        super().__init__("interrupted")
+        self.record = record
 
-    def __call__(self, seconds: float) -> None:
-        """Announce work to come."""
-        if seconds >= max(LONG, 2.0 * self._said):
-            self._said = seconds
-            self._announce(seconds)
+    @property
+    def run(self) -> "xr.Dataset":
+        """What was recorded."""
+        return self.record.dataset
+
+
+def unfinished(
+    run: RunRecord | None, error: float | None, planning_seconds: float
+) -> KeyboardInterrupt:
+    """The best run of a search that Ctrl-C ended; ``error`` is its estimated one, if measured."""
+    if run is None:
+        return KeyboardInterrupt("before anything was recorded")
+    run.attrs["planning_seconds"] = planning_seconds
+    why = run.attrs.get("unfinished", "Ctrl-C before the tolerance was met")
+    if error is None:
+        run.attrs["unfinished"] = f"{why}, its error not estimated"
+    else:
+        run.attrs |= {"unfinished": why, "error_estimate": error}
+    return UnfinishedRun(run)
 
 
 @dataclass(frozen=True)
@@ -237,8 +301,13 @@ START_SECONDS = 0.03
 SECONDS_PER_UPDATE = 6e-10
 """Seconds per site and force evaluation, measured with the planning."""
 
-COST = {"time_step_error": 2.0, "domain_error": 2.0}
-"""Work of each re-run relative to the run itself."""
+REFINED_COST = 2.0
+"""Work of a run with half the step or twice the sites, relative to the run itself."""
+
+
+def refinements(scene: Scene) -> list[str]:
+    """The observables that are measured by running the scene again."""
+    return [name for name in scene.observables if observable_named(name).seen == "refinement"]
 
 
 class StrainSamples:
@@ -292,14 +361,14 @@ def run_from(
     ``witnesses`` see the run as well; what they see is no part of it. Raises UnfinishedRun with
     what was recorded on Ctrl-C.
     """
-    meter = _Meter(scene, progress)
+    measures = refinements(scene)
+    whole, *parts = _parts(progress or (lambda _: None), [1.0, *[REFINED_COST] * len(measures)])
     recorders = build_recorders(scene)
     samples = StrainSamples(scene.snapshots)
-    measures = [measure for measure in scene.observables if measure in COST]
     seen: list[Observer] = [*recorders, *witnesses]
     if measures:
         seen.append(samples)
-    recording = record(scene, moving, seen, meter.part(1.0), restart)
+    recording = record(scene, moving, seen, whole, restart)
     variables: Variables = {}
     for recorder in recorders:
         variables |= recorder.variables()
@@ -307,8 +376,7 @@ def run_from(
     if recording.stopped:
         why = f"Ctrl-C after t = {recording.stepper.state.t:g} of {scene.end:g}"
         raise UnfinishedRun(RunRecord(scene, reached, variables, cost | {"unfinished": why}))
-    for measure in measures:
-        part = meter.part(COST[measure])
+    for measure, part in zip(measures, parts, strict=True):
         try:
             values = measured_error(scene, moving, measure, samples.samples, part)
         except KeyboardInterrupt:
@@ -332,22 +400,13 @@ def _reached(
     return tuple(t for t in scene.snapshots if t < recording.stepper.state.t)
 
 
-class _Meter:
-    """Turns the progress of each part of the work into progress of the whole."""
+def _parts(progress: Progress, costs: Sequence[float]) -> list[Progress]:
+    """The progress of each part of the work, as progress of the whole."""
 
-    def __init__(self, scene: Scene, progress: Progress | None) -> None:
-        self._progress = progress
-        self._total = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
-        self._before = 0.0
+    def part(start: float, cost: float) -> Progress:
+        return lambda share: progress(min(1.0, (start + share * cost) / sum(costs)))
 
-    def part(self, cost: float) -> Progress:
-        start, self._before = self._before, self._before + cost
-
-        def report(share: float) -> None:
-            if self._progress is not None:
-                self._progress(min(1.0, (start + share * cost) / self._total))
-
-        return report
+    return [part(sum(costs[:place]), cost) for place, cost in enumerate(costs)]
 
 
 def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
@@ -372,6 +431,6 @@ def stated_seconds(scene: Scene) -> float:
     """What a scene takes that states its step and its sites, with the runs that measure errors."""
     stated = scene.discretisation
     steps = (scene.end - scene.t0) / stated.step
-    runs = 1.0 + sum(COST.get(name, 0.0) for name in scene.observables)
+    runs = 1.0 + REFINED_COST * len(refinements(scene))
     updates = steps * stated.table.stages * stated.sites
     return START_SECONDS + SECONDS_PER_UPDATE * updates * runs

@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from lattice.refine import Progress
+from lattice.trial import Progress
 from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
 from verify.comparison.moving_wave import find_bounds
 from verify.comparison.scene_run import scene_of

@@ -182,7 +182,6 @@ def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
     """The force of the vector code changed from y^3 to y^2 and back."""
     for name in (
         *(f"solutions/{name}" for name in RUN_FILES),
-        "lattice/kernels/vector.py",
         "lattice/kernels/vector_code.py",
         "lattice/kernels/blocked.py",
     ):

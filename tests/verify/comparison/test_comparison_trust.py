@@ -8,8 +8,8 @@ import pytest
 
 from verify.cli.run import summary_lines
 from verify.comparison import load_scene, run, trust
-from verify.comparison.run_record import RunRecord
 from verify.comparison.scene import with_tolerance
+from verify.comparison.stated_run import RunRecord
 from verify.comparison.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 
 
