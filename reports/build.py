@@ -23,7 +23,7 @@ from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from reports.latex import render, write
 from reports.paper import SOURCES
-from reports.sections import costs, runs, theory
+from reports.sections import costs, literature, runs, theory
 from solutions.catalogue import CATALOGUE, closed_form
 from verify.cli.console import plain_console
 from verify.comparison import Scene
@@ -39,6 +39,7 @@ from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint, latt
 from verify.studies.long_runs import LongRun, long_run_jobs, long_runs
 from verify.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
 from verify.studies.proofs import ProofRecord, proof_jobs
+from verify.studies.published_verdicts import PublishedVerdict, library_jobs
 from verify.verdict import Verdict
 
 
@@ -103,6 +104,7 @@ class Findings:
     mutations: Sequence[MutationCount]
     accuracy: Sequence[Accuracy]
     studies: Studies
+    library: Sequence[PublishedVerdict]
 
     @property
     def sound(self) -> bool:
@@ -111,7 +113,8 @@ class Findings:
         accepted = all(record.accepted is not False for record in self.proofs)
         refuted = all(count.undecided == 0 for count in self.mutations)
         ran = self.studies.sound and not self.evidence.blown_up
-        return proved and accepted and refuted and ran
+        decided = all(verdict.expected for verdict in self.library)
+        return proved and accepted and refuted and decided and ran
 
 
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
@@ -128,13 +131,15 @@ def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progre
         mutations=_of(found, "mutants"),
         accuracy=[worst_of(group) for _, group in accuracy],
         studies=studies(found),
+        library=_joined(found, "library"),
     )
 
 
 def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
     """The jobs of a report under (kind, subject)."""
     jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
-    return jobs | proof_jobs() | evidence_jobs() | accuracy_jobs(full) | study_jobs(full)
+    evidence = proof_jobs() | library_jobs() | evidence_jobs() | accuracy_jobs(full)
+    return jobs | evidence | study_jobs(full)
 
 
 def evidence_jobs() -> dict[Key, Job]:
@@ -173,8 +178,12 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "accuracy_table": lambda found: costs.accuracy_table(found.accuracy),
     "run_table": lambda found: runs.run_table(found.evidence),
     "claim_table": lambda found: runs.claim_table(all_claims(found.evidence)),
+    "library_counts": lambda found: literature.library_counts(found.library),
+    "library_table": lambda found: literature.library_table(found.library),
+    "library_conditions": lambda found: literature.library_conditions(found.library),
+    "found_misprints": lambda found: literature.found_misprints(found.library),
 }
-"""The tables of proofs, waves and runs under the names that the templates give them."""
+"""The tables of proofs, waves, runs and published solutions under their templates' names."""
 
 STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
     "cost_table": lambda found: costs.cost_table(found.evaluation),

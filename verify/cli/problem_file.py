@@ -6,6 +6,7 @@ equation = "u_t + 6*u*u_x + u_xxx"          # or a list
 solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
 parameters = "k: k>0"
 domain = "t > 0"
+solve = "k"                                 # parameters whose values are asked for
 source = "free text"
 expect = "PROVED"
 
@@ -37,10 +38,10 @@ NAME_LENGTH = 100
 FORMULAS = ("equation", "solution")
 """The keys of a problem with one text or a list."""
 
-TEXTS = ("name", "parameters", "domain", "source", "expect")
+TEXTS = ("name", "parameters", "domain", "solve", "source", "expect")
 """The keys of a problem with one text."""
 
-REMARKS = ("equation_name", "looked_up", "variant_of", "note")
+REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
 """The keys of a problem with one text on which no verdict depends."""
 
 TAKEN = ("equation", "solution", "parameters", "domain", "source", "equation_name", "looked_up")
@@ -62,9 +63,10 @@ class StatedProblem:
 class ProblemText:
     """A problem as a file has it, before its formulas are read.
 
-    ``looked_up`` is the address of a text in which the formula was found; empty, where it is
-    written from memory of the source. ``variant_of`` is the name of the problem of which this is a
-    wrong variant, and ``note`` says what is hidden in it.
+    ``looked_up`` is the address of a text in which the formula was found, up to the names and the
+    scale of its parameters; empty, where it is written from memory of the source. ``variant_of`` is
+    the name of the problem of which this is a wrong variant, and ``note`` says what is hidden in
+    it; ``misprint_in`` is the publication that has the wrong formula, where it was not made here.
     """
 
     where: str
@@ -73,18 +75,21 @@ class ProblemText:
     solution: tuple[str, ...]
     parameters: str = ""
     domain: str = ""
+    solve: str = ""
     source: str = ""
     expect: str = ""
     equation_name: str = ""
     looked_up: str = ""
     variant_of: str = ""
+    misprint_in: str = ""
     note: str = ""
 
     def problem(self) -> StatedProblem:
         """Read the formulas; raises FormulaError with the problem's place and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
-            return StatedProblem(read_statement(*texts, name=self.name), self.expect, self.source)
+            statement = read_statement(*texts, name=self.name, solve=self.solve)
+            return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
             raise error.within(f"{self.where} ({self.name})") from None
 

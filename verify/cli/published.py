@@ -58,7 +58,11 @@ def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
 
 
 def source_of(text: ProblemText) -> str:
-    """The source, marked where no text of it was at hand."""
+    """The source, marked where no text of it was at hand; of a wrong variant, whose it is."""
+    if text.misprint_in:
+        return f"misprint in {text.misprint_in}"
+    if text.variant_of:
+        return f"variant of {text.variant_of}"
     return text.source if text.looked_up else f"{text.source} ({FROM_MEMORY})"
 
 
@@ -72,14 +76,15 @@ def records() -> list[dict[str, object]]:
 
 def print_library() -> None:
     """Print name, equation, source and expected verdict of every statement, by equation."""
-    table = Table("name", "equation", "source", "expected", title="library", title_justify="left")
+    table = Table(title="library", title_justify="left")
+    for heading in ("name", "equation", "source", "expected"):
+        table.add_column(heading, no_wrap=heading == "name")
     before = ""
     for text in published():
         if before and text.equation_name != before:
             table.add_section()
         shown_name = text.equation_name if text.equation_name != before else ""
-        source = f"variant of {text.variant_of}" if text.variant_of else source_of(text)
-        table.add_row(text.name, shown_name, source, text.expect)
+        table.add_row(text.name, shown_name, source_of(text), text.expect)
         before = text.equation_name
     console = table_console()
     console.print(table)

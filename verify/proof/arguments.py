@@ -13,6 +13,7 @@ from math import lcm
 import sympy as sp
 from flint import fmpz_mat
 
+from solutions.functions import jacobi_eta, jacobi_theta
 from solutions.functions.jacobi import JacobiFunction
 
 
@@ -52,8 +53,12 @@ class Dependence:
 
 Vector = dict[sp.Expr, sp.Rational]
 
-KEPT = (sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+KEPT = (sp.log, sp.atan, *INVERSE)
 """Functions that stay as they are written, as their exponentials are known."""
+
+TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
+"""Half a turn, and the shares of it whose exponentials are known."""
 
 LONGEST = 60
 """Operations of a quotient that common factors are looked for in."""
@@ -91,6 +96,36 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
     return found
 
 
+def definition(node: sp.Expr) -> sp.Expr:
+    """An inverse function, other than atan, by logarithms; all values are principal ones.
+
+    >>> definition(sp.asinh(sp.Symbol("x")))
+    log(x + sqrt(x**2 + 1))
+    """
+    (f,) = node.args
+    if isinstance(node, sp.asinh):
+        return sp.log(f + sp.sqrt(1 + f**2))
+    if isinstance(node, sp.acosh):
+        return sp.log(f + sp.sqrt(f - 1) * sp.sqrt(f + 1))
+    if isinstance(node, sp.atanh):
+        return (sp.log(1 + f) - sp.log(1 - f)) / 2
+    arc = -sp.I * sp.log(sp.I * f + sp.sqrt(1 - f**2))
+    return arc if isinstance(node, sp.asin) else sp.pi / 2 - arc
+
+
+def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
+    """The expressions, and the definitions of the inverse functions in them."""
+    found = dict.fromkeys(expressions)
+    waiting = list(found)
+    while waiting:
+        for node in waiting.pop().atoms(*INVERSE):
+            defined = definition(node)
+            if defined not in found:
+                found[defined] = None
+                waiting.append(defined)
+    return list(found)
+
+
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
     """``exponent`` less its multiples of logarithms and of i atan, and these.
 
@@ -107,10 +142,16 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 
 
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
-    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    """Whether the exponential of ``value * term`` is algebraic: of log f, i atan f or i pi."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
-    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
-    return bool(isinstance(term, sp.log) or turned)
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
+    return bool(isinstance(term, sp.log) or turned or (term == TURN and value.q in UNITY))
+
+
+def _nesting(expression: sp.Expr) -> int:
+    """How many functions stand in one another: those within a basis must come without it."""
+    inner = max(map(_nesting, expression.args), default=0)
+    return inner + bool(expression.is_Function)
 
 
 class IntegerCombinations:
@@ -128,7 +169,7 @@ class IntegerCombinations:
         given = list(dict.fromkeys(arguments))
         vectors = [expanded_terms(argument) for argument in given]
         monomials = {monomial for vector in vectors for monomial in vector}
-        self._monomials = sorted(monomials, key=sp.default_sort_key)
+        self._monomials = sorted(monomials, key=lambda m: (-_nesting(m), sp.default_sort_key(m)))
         self._scale = lcm(*(int(value.q) for vector in vectors for value in vector.values()))
         self._rows = self._hermite([self._integers(vector) for vector in vectors])
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
@@ -206,11 +247,13 @@ class Arguments:
         self._exponents: dict[sp.Expr, None] = {}
         self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
         self._radicands: dict[sp.Expr, None] = {}
+        self._shifts: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         seen: set[sp.Basic] = set()
         for expression in expressions:
             self._visit(expression, seen)
         self.exponents = IntegerCombinations(self._exponents)
         self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
+        self._steps = {m: IntegerCombinations(shifts) for m, shifts in self._shifts.items()}
         self.circles = {base.free_symbols.pop() for base in self._radicands if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
@@ -226,8 +269,16 @@ class Arguments:
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
 
+    def steps(self, shift: sp.Expr, m: sp.Expr) -> tuple[sp.Expr, int]:
+        """The step and its multiple that a constant shift of theta's argument is."""
+        combinations = self._steps[m]
+        pairs = zip(combinations.basis, combinations.coordinates(shift), strict=True)
+        found = [(step, times) for step, times in pairs if times]
+        return found[0] if len(found) == 1 else (shift, int(shift != 0))
+
     def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
         """An exponent without logarithms, and those with their factors."""
+        z = z.xreplace({node: definition(node) for node in z.atoms(*INVERSE)})
         return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
 
     def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
@@ -244,6 +295,8 @@ class Arguments:
             self._exponents[self.exponent(sp.I * node.args[0])[0]] = None
         elif isinstance(node, JacobiFunction):
             argument, m = node.args
+            if isinstance(node, jacobi_theta | jacobi_eta):
+                self._shifts[m][self.parts(argument)[1]] = None
             for moves, part in zip((True, False), self.parts(argument), strict=True):
                 if part != 0:
                     self._parts[moves, m][part] = None

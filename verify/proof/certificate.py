@@ -22,7 +22,7 @@ from flint import acb, ctx, fmpq_mpoly
 
 from verify.subexpressions import distinct_nodes, replaced
 
-from .arguments import Dependence
+from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
@@ -56,7 +56,8 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     table = NodeTable(list(problem.solutions))
     statement = statement_data(problem, table)
     rewriting = Rewriting(DomainSigns(problem.domains))
-    for expression in problem.expressions:
+    expressions = with_definitions(problem.expressions)
+    for expression in expressions:
         rewriting(expression)
     point = regular_point(problem)
 
@@ -64,9 +65,9 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         found = rewriting.found
         return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
 
-    whole = search(problem.expressions, moving=problem.right is None)
+    whole = search(expressions, moving=problem.right is None)
     for pair in parts:
-        proof = search(pair, moving=False).proof(point)
+        proof = search(with_definitions(pair), moving=False).proof(point)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
     proof = with_square_roots(table, statement, whole.proof(point))
     return Certificate.signed(problem.name, table, statement, proof)
@@ -75,6 +76,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
 def statement_data(problem: Problem, table: NodeTable) -> Data:
     """What a certificate states, as places in ``table``."""
     taken = {symbol.name for symbol in problem.domains}
+    variables = [table.place(variable) for variable in problem.variables]
     unknowns = []
     for unknown, formula in problem.solutions.items():
         name = unknown.func.__name__
@@ -82,7 +84,7 @@ def statement_data(problem: Problem, table: NodeTable) -> Data:
             name += "_"
         unknowns.append([name, table.place(formula)])
     return {
-        "variables": [table.place(variable) for variable in problem.variables],
+        "variables": variables,
         "unknowns": unknowns,
         "equations": [_equation_data(problem, table)],
         "domain": _domain_data(problem.domains, table),

@@ -17,7 +17,7 @@ from sympy.core.function import AppliedUndef
 
 from solutions import functions
 
-from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .checker.limits import FORMAT, digest
 from .domains import Point
 
@@ -26,7 +26,7 @@ Node = list[Any]
 FUNCTIONS: dict[str, type] = {
     function.__name__: function
     for function in (
-        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan),
+        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
         *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,

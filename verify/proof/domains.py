@@ -57,9 +57,7 @@ class Domain:
 
     def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
         """Both ends, with ``values`` for the symbols that they contain."""
-        if not self.lower.is_Atom or not self.upper.is_Atom:
-            return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
-        return values.get(self.lower, self.lower), values.get(self.upper, self.upper)
+        return _end_at(self.lower, values), _end_at(self.upper, values)
 
     def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
         """Whether ``value`` lies inside, the other symbols having ``values``."""
@@ -85,6 +83,9 @@ class Domain:
         nonzero, integer = self.nonzero or other.nonzero, self.integer or other.integer
         return Domain(lower, upper, lower_open, upper_open, nonzero, integer)
 
+
+END_DIGITS = 60
+"""Of an end with roots, at a point."""
 
 REAL = Domain()
 POSITIVE = Domain(lower=sp.S.Zero)
@@ -206,6 +207,15 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
             f"symbols must be real, integer or of one sign, got {symbol} with {beyond[0]} = "
             f"{assumed[beyond[0]]} (write an even one as 2*n, an extended one as positive)"
         )
+
+
+def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """An end at a point: exact, but for powers, of which SymPy would take huge numbers' roots."""
+    if end.is_Atom:
+        return values.get(end, end)
+    if any(not power.exp.is_Integer for power in end.atoms(sp.Pow)):
+        return sp.N(end, END_DIGITS, subs=dict(values))
+    return end.xreplace(dict(values))
 
 
 def _inner(

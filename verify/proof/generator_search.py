@@ -13,7 +13,7 @@ from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, TURN, Arguments, definition
 from .certificate_writer import Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
@@ -196,14 +196,12 @@ class GeneratorSearch:
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
             self._writer.atom(self._place(node))
-        elif isinstance(node, sp.log):
+        elif isinstance(node, sp.log | sp.atan):
             self._writer.atom(self._place(node))
-        elif isinstance(node, sp.atan):
-            if isinstance(z, sp.tan):
-                self._writer.name(value=self._place(z.args[0]), place=self._place(node))
-                self.need(z.args[0])
-            else:
-                self._writer.atom(self._place(node))
+        elif isinstance(node, INVERSE):
+            if isinstance(node, sp.asin | sp.acos):
+                self.need(sp.I)
+            self.need(sp.asin(z) if isinstance(node, sp.acos) else definition(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
@@ -240,6 +238,10 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
+            elif logarithm == TURN:
+                self.need(sp.exp(q * TURN) if q.q < 3 else sp.cos(q * sp.pi) + sp.sin(q * sp.pi))
+            elif q % 2:
+                self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)
             found.append([str(q), self._place(logarithm)])
         self._writer.hints["sums"][self._made("exp", place)] = found

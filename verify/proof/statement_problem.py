@@ -8,6 +8,7 @@ the points at which it fails.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,13 +16,17 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
+from derive.algebra.bounded_building import without_sizes
 from derive.algebra.formula_printing import formula_as_text
 
 from .balls import ball_value
 from .domain_signs import DomainSigns
 from .domains import Domains, Point, settled_domains
-from .problem import Problem, problem_points
+from .problem import POINTS, Problem, problem_points
+from .samples import sample
 from .statement_text import Statement
+
+DIVISOR_BITS = (160, 1280)
 
 CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
 
@@ -90,11 +95,30 @@ def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProbl
     )
 
 
-def all_domains(statement: Statement, equation: sp.Expr) -> Domains:
-    """The domains of every symbol in the equation and its formulas, and of the variables."""
-    used = [f for u, f in statement.solutions.items() if equation.has(u.func)]
-    symbols = {s for formula in (equation, *used) for s in formula.free_symbols}
+def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
+    """The domains of every symbol in the equations and their formulas, and of the variables."""
+    used = [f for u, f in statement.solutions.items() if any(e.has(u.func) for e in equations)]
+    symbols = {s for formula in (*equations, *used) for s in formula.free_symbols}
     return settled_domains(symbols | set(statement.variables), statement.domains)
+
+
+def undefined(statement: Statement) -> sp.Expr | None:
+    """A divisor of the statement that is not shown to differ from 0 at any drawn point."""
+    points = sample(all_domains(statement, *statement.equations, *statement.divisors), POINTS)
+    for divisor in statement.divisors:
+        value = with_exponentials(residual_of(statement, divisor))
+        if not any(_is_nonzero(value, point) for point in points):
+            return divisor
+    return None
+
+
+def _is_nonzero(value: sp.Expr, point: Point) -> bool:
+    for bits in DIVISOR_BITS:
+        with suppress(ValueError, ZeroDivisionError):
+            ball = ball_value(value, point, bits)
+            if ball.is_finite() and not ball.contains(0):
+                return True
+    return False
 
 
 def with_exponentials(expression: sp.Expr) -> sp.Expr:
@@ -144,7 +168,7 @@ def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
 
     def made(node: sp.Expr) -> sp.Expr:
         if isinstance(node, sp.Derivative):
-            found = sp.diff(image(node.expr), *node.variables)
+            found = sp.diff(without_sizes(image(node.expr)), *node.variables)
             if found.has(sp.Derivative, sp.Subs):
                 raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
             return found

@@ -19,6 +19,7 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
+    Parser,
     Token,
     Vocabulary,
 )
@@ -66,13 +67,17 @@ class Statement:
     """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
-    its formula.  ``domains`` has every variable and parameter that is not all real numbers.
+    its formula.  ``domains`` has every variable and parameter that is not all real numbers;
+    ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
+    which the values are asked for, rather than taken as any.
     """
 
     name: str
     equations: tuple[sp.Expr, ...]
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
+    divisors: tuple[sp.Expr, ...] = ()
+    wanted: tuple[sp.Symbol, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -90,8 +95,9 @@ def read_statement(
     domain: str = "",
     *,
     name: str = "statement",
+    solve: str = "",
 ) -> Statement:
-    """The statement that the texts make.
+    """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
 
     Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
     declared twice, misread or not used, an unknown without a solution, a solution with an unknown
@@ -107,7 +113,8 @@ def read_statement(
     solutions = [p for t in _texts(solution, "solution") for p in text_parts(t, "solution")]
     entries = list(text_parts(parameters, "parameters", ";"))
     limits = list(text_parts(domain, "domain", ";", ","))
-    return _Reading(name, equations, solutions, entries, limits).statement()
+    wanted = list(text_parts(solve, "solve", ","))
+    return _Reading(name, equations, solutions, entries, limits, wanted).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -127,12 +134,14 @@ class _Reading:
     solutions: list[TextPart]
     entries: list[TextPart]
     limits: list[TextPart]
+    asked: list[TextPart]
     names: dict[str, sp.Expr] = field(default_factory=dict)
     declared: dict[str, TextPart] = field(default_factory=dict)
     variables: dict[str, sp.Symbol] = field(default_factory=dict)
     fields: dict[str, AppliedUndef] = field(default_factory=dict)
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
+    divisors: dict[sp.Expr, None] = field(default_factory=dict)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -151,7 +160,17 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
-        return Statement(self.name, equations, solutions, self.domains)
+        wanted = tuple(self._wanted(part) for part in self.asked)
+        for place, symbol in enumerate(wanted):
+            if symbol in wanted[:place]:
+                raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
+        divisors = tuple(self.divisors)
+        return Statement(self.name, equations, solutions, self.domains, divisors, wanted)
+
+    def _note(self, parser: Parser) -> None:
+        """Keep what a text names, and what it divides by."""
+        self.used |= parser.used
+        self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
 
     def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
         for part in (*self.equations, *self.solutions):
@@ -209,7 +228,7 @@ class _Reading:
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
             self.names[name] = parser.expression()
             parser.expect_end()
-            self.used |= parser.used
+            self._note(parser)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)
@@ -336,7 +355,7 @@ class _Reading:
         parser = part.parser(self._vocabulary(), equal + 1)
         found = parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         return self.fields[name], found
 
     def _equation(self, part: TextPart) -> sp.Expr:
@@ -345,7 +364,7 @@ class _Reading:
         if parser.take_sign("="):
             found -= parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         if not found.atoms(AppliedUndef):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")
@@ -368,6 +387,14 @@ class _Reading:
             raise ValueError(f"expected '(' behind the function {name}")
         self.names[name] = sp.Symbol(name, real=True)
         return self.names[name]
+
+    def _wanted(self, part: TextPart) -> sp.Symbol:
+        """The parameter that is to be solved for."""
+        found = self.names.get(part.words[0].text)
+        if len(part.words) > 2 or not isinstance(found, sp.Symbol):
+            known = ", ".join(n for n, value in self.names.items() if value.is_Symbol) or "none"
+            raise part.error(f"expected a parameter ({known}), got {part.words[0]}")
+        return found
 
     def _check_use(self) -> None:
         for name, entry in self.declared.items():

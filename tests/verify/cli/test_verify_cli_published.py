@@ -2,13 +2,16 @@
 
 import json
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
+from statistics import median
 
 import pytest
 
 from longwave.__main__ import main
-from verify.cli.problem_file import problem_texts
+from verify.cli.problem_file import ProblemText, problem_texts
 from verify.cli.published import FROM_MEMORY, chosen, published, records, source_of
+from verify.proof.statement_verdict import decide_statement
 from verify.verdict import Outcome
 
 Output = pytest.CaptureFixture[str]
@@ -24,18 +27,33 @@ def test_names_are_unique_and_words_of_the_shell() -> None:
 
 
 @pytest.mark.parametrize("text", LIBRARY, ids=lambda text: text.name)
-def test_a_statement_has_an_equation_a_source_and_what_is_expected(text: object) -> None:
-    record = vars(text)
-    assert record["equation_name"]
-    assert record["source"]
-    assert record["expect"] in (Outcome.PROVED, Outcome.REFUTED)
-    assert record["note"] or record["expect"] == Outcome.PROVED
-    assert record["name"] in VARIANTS or record["expect"] == Outcome.REFUTED
+def test_a_right_statement_has_a_wrong_variant_and_a_wrong_one_is_explained(
+    text: ProblemText,
+) -> None:
+    assert text.equation_name
+    assert text.source
+    assert text.looked_up.startswith("http") or not text.looked_up
+    if text.expect == Outcome.PROVED:
+        assert text.name in VARIANTS
+        assert not text.variant_of
+    else:
+        assert text.expect == Outcome.REFUTED
+        assert text.note
+        assert text.variant_of or text.misprint_in
+
+
+def test_there_are_as_many_as_promised() -> None:
+    right = [text for text in LIBRARY if text.expect == Outcome.PROVED]
+    assert len(right) >= 120
+    assert len({text.equation_name for text in right}) >= 40
 
 
 def test_a_source_of_which_no_text_was_seen_is_marked() -> None:
     for text in LIBRARY:
-        assert source_of(text).endswith(f"({FROM_MEMORY})") == (not text.looked_up)
+        if not text.variant_of and not text.misprint_in:
+            assert source_of(text).endswith(f"({FROM_MEMORY})") == (not text.looked_up)
+    (misprint,) = chosen(["toronto_kdv_soliton"])
+    assert source_of(misprint).startswith("misprint in V. Ivrii")
 
 
 def test_statements_are_chosen_by_their_name_or_their_equation() -> None:
@@ -72,3 +90,26 @@ def test_a_variant_takes_what_it_leaves_out_from_a_problem_above(tmp_path: Path)
     path.write_text(second + first, encoding="utf-8")
     with pytest.raises(ValueError, match="problem 1: variant_of must be the name of a problem"):
         problem_texts(path)
+
+
+QUICK = slice(None, None, 8)
+"""The statements that the default suite decides; all of them take the slow one."""
+
+
+def seconds_of(texts: Sequence[ProblemText]) -> list[float]:
+    """The seconds that the statements took; AssertionError for one not decided as expected."""
+    verdicts = [decide_statement(text.problem().statement) for text in texts]
+    pairs = zip(texts, verdicts, strict=True)
+    assert not [(v.name, v.outcome, v.detail) for text, v in pairs if v.outcome != text.expect]
+    return [verdict.seconds for verdict in verdicts]
+
+
+def test_verdicts_are_as_expected() -> None:
+    assert seconds_of(LIBRARY[QUICK])
+
+
+@pytest.mark.slow
+def test_every_verdict_is_as_expected_and_quick() -> None:
+    seconds = seconds_of(LIBRARY)
+    assert median(seconds) < 0.5
+    assert max(seconds) < 20

@@ -31,6 +31,7 @@ from .limits import (
     within,
 )
 from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
+from .signs import INVERSE
 from .statement import Statement, read_statement, statement_text
 
 Point = Mapping[int, fmpq]
@@ -132,7 +133,7 @@ class Denominators:
 
     def _jumps(self, node: int) -> bool:
         match self._field.nodes.all[node]:
-            case ("power", *_):
+            case (str(name), *_) if name == "power" or name in INVERSE:
                 return not self._field.signs.is_real(node)
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))

@@ -118,7 +118,7 @@ class Images(ABC):
         """Whether two nodes have the same image."""
         return left == right or (self.image(left) - self.image(right)).is_zero
 
-    def made(self, name: str, *arguments: int) -> Element:
+    def made(self, name: str, *arguments: int | fmpq) -> Element:
         """The image of the node ``(name, *arguments)``."""
         return self.image(self.nodes.made(name, *arguments))
 
@@ -166,12 +166,20 @@ class Images(ABC):
     def sum_of(self, function: int) -> Sum:
         """The combination that a hint gives for a function's argument, checked."""
         found, z = self.hinted(self.hints.sums, function), self.nodes.all[function][1]
+        found = self._turned_sum(function) if found is None else found
         if found is None:
             raise CertificateError("there is no generator for a function of a sum")
         parts = [self.ring.number(n) * self.image(u) for n, u in found]
         if not (self.sum([self.zero, *parts]) - self.image(z)).is_zero:
             raise CertificateError("an argument is not the sum that it is said to be")
         return found
+
+    def _turned_sum(self, function: int) -> Sum | None:
+        """The combination that a hint gives for the opposite argument, turned round."""
+        name, z, *rest = self.nodes.all[function]
+        opposite = self.nodes.made(name, self.nodes.made("Mul", self.nodes.rational(-1), z), *rest)
+        found = self.hinted(self.hints.sums, opposite)
+        return None if found is None else tuple((-n, u) for n, u in found)
 
     def named(self, node: int) -> int:
         """The node that a hint says is the value of ``node``."""
