@@ -66,7 +66,7 @@ def source_digest(module: str) -> str:
     total = hashlib.sha256()
     for name in sorted(sources.files):
         total.update(_text_digest(sources.files[name]))
-    for name in sorted(sources.loaded):
+    for name in sorted(sources.loaded & sys.modules.keys()):
         total.update(_memory_digest(name))
     versions = [f"{name} {_version(name)}" for name in sorted(sources.packages)]
     total.update("\n".join(versions).encode())
