@@ -12,6 +12,7 @@ from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from solutions.catalogue import CATALOGUE, closed_form
+    from solutions.data_store import kept_data
     from solutions.forms.rational import rational, rational_tau
     from solutions.numeric_wave import NumericWave, Side, WaveValues
     from solutions.record import (
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
         Reference,
     )
     from solutions.wave import Wave
-    from solutions.wave_store import kept_data, kept_wave
+    from solutions.wave_store import kept_wave
 
 __all__ = [
     "CATALOGUE",
@@ -55,7 +56,8 @@ __getattr__, __dir__ = lazy_face(
         "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
         "FarFields Parameter Reference",
         "solutions.forms.rational": "rational rational_tau",
-        "solutions.wave_store": "kept_data kept_wave",
+        "solutions.data_store": "kept_data",
+        "solutions.wave_store": "kept_wave",
         "solutions.numeric_wave": "NumericWave Side WaveValues",
         "solutions.wave": "Wave",
     },

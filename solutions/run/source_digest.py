@@ -20,8 +20,6 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-import numpy as np
-
 __all__ = [
     "ROOMS",
     "Sources",
@@ -229,6 +227,8 @@ def _facts_of_module(module: ModuleType) -> Iterator[str]:
 
 def _facts(value: Any) -> Iterator[str]:
     """What numba could build into a kernel of a module's value."""
+    import numpy as np  # with kernels; data are kept without
+
     code = _code(value)
     if code is not None:
         yield from _code_facts(code)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from derive import mkdv_normal_form
-from solutions import Wave, closed_form, wave_store
+from solutions import Wave, closed_form, data_store, kept_data, kept_wave
 from solutions.run import source_digest
 from solutions.run.source_digest import all_sources, text_digest
 
@@ -44,7 +44,7 @@ def values(wave: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(wave_store, "cache_folder", lambda *_: tmp_path)
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: tmp_path)
     return tmp_path
 
 
@@ -52,15 +52,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
     """To the bit; the second one is not made at all."""
     exact = made(name)
-    wave_store.kept_wave(__name__, name, lambda: exact)
-    first = wave_store.kept_wave(__name__, name, lambda: exact)
+    kept_wave(__name__, name, lambda: exact)
+    first = kept_wave(__name__, name, lambda: exact)
     assert all(np.array_equal(a, b) for a, b in zip(values(first), values(exact), strict=True))
     assert len(list(folder.iterdir())) == 4
 
     def never() -> Wave:
         raise AssertionError
 
-    second = wave_store.kept_wave(__name__, name, never)
+    second = kept_wave(__name__, name, never)
     assert all(np.array_equal(a, b) for a, b in zip(values(second), values(exact), strict=True))
     assert second.numbers == exact.numbers
     with pytest.raises(AssertionError):
@@ -71,33 +71,33 @@ def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
 
 def test_what_is_damaged_is_made_anew(folder: Path) -> None:
     exact = made("kink")
-    wave = wave_store.kept_wave(__name__, "kink", lambda: exact)
+    wave = kept_wave(__name__, "kink", lambda: exact)
     wave.at(SITES, 0.0, 0.05)
     for path in folder.iterdir():
         path.write_bytes(path.read_bytes()[:-7] + b"damaged")
-    again = wave_store.kept_wave(__name__, "kink", lambda: exact)
+    again = kept_wave(__name__, "kink", lambda: exact)
     assert np.array_equal(again.at(SITES, 0.0, 0.05).Y, exact.at(SITES, 0.0, 0.05).Y)
 
 
 def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wave_store, "MOST_FILES", 3)
+    monkeypatch.setattr(data_store, "MOST_FILES", 3)
     for number in range(8):
-        wave_store.kept_data(__name__, str(number), lambda: [1.0])
+        kept_data(__name__, str(number), lambda: [1.0])
     assert len(list(folder.iterdir())) == 3
 
 
 def test_data_are_made_once(folder: Path) -> None:
     calls: list[int] = []
     for _ in range(3):
-        assert wave_store.kept_data(__name__, "data", lambda: calls.append(1) or [1.5]) == [1.5]
+        assert kept_data(__name__, "data", lambda: calls.append(1) or [1.5]) == [1.5]
     assert calls == [1]
 
 
 def test_nothing_is_kept_of_what_the_files_do_not_say(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(wave_store, "runs_as_written", lambda _: False)
-    assert wave_store.kept_data(__name__, "data", lambda: [1.5]) == [1.5]
+    monkeypatch.setattr(data_store, "runs_as_written", lambda _: False)
+    assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]
     assert not list(folder.iterdir())
 
 
