@@ -152,15 +152,24 @@ def _sources(module: str, start: Path) -> Sources:
             continue
         files[name] = path
         loaded |= {name} if early else set()
-        for stem, inner, at_once in _imports(path):
-            above = _absolute(stem, _package(name, path))
-            names = (f"{above}.{inner}", above) if inner else (above,)
-            found = next(((n, f) for n in names if (f := _file(root, n)) is not None), None)
-            if found is not None:
-                waiting.append((*found, early and at_once))
+        for other, file, at_once in _imported(root, name, path):
+            if file is not None:
+                waiting.append((other, file, early and at_once))
             elif early and at_once:
-                packages.add(above.split(".")[0])
+                packages.add(other)
     return Sources(files, loaded, packages)
+
+
+@cache
+def _imported(root: Path, module: str, path: Path) -> tuple[tuple[str, Path | None, bool], ...]:
+    """What a module imports: modules of the project with their files, and packages; if at once."""
+    found: list[tuple[str, Path | None, bool]] = []
+    for stem, inner, at_once in _imports(path):
+        above = _absolute(stem, _package(module, path))
+        names = (f"{above}.{inner}", above) if inner else (above,)
+        files = ((name, file) for name in names if (file := _file(root, name)) is not None)
+        found.append((*next(files, (above.split(".")[0], None)), at_once))
+    return tuple(found)
 
 
 _IMPORT = re.compile(
@@ -219,16 +228,18 @@ def _version(package: str) -> str:
 
 
 def _facts_of_module(module: ModuleType) -> Iterator[str]:
-    """Byte code and constants of a module, one text each."""
+    """Byte code and constants of a module, one text each.
+
+    Functions and classes of other modules are theirs to tell.
+    """
     for name, value in sorted(vars(module).items()):
-        if not (name.startswith("__") and name.endswith("__")):
+        is_own = getattr(value, "__module__", None) in (None, module.__name__)
+        if is_own and not (name.startswith("__") and name.endswith("__")):
             yield from (f"{name}: {fact}" for fact in _facts(value))
 
 
 def _facts(value: Any) -> Iterator[str]:
     """What numba could build into a kernel of a module's value."""
-    import numpy as np  # with kernels; data are kept without
-
     code = _code(value)
     if code is not None:
         yield from _code_facts(code)
@@ -237,12 +248,19 @@ def _facts(value: Any) -> Iterator[str]:
             inner = _code(getattr(member, "__func__", member))
             if inner is not None:
                 yield from (f"{name}: {fact}" for fact in _code_facts(inner))
-    elif isinstance(value, np.ndarray | np.generic):
+    elif isinstance(value, _array_types()):
         yield f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
     elif isinstance(value, tuple):
         yield from (fact for item in value for fact in _facts(item))
     elif isinstance(value, bool | int | float | complex | str | bytes):
         yield repr(value)
+
+
+@lru_cache(maxsize=1)
+def _array_types() -> Any:
+    import numpy as np  # with kernels; data are kept without
+
+    return np.ndarray, np.generic
 
 
 def _code(value: Any) -> CodeType | None:

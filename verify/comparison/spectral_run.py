@@ -7,6 +7,7 @@ through.
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,6 +66,7 @@ SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
 
 
+@lru_cache(maxsize=4)
 def spectral_seconds(scene: Scene) -> float:
     """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
     moving, tolerance = scene.moving_wave, scene.target.tolerance

@@ -167,6 +167,7 @@ def _most_rate(scene: Scene) -> float:
     return 6.0 * steepest * wave.numbers.b * scene.eps**3
 
 
+@lru_cache(maxsize=4)
 def _background(wave: NumericWave) -> WaveValues:
     """The far field at ``SAMPLES`` points of a wavelength."""
     points = float(wave.wavelength or 0.0) * np.arange(SAMPLES) / SAMPLES
