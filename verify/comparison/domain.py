@@ -52,7 +52,7 @@ def seam_room(moving: MovingWave) -> float:
     if wave.wavelength is not None:
         return 2.0 * wave.wavelength / eps
     height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-    return KINK / (float(wave.normal_form.a) * eps * height)
+    return KINK / (wave.numbers.a * eps * height)
 
 
 def least_window(compared: int) -> int:
@@ -264,7 +264,7 @@ class Window(Domain):
         background = self.moving.wave.constant_background
         if background is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.moving.wave.form.name}, got 'window' "
+                f"domain must be 'ring' for {self.moving.wave.numbers.name}, got 'window' "
                 "(its background is not constant)"
             )
         self.monitor = InflowCheck(self.moving.eps)
