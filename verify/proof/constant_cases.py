@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy as sp
 
@@ -86,6 +87,19 @@ class ConstantCase:
         words = ", ".join(parts) or ALL
         words += f" where {where}" if where else ""
         return words + (f" ({', '.join(notes)})" if notes else "")
+
+    def json(self) -> dict[str, Any]:
+        """The record as plain data."""
+        verdict = self.verdict
+        return {
+            "values": {str(s): formula_as_text(value) for s, value in self.values.items()},
+            "where": [restriction.text for restriction in self.restrictions],
+            "unsolved": [formula_as_text(polynomial) for polynomial in self.implicit],
+            "trivial": self.trivial,
+            "verdict": (verdict.outcome if verdict else Outcome.UNDECIDED).value,
+            "assumptions": list(verdict.assumptions) if verdict else [],
+            "certificates": [c["digest"] for c in verdict.certificates] if verdict else [],
+        }
 
 
 # values put into a statement

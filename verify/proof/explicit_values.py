@@ -172,11 +172,21 @@ def in_squares(value: sp.Expr, squares: Squares) -> sp.Expr:
         for factor, power in sp.factor_list(square)[1]:
             if power != 1 or not factor.has(sp.Function):
                 continue
-            other = constant**2 * factor / square
-            for number in (1, -1):
-                image = best.subs(number * factor, number * sp.cancel(other))
-                best = min(best, tidy(image), key=lambda v: v.count_ops())
+            other = sp.cancel(constant**2 * factor / square)
+            images = [tidy(best.subs(number * factor, number * other)) for number in (1, -1)]
+            images += [_divided(image, factor, other) for image in (best, *images)]
+            best = min(best, *images, key=lambda v: v.count_ops())
     return best
+
+
+def _divided(value: sp.Expr, factor: sp.Expr, other: sp.Expr) -> sp.Expr:
+    """The value with its numerator divided by a factor, which is ``other``: quotient and rest."""
+    above, below = sp.fraction(value)
+    function = min(factor.atoms(sp.Function), key=sp.default_sort_key)
+    if not above.is_polynomial(function):
+        return value
+    quotient, rest = sp.div(sp.expand(above), factor, function)
+    return tidy(quotient * other / below) + tidy(rest / below)
 
 
 def put_in(values: Mapping[sp.Symbol, sp.Expr], expression: sp.Expr) -> sp.Expr:

@@ -63,8 +63,8 @@ ANSWERS = [
         "m: 0<m<1; b: b>0",
         "a, w",
         [
-            f"a = {sign}jacobi_sn(b, m)/jacobi_cn(b, m); w = -2*(jacobi_dn(b, m) - 1)"
-            "*(m - jacobi_dn(b, m) - 1)/(m*jacobi_cn(b, m)**2)"
+            f"a = {sign}jacobi_sn(b, m)/jacobi_cn(b, m); "
+            "w = 2 - 2*jacobi_dn(b, m)/jacobi_cn(b, m)**2"
             for sign in ("", "-")
         ],
     ),
