@@ -121,6 +121,7 @@ class Kernel:
         if types in self._compiled:
             return
         self._compiled.add(types)
+        _compile_complex_product()
         dispatcher = self.dispatcher
         _, folded = dispatcher._compiler.fold_argument_types(types, {})
         dispatcher.compile(folded)
@@ -211,6 +212,22 @@ def _numba() -> Any:
 
     rtsys.initialize(cpu_target.target_context)
     return numba
+
+
+@lru_cache(maxsize=1)
+def _compile_complex_product() -> None:
+    """Compile the product of complex numbers before any kernel that is kept.
+
+    Numba compiles it once, with the flags of the kernel that needs it first: whether its products
+    and sums may be contracted, and so last digits, would depend on what a process compiled before.
+    """
+    from numba.core.registry import cpu_target
+
+    cpu_target.target_context.cached_internal_func.clear()
+    kind = _numba().complex128
+    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    product = _numba().njit(error_model="numpy", **bare)(lambda a, b: a * b)
+    product.compile((kind, kind))
 
 
 def _load_arrays_without_blas() -> None:

@@ -14,7 +14,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,13 +74,14 @@ def build_wave(
     """
     if not isinstance(wave, str):
         return _make_wave(wave, constants, values)
-
-    def make() -> "Wave":
-        from solutions import closed_form
-
-        return _make_wave(closed_form(wave, values), constants, values)
-
+    make = partial(_make_named_wave, wave, constants, values)
     return kept_wave(__name__, f"{wave} {constants} {sorted(values.items())}", make)
+
+
+def _make_named_wave(name: str, constants: Model, values: Mapping[str, float | str]) -> "Wave":
+    from solutions import closed_form
+
+    return _make_wave(closed_form(name, values), constants, values)
 
 
 def _make_wave(form: "ClosedForm", constants: Model, values: Mapping[str, float | str]) -> "Wave":
