@@ -52,7 +52,7 @@ def derive(
     branch: str | None,
     **constants: str | None,
 ) -> int:
-    """Derive the long-wave or envelope equation of a lattice and its coefficients.
+    """Derive the long-wave or envelope equation of a lattice.
 
     Without a MODEL it is the paper's strain FPUT lattice; `longwave list lattices` shows the
     others, and a FILE.toml may hold one of your own. With `check` the result is compared with plane
