@@ -158,14 +158,14 @@ class Residual:
 
     def vanishes(self, terms: Sequence[Term]) -> bool:
         """Whether the numerator of an equation reduces to 0."""
-        quick = self._at_enough_values(terms)
-        if quick is not None:
-            return quick
+        quotient = self.quotient(terms)
+        if quotient is not None:
+            return quotient[0].vanishes(terms, quotient[1])
         parts = [self._term(term) for term in terms]
         return total(self._field.ring, parts).is_zero
 
-    def _at_enough_values(self, terms: Sequence[Term]) -> bool | None:
-        """The answer for a long quotient of polynomials in two generators; None for any other."""
+    def quotient(self, terms: Sequence[Term]) -> tuple[Quotient, Rates] | None:
+        """The formula as a long quotient in two generators, and their rates; None if it is none."""
         field = self._field
         if field.ring.relations or len(field.generators) != 2 or len(self._statement.formulas) > 1:
             return None
@@ -175,7 +175,7 @@ class Residual:
         t, x = sorted(range(2), key=lambda place: image.numerator.degrees()[1 - place])
         slopes = [(field.slope(x, v), field.slope(t, v)) for v in self._statement.variables]
         rates = constant_rates(slopes)
-        return None if rates is None else Quotient(image, x, t).vanishes(terms, rates)
+        return None if rates is None else (Quotient(image, x, t), rates)
 
     def _term(self, term: Term) -> Element:
         value, known, jets = term
@@ -183,10 +183,11 @@ class Residual:
         for node in known:
             result = result * self._field.image(node)
         for jet in jets:
-            result = result * self._jet(jet)
+            result = result * self.jet(jet)
         return result
 
-    def _jet(self, jet: Jet) -> Element:
+    def jet(self, jet: Jet) -> Element:
+        """A derivative of an unknown."""
         if jet not in self._jets:
             unknown, orders = jet
             place = next((i for i, n in enumerate(orders) if n), None)
@@ -195,7 +196,7 @@ class Residual:
             else:
                 lower = (*orders[:place], orders[place] - 1, *orders[place + 1 :])
                 derivation = self._derivation(self._statement.variables[place])
-                self._jets[jet] = derivation(self._jet((unknown, lower)))
+                self._jets[jet] = derivation(self.jet((unknown, lower)))
         return self._jets[jet]
 
     def _derivation(self, variable: int) -> Derivation:
