@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
+from textwrap import wrap
 
 from flint import fmpq, fmpq_mpoly
 
@@ -107,6 +110,11 @@ NAMES = ("generator", "node", "jet")
 """Kinds of terms that are names."""
 
 
+def name_of(term: Term) -> str:
+    """A node as n12, a jet as u3."""
+    return f"{'n' if term[0] == 'node' else 'u'}{term[1]}"
+
+
 def is_number(term: Term, value: int) -> bool:
     """Whether a term is that number."""
     return term[0] == "number" and term[1] == value
@@ -172,3 +180,35 @@ def inner_terms(term: Term) -> Iterator[Term]:
     for part in term[1:]:
         if isinstance(part, tuple):
             yield from inner_terms(part)
+
+
+def engine_text(name: str) -> str:
+    """The part that all scripts of a system have in common."""
+    return (files(__package__) / "engines" / name).read_text("utf-8").rstrip("\n")
+
+
+PLAIN = re.compile(r"[^A-Za-z0-9_ .,;:=<>+*/^()\[\]-]")
+"""What a comment does not hold: nothing ends it, begins another, or continues a line."""
+
+WIDTH = 100
+
+
+def plain(text: str) -> list[str]:
+    """A text as lines for a comment: other characters are named by their code, * stands apart."""
+    shown = PLAIN.sub(lambda found: f"<{ord(found[0]):x}>", text)
+    return wrap(shown.replace("*", " * "), WIDTH)
+
+
+def plain_lines(proof: WrittenProof) -> list[str]:
+    """What a script says of itself."""
+    lines = [f"longwave: {proof.title}", *proof.statement.splitlines()]
+    lines += ["Generators and what they stand for:"]
+    lines += [f"g{place}: {text}" for place, text in enumerate(proof.meanings)]
+    lines += ["Derivatives are along " + ", ".join(proof.variables)]
+    lines += ["Names and what they stand for:"]
+    lines += [
+        f"{name_of(step.name)}: {step.comment}"
+        for step in proof.steps
+        if isinstance(step, Definition) and step.comment
+    ]
+    return [short for line in lines for short in plain(line)]
