@@ -15,7 +15,8 @@ import numpy as np
 from problem import CONSTANTS, DURATION, EPS, SITES, Array
 from scipy.integrate import solve_ivp
 
-from lattice.schemes.scheme import Scheme
+from lattice.schemes import Scheme
+from lattice.stepper import advance
 
 Contender = Callable[[float, Array, Array], tuple[float, Array]]
 
@@ -26,7 +27,7 @@ def stencil_contender(scheme: Scheme) -> Contender:
     def run(steps: float, y: Array, s: Array) -> tuple[float, Array]:
         y, s, count = y.copy(), s.copy(), round(steps)
         begin = time.process_time()
-        scheme.advance(y, s, DURATION / count, count, CONSTANTS)
+        advance(scheme, y, s, DURATION / count, count, CONSTANTS)
         return time.process_time() - begin, y
 
     return run

@@ -12,16 +12,16 @@ from collections.abc import Callable, Iterator
 from types import FunctionType
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.kernels import blocked
 from lattice.model import Model
-from lattice.schemes.catalogue import REDUCED_PHASE_6
+from lattice.schemes import REDUCED_PHASE_6
 from lattice.spectral import absorber
 from lattice.spectral.evolution import SpectralRing
 from lattice.spectral.ring import RingState
+from solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 ROUNDS = 15
@@ -33,7 +33,7 @@ def variant(**constants: int) -> Callable[..., None]:
     names: dict[str, Any] = {**vars(blocked), **constants}
 
     def compiled(kernel: Any) -> Any:
-        return numba.njit(error_model="numpy")(FunctionType(kernel.py_func.__code__, names))
+        return njit(error_model="numpy")(FunctionType(kernel.py_func.__code__, names))
 
     names["_pass"] = compiled(blocked._pass)
     found: Callable[..., None] = compiled(blocked.advance_blocked)

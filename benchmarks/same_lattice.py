@@ -27,15 +27,15 @@ from contenders import (
 from peak import multiply_add_rate
 from problem import CONSTANTS, SITES, Array, error, initial, reference
 
-from lattice.kernels.vector import OPERATIONS
-from lattice.schemes.catalogue import (
+from lattice.kernels.blocked import OPERATIONS
+from lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     MCLACHLAN_4,
     REDUCED_PHASE_6,
     SUZUKI_UMENO_8,
+    Scheme,
 )
-from lattice.schemes.scheme import Scheme
 
 TARGET = 1e-6
 TOLERANCES = (1e4, 1e11, 10.0**0.25)

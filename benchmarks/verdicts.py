@@ -3,7 +3,11 @@
 Prints every finding (wrong, error, slow) with a script to paste, and a table by kind.  The exit
 status is 1 if a verdict is wrong, an error escaped, or nothing came back in time.
 
-    python benchmarks/verdicts.py [--count 100000] [--seed 0] [--workers 2] [--undecided]
+    python benchmarks/verdicts.py [--count 100000] [--seed 0] [--workers 2] [--kind all]
+                                  [--undecided]
+
+With ``--kind all`` the kinds take turns: one real unknown as SymPy objects, then in text systems,
+complex fields, compositions and shifts of lattice sites.
 """
 
 from __future__ import annotations
@@ -19,29 +23,41 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from verify.studies.statements.library import statement
-from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judgements, tallies
+from verify.studies.text_search import SEARCH_KINDS, any_statement, digest, judged, kind_of
+from verify.studies.verdict_search import HEADINGS, Judgement, Mark, tallies
 
 COUNT = 100_000
 PATIENCE = 60.0
 """Seconds after which a worker that says nothing is stopped; its statement counts as slow."""
 
+WIDTH = 160
+"""Of the tables, in a file too."""
+
 FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
 
+Kinds = tuple[str, ...]
 
-def work(seed: int, indices: range, pipe: Connection) -> None:
+
+def placed(kinds: Kinds, number: int) -> tuple[str, int]:
+    """The kind and the index of the statement of this number: the kinds take turns."""
+    return kinds[number % len(kinds)], number // len(kinds)
+
+
+def work(kinds: Kinds, seed: int, numbers: range, pipe: Connection) -> None:
     """Judge the statements with these numbers and send each judgement."""
-    for judgement in judgements(seed, indices):
-        pipe.send(judgement)
+    for number in numbers:
+        kind, index = placed(kinds, number)
+        pipe.send(judged(kind, seed, index))
     pipe.close()
 
 
 @dataclass
 class Worker:
-    """A process on its way through ``indices``; ``done`` of them are judged."""
+    """A process on its way through ``numbers``; ``done`` of them are judged."""
 
+    kinds: Kinds
     seed: int
-    indices: range
+    numbers: range
     done: int = 0
 
     def __post_init__(self) -> None:
@@ -51,7 +67,7 @@ class Worker:
         """Begin, or go on behind the last one."""
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe(duplex=False)
-        arguments = (self.seed, self.indices[self.done :], theirs)
+        arguments = (self.kinds, self.seed, self.numbers[self.done :], theirs)
         self.process = context.Process(target=work, args=arguments, daemon=True)
         self.process.start()
         theirs.close()
@@ -69,13 +85,13 @@ class Worker:
 
     def abandon(self, words: str) -> Judgement:
         """Stop the process at its present statement and go on behind it."""
-        index = self.indices[self.done]
+        kind, index = placed(self.kinds, self.numbers[self.done])
         self.process.kill()
         self.process.join()
         self.done += 1
         if self.has_more:
             self.start()
-        given = statement(self.seed, index)
+        given = any_statement(kind, self.seed, index)
         return Judgement(
             given.kind, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE
         )
@@ -83,14 +99,15 @@ class Worker:
     @property
     def has_more(self) -> bool:
         """Whether statements are left."""
-        return self.done < len(self.indices)
+        return self.done < len(self.numbers)
 
 
-def search(seed: int, count: int, workers: int, report: Progress) -> list[Judgement]:
+def search(kinds: Kinds, seed: int, count: int, workers: int, report: Progress) -> list[Judgement]:
     """All judgements, from ``workers`` processes that take every so manieth statement."""
     task = report.add_task("statements", total=count)
     found: list[Judgement] = []
-    team = [Worker(seed, range(start, count, workers)) for start in range(min(workers, count))]
+    starts = range(min(workers, count))
+    team = [Worker(kinds, seed, range(start, count, workers)) for start in starts]
     while team:
         ready = wait([worker.pipe for worker in team], timeout=1.0)
         for worker in team:
@@ -108,16 +125,17 @@ def search(seed: int, count: int, workers: int, report: Progress) -> list[Judgem
 
 
 def _text(judgement: Judgement) -> str:
-    script = statement(judgement.seed, judgement.index).script()
+    script = any_statement(kind_of(judgement), judgement.seed, judgement.index).script()
     return f"{judgement.mark.upper()}: {judgement.words}\n{script}\n"
 
 
-def table(found: list[Judgement], seconds: float) -> Table:
-    """The tallies by kind."""
+def table(found: list[Judgement], kind: str, seconds: float) -> Table:
+    """The tallies by kind, or by what there is within one kind."""
+    groups = {"all": tallies(found, kind_of), "real": tallies(found)}
     made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
     for place, heading in enumerate(HEADINGS):
         made.add_column(heading, justify="right" if place else "left")
-    for tally in tallies(found):
+    for tally in groups.get(kind) or tallies(found, lambda judgement: judgement.kind):
         made.add_row(*tally.cells())
     return made
 
@@ -127,7 +145,7 @@ def reasons(found: list[Judgement]) -> Table:
     counts: dict[tuple[str, str], list[int]] = {}
     for judgement in found:
         if judgement.mark is Mark.UNDECIDED and judgement.supported:
-            counts.setdefault((judgement.kind, judgement.words[:70]), []).append(judgement.index)
+            counts.setdefault((judgement.kind, judgement.words[:100]), []).append(judgement.index)
     made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
     for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
         made.add_row(str(len(own)), kind, words, str(min(own)))
@@ -140,12 +158,15 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=COUNT)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--kind", choices=(*SEARCH_KINDS, "all"), default="all")
     parser.add_argument("--undecided", action="store_true", help="why so many were undecided")
     options = parser.parse_args()
-    console, start = Console(), time.monotonic()
+    console, start = Console(width=WIDTH), time.monotonic()
     with Progress(console=console) as report:
-        found = search(options.seed, options.count, options.workers, report)
-    console.print(table(found, time.monotonic() - start))
+        kinds = SEARCH_KINDS if options.kind == "all" else (options.kind,)
+        found = search(kinds, options.seed, options.count, options.workers, report)
+    console.print(table(found, options.kind, time.monotonic() - start))
+    console.print(f"digest {digest(found)}")
     if options.undecided:
         console.print(reasons(found))
     return int(any(judgement.mark in FINDINGS for judgement in found))

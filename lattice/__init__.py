@@ -10,11 +10,17 @@ from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from lattice.integration import Cost, Trajectory, integrate
-    from lattice.model import Model
-    from lattice.schemes.catalogue import SCHEMES, scheme_named
-    from lattice.schemes.order import check_order
-    from lattice.schemes.scheme import Composition, RungeKutta, Scheme, Splitting, stability_limit
-    from lattice.state import State, ring_energy
+    from lattice.model import Model, State, ring_energy
+    from lattice.scheme_order import check_order
+    from lattice.schemes import (
+        SCHEMES,
+        Composition,
+        RungeKutta,
+        Scheme,
+        Splitting,
+        scheme_named,
+        stability_limit,
+    )
 
 __all__ = [
     "SCHEMES",
@@ -37,10 +43,9 @@ __getattr__, __dir__ = lazy_face(
     __name__,
     {
         "lattice.integration": "Cost Trajectory integrate",
-        "lattice.model": "Model",
-        "lattice.schemes.catalogue": "SCHEMES scheme_named",
-        "lattice.schemes.order": "check_order",
-        "lattice.schemes.scheme": "Composition RungeKutta Scheme Splitting stability_limit",
-        "lattice.state": "State ring_energy",
+        "lattice.model": "Model State ring_energy",
+        "lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
+        "stability_limit",
+        "lattice.scheme_order": "check_order",
     },
 )

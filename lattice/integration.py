@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lattice.kernels import blocked
-from lattice.model import Model
+from lattice.model import Model, State
 from lattice.refine import LEAST_FACTOR, Kind, Progress, StepSearch, refine
-from lattice.schemes.catalogue import REDUCED_PHASE_6, SCHEMES
-from lattice.schemes.order import check_order
-from lattice.schemes.scheme import Scheme, check_step, stability_limit
-from lattice.state import State
+from lattice.scheme_order import check_order
+from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
 from lattice.stepper import Stepper, StillRing
 from lattice.trial import NUDGE, Choices, Trial, difference, rounding_error
 

@@ -1,54 +1,38 @@
-"""Stepping a state through the times at which it is wanted."""
+"""Advancing a ring by a scheme, and stepping a state through the times at which it is wanted."""
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
-from lattice.model import Model
-from lattice.schemes.scheme import Scheme
-from lattice.state import BlowUp, State, find_blow_up
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.kernels import blocked, plain
+from lattice.model import BlowUp, Domain, Model, State, find_blow_up
+from lattice.schemes import DriftKick, Scheme
+
+Array = NDArray[np.float64]
+
+
+def advance(scheme: Scheme, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
+    """Advance the ring (y, s) in place by ``steps`` steps of length ``h``.
+
+    The fastest kernel is taken that scheme and size admit.
+    """
+    if not isinstance(scheme, DriftKick):
+        plain.advance_nystroem(y, s, *scheme.floats, h, steps, *model.kernel)
+        return
+    kernel = plain.advance_plain
+    if blocked.fits(y.size, scheme.stages):
+        kernel = blocked.advance_on_two_cores if blocked.pays(y.size) else blocked.advance_blocked
+    kernel(y, s, scheme.drifts * h, scheme.kicks * h, steps, *model.kernel)
+
 
 CHUNK = 64
 """Most steps between two stops; a chunk that blew up is repeated step by step."""
 
 UPDATES = 3e8
 """Most force evaluations between two stops, a fraction of a second: Ctrl-C waits for them."""
-
-
-class Domain(Protocol):
-    """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
-
-    What is written here is a ring of sites that stays where it is.
-    """
-
-    moves: frozenset[float] = frozenset()
-
-    @property
-    def mismatch(self) -> float:
-        """Largest difference of y/eps between what was fed and the sites next to it."""
-        return 0.0
-
-    def start(self) -> State:
-        """The initial state."""
-
-    def follow(self, state: State) -> BlowUp | None:
-        """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
-
-        To be called at each of the ``moves``.
-        """
-        return None
-
-    def fade(self, state: State) -> None:
-        """Change what can no longer reach a compared site, if that is of use.
-
-        To be called wherever the march stops.
-        """
-        return
-
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
-        """``found``, with what the domain may have to do with it."""
-        return found
 
 
 @dataclass
@@ -121,7 +105,7 @@ class Stepper:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
         state, begin = self.state, self.state.t
         before = state.y.copy(), state.s.copy()
-        self.scheme.advance(state.y, state.s, h, steps, self.model)
+        advance(self.scheme, state.y, state.s, h, steps, self.model)
         state.t = t
         found = self._find_blow_up()
         if found is None:

@@ -92,12 +92,20 @@ longwave.add_command(report)
 
 @longwave.command("list", epilog=example("longwave list waves --json"))
 @click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
+@click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
-def list_(kind: str | None, json_wanted: bool) -> int:
+def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
     """Show lattices, waves, schemes, scenes or observables.
 
     KIND is one of these words; without it all are shown.
     """
+    if library:
+        if kind:
+            raise click.UsageError(f"--library must not be given with KIND, got {kind} as well")
+        from verify.cli.published import print_library, records
+
+        click.echo(json.dumps(records(), indent=2)) if json_wanted else print_library()
+        return 0
     from longwave.inventory import inventory, print_tables
 
     found = inventory((kind,) if kind else KINDS)

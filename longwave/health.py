@@ -88,10 +88,10 @@ def _vector() -> Finding:
     """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
-    from lattice.kernels.vector import WHY_PLAIN
+    from lattice.kernels import blocked
 
-    if WHY_PLAIN:
-        cost = f"the lattice's kernels take three times as long: {WHY_PLAIN}"
+    if why := blocked.why_plain():
+        cost = f"the lattice's kernels take three times as long: {why}"
         return Finding("vectors", "plain loops", "costs", cost)
     try:
         features = binding.get_host_cpu_features()
@@ -116,15 +116,17 @@ def _kernels() -> Finding:
     import warnings
 
     from solutions.run import machine
-    from solutions.run.jit import cache_folder
+    from solutions.run.jit import SUFFIX
+    from solutions.run.kernel_folder import cache_folder
+    from solutions.run.source_digest import source_digest
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
-        folder = cache_folder(machine.__name__)
+        folder = cache_folder(machine.__name__, source_digest(machine.__name__))
     if folder is None:
         cost = "every process compiles anew: set NUMBA_CACHE_DIR to a folder that can be written"
         return Finding(part, "no folder can be written", "costs", cost)
-    if not any(folder.glob("*.nbc")):
+    if not any(folder.glob(f"*{SUFFIX}")):
         cost = "the first run compiles, once"
         return Finding(part, f"none yet in {folder.parent}", "costs", cost)
     return Finding(part, f"in {folder.parent}, which can be written")

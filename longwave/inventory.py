@@ -75,8 +75,7 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 def schemes() -> list[Record]:
     """The schemes: name, order, forces a step, largest stable step times frequency, source."""
-    from lattice.schemes.catalogue import SCHEMES
-    from lattice.schemes.scheme import stability_limit
+    from lattice.schemes import SCHEMES, stability_limit
 
     return [
         {
@@ -127,7 +126,7 @@ def observables() -> list[Record]:
             "needs_ring": entry.needs_ring,
             "arrays": [variable.name for variable in entry.variables],
         }
-        for entry in OBSERVABLES
+        for entry in OBSERVABLES.values()
     ]
 
 

@@ -33,11 +33,11 @@ from reports.figures.drawing import (
     styled,
 )
 from reports.figures.paper_figures import snapshots
-from verify.cli.run import check_output, plain_console, progress_bar
+from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.recording import UnfinishedRun
-from verify.comparison.saved_run import scene_of
-from verify.comparison.scene_catalogue import find_scene
+from verify.comparison.scene import find_scene
+from verify.comparison.scene_run import scene_of
+from verify.comparison.stated_run import UnfinishedRun
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

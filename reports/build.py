@@ -1,15 +1,21 @@
-"""Building the report: the work, figures, tables, the LaTeX source, the PDF."""
+"""Building the report: the work as jobs in processes, figures, tables, LaTeX, PDF."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.metadata import version
+from itertools import chain, groupby
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
+import xarray as xr
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bars
 
 from derive.command_line import announce, fail, interrupted
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
@@ -17,13 +23,147 @@ from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from reports.latex import render, write
 from reports.paper import SOURCES
-from reports.sections import costs, runs, theory
-from reports.work import Findings, Studies, find, studies, study_jobs
+from reports.sections import costs, literature, runs, theory
+from solutions.catalogue import CATALOGUE, closed_form
+from verify.cli.console import plain_console
 from verify.comparison import Scene
-from verify.processes import run_jobs
+from verify.evidence.mutations import MutationCount, count_mutants
+from verify.evidence.residual import check_residual
+from verify.processes import Job, Key, Progress, run_jobs
 from verify.studies.claims import all_claims
-from verify.studies.estimates import estimate_rows
-from verify.studies.measured_runs import report_scenes
+from verify.studies.estimates import Judged, estimate_jobs, estimate_rows
+from verify.studies.evaluation_accuracy import Accuracy, accuracy_jobs, worst_of
+from verify.studies.evaluation_cost import EvaluationCost, evaluation_cost_jobs
+from verify.studies.hard_cases import HardCaseResult, hard_case_jobs
+from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint, lattice_cost_jobs
+from verify.studies.long_runs import LongRun, long_run_jobs, long_runs
+from verify.studies.measured_runs import MeasuredRuns, report_scenes, scene_job
+from verify.studies.proofs import ProofRecord, proof_jobs
+from verify.studies.published_verdicts import PublishedVerdict, library_jobs
+from verify.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Studies:
+    """What the studies found; what the short report leaves out is empty there.
+
+    ``split`` holds the run of the split wave under its scene's name.
+    """
+
+    evaluation: list[EvaluationCost]
+    precision: list[CostPoint]
+    scaling: list[ScalingPoint]
+    rk4: list[ScalingPoint]
+    windows: list[ScalingPoint]
+    hard_cases: list[HardCaseResult]
+    peaks: list[PeakError]
+    split: Mapping[str, xr.Dataset]
+    long_runs: Mapping[str, LongRun]
+    estimates: list[Judged] = field(default_factory=list)
+
+    @property
+    def sound(self) -> bool:
+        """Whether hard cases hold, long runs keep their tolerance and estimates are honest."""
+        cases = all(case.passed for case in self.hard_cases)
+        long = all(found.kept for found in self.long_runs.values())
+        return cases and long and all(found.sound for found in self.estimates)
+
+
+def studies(found: Mapping[Key, Any]) -> Studies:
+    """The results of the jobs, gathered."""
+
+    return Studies(
+        evaluation=_joined(found, "cost"),
+        precision=_joined(found, "precision"),
+        scaling=_joined(found, "scaling"),
+        rk4=_joined(found, "rk4"),
+        windows=_joined(found, "windows"),
+        hard_cases=_of(found, "hard"),
+        peaks=_of(found, "peak"),
+        split={str(name): value for (part, name), value in found.items() if part == "split"},
+        long_runs=long_runs(found),
+        estimates=_of(found, "estimate"),
+    )
+
+
+def _of(found: Mapping[Key, Any], kind: str) -> list[Any]:
+    return [value for (part, _), value in found.items() if part == kind]
+
+
+def _joined(found: Mapping[Key, Any], kind: str) -> list[Any]:
+    return list(chain.from_iterable(_of(found, kind)))
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Everything that a report shows and that had to be computed."""
+
+    evidence: MeasuredRuns
+    proofs: Sequence[ProofRecord]
+    residuals: Mapping[str, Verdict]
+    mutations: Sequence[MutationCount]
+    accuracy: Sequence[Accuracy]
+    studies: Studies
+    library: Sequence[PublishedVerdict]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every form and study stands and every run came to its end."""
+        proved = all(record.outcome.passed for record in self.proofs)
+        accepted = all(record.accepted is not False for record in self.proofs)
+        refuted = all(count.undecided == 0 for count in self.mutations)
+        ran = self.studies.sound and not self.evidence.blown_up
+        decided = all(verdict.expected for verdict in self.library)
+        return proved and accepted and refuted and decided and ran
+
+
+def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
+    """Do the work of a report in the pool; raises as `run_jobs` does."""
+    jobs = all_jobs(scenes, full)
+    if workers >= 1:
+        announce("the report", sum(job.weight for job in jobs.values()) / workers)
+    found = run_jobs(jobs, workers, progress)
+    accuracy = groupby(_of(found, "accuracy"), attrgetter("name"))
+    return Findings(
+        evidence=MeasuredRuns({name: found["run", name] for name in scenes}, scenes),
+        proofs=_of(found, "proof"),
+        residuals={verdict.name: verdict for verdict in _of(found, "residual")},
+        mutations=_of(found, "mutants"),
+        accuracy=[worst_of(group) for _, group in accuracy],
+        studies=studies(found),
+        library=_joined(found, "library"),
+    )
+
+
+def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
+    """The jobs of a report under (kind, subject)."""
+    jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
+    evidence = proof_jobs() | library_jobs() | evidence_jobs() | accuracy_jobs(full)
+    return jobs | evidence | study_jobs(full)
+
+
+def evidence_jobs() -> dict[Key, Job]:
+    """The residual and the misprints of the catalogue's forms."""
+    jobs: dict[Key, Job] = {}
+    for form in CATALOGUE:
+        jobs["residual", form.name] = Job(_residual, (form.name,), 0.5)
+        jobs["mutants", form.name] = Job(_mutants, (form.name,), 2.0)
+    return jobs
+
+
+def _residual(name: str) -> Verdict:
+    return check_residual(closed_form(name))
+
+
+def _mutants(name: str) -> MutationCount:
+    return count_mutants(closed_form(name))
+
+
+def study_jobs(full: bool) -> dict[Key, Job]:
+    """The jobs of the studies of cost and of hard cases; long runs and estimates if ``full``."""
+    jobs = evaluation_cost_jobs() | lattice_cost_jobs(full) | hard_case_jobs(full)
+    return jobs | long_run_jobs() | estimate_jobs() if full else jobs
+
 
 SOURCE = "longwave.tex"
 
@@ -38,8 +178,12 @@ TABLES: Mapping[str, Callable[[Findings], str]] = {
     "accuracy_table": lambda found: costs.accuracy_table(found.accuracy),
     "run_table": lambda found: runs.run_table(found.evidence),
     "claim_table": lambda found: runs.claim_table(all_claims(found.evidence)),
+    "library_counts": lambda found: literature.library_counts(found.library),
+    "library_table": lambda found: literature.library_table(found.library),
+    "library_conditions": lambda found: literature.library_conditions(found.library),
+    "found_misprints": lambda found: literature.found_misprints(found.library),
 }
-"""The tables of proofs, waves and runs under the names that the templates give them."""
+"""The tables of proofs, waves, runs and published solutions under their templates' names."""
 
 STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
     "cost_table": lambda found: costs.cost_table(found.evaluation),
@@ -159,7 +303,7 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
     Returns the source's path, and whether every form stands and every run came to its end.
     """
     figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES
-    with progress_bar(console) as bar:
+    with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         found = find(
             report_scenes(), full, workers, lambda share: bar.update(working, completed=share)
@@ -192,7 +336,7 @@ def write_bench(output: Path, short: bool, program: str) -> int:
     jobs = study_jobs(full=not short)
     announce("the studies", sum(job.weight for job in jobs.values()))
     try:
-        with progress_bar(console) as bar:
+        with bars(console) as bar:
             task = bar.add_task("measuring", total=1.0)
             found = studies(run_jobs(jobs, 1, lambda share: bar.update(task, completed=share)))
             for name, text in write_study_tables(found, output):
@@ -205,12 +349,7 @@ def write_bench(output: Path, short: bool, program: str) -> int:
     return 0 if found.sound else 1
 
 
-def plain_console() -> Console:
-    """A console that prints text as it is."""
-    return Console(highlight=False, markup=False, emoji=False)
-
-
-def progress_bar(console: Console) -> Progress:
+def bars(console: Console) -> Bars:
     """Bars with their names and the time that has gone."""
     columns = TextColumn("{task.description:20}"), BarColumn(), TimeElapsedColumn()
-    return Progress(*columns, console=console)
+    return Bars(*columns, console=console)

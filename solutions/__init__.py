@@ -13,13 +13,14 @@ from derive.lazy_face import lazy_face
 if TYPE_CHECKING:
     from solutions.catalogue import CATALOGUE, closed_form
     from solutions.forms.rational import rational, rational_tau
-    from solutions.parameter import Bound, Parameter
     from solutions.record import (
         DEFOCUSING_MKDV,
         FOCUSING_MKDV,
+        Bound,
         ClosedForm,
         Equation,
         FarFields,
+        Parameter,
         Reference,
     )
     from solutions.wave import Side, Wave, WaveValues
@@ -46,8 +47,8 @@ __getattr__, __dir__ = lazy_face(
     __name__,
     {
         "solutions.catalogue": "CATALOGUE closed_form",
-        "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV ClosedForm Equation FarFields Reference",
-        "solutions.parameter": "Bound Parameter",
+        "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
+        "FarFields Parameter Reference",
         "solutions.forms.rational": "rational rational_tau",
         "solutions.wave": "Side Wave WaveValues",
     },

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from solutions.compile.tape import Tape
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import Array
-from solutions.run.jacobi_program import jacobi_program
+from solutions.run.program import jacobi_program
 from solutions.symbols import tau, xi
 
 __all__ = ["numpy_function", "numpy_module"]

@@ -14,9 +14,9 @@ from solutions.compile.compiler import kept_program
 from solutions.points import check_points, evaluate_points
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import split
-from solutions.run.linear_phase import LinearPhase
+from solutions.run.linear_phase import LinearPhase, Variables, long_number
 from solutions.run.machine import scale_rows
-from solutions.run.program import Evaluator, PointEvaluator, Variables, long_number
+from solutions.run.program import Evaluator, PointEvaluator
 from solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
 
 __all__ = ["Side", "Wave", "WaveValues"]

@@ -92,7 +92,8 @@ def product(factors: Sequence[sp.Expr]) -> sp.Expr:
     _check_bits(sum(_bits(factor) for factor in factors))
     found = sp.Mul(*factors)
     for factor in sp.Mul.make_args(found):
-        _check_exponent(factor.as_base_exp()[1])
+        if not isinstance(factor, sp.exp):
+            _check_exponent(factor.as_base_exp()[1])
     return _finite(found)
 
 
@@ -144,13 +145,44 @@ def derivative(expression: sp.Expr, variables: Sequence[sp.Symbol]) -> sp.Expr:
     """
     if len(variables) > ORDER:
         raise TooLarge(f"derivatives must be of order {ORDER} at most")
-    found = expression
+    found = without_sizes(expression)
     for step, variable in enumerate(variables):
         most = MOST_NODES if step < FREE else NODES
         if not found.is_Derivative and _nodes(found, most) > most:
             raise TooLarge(f"derivatives must have at most {most} parts on the way")
         found = sp.diff(found, variable)
     return found
+
+
+def without_sizes(expression: sp.Expr) -> sp.Expr:
+    """The expression with abs, sign, re and im of what is not real by products with conjugates.
+
+    These have derivatives in real variables; SymPy's of ``sign`` are those of a real argument.
+
+    >>> u = sp.Function("u")(sp.Symbol("x", real=True))
+    >>> without_sizes(abs(u) ** 2), without_sizes(sp.re(u))
+    (u(x)*conjugate(u(x)), u(x)/2 + conjugate(u(x))/2)
+    """
+    images: dict[sp.Basic, sp.Basic] = {}
+
+    def image(node: sp.Basic) -> sp.Basic:
+        if node not in images:
+            parts = [image(part) for part in node.args]
+            complex_size = isinstance(node, MULTIPLIED_OUT) and not node.args[0].is_extended_real
+            same = all(new is old for new, old in zip(parts, node.args, strict=True))
+            plain = node if same else node.func(*parts)
+            images[node] = SIZES[node.func](parts[0]) if complex_size else plain
+        return images[node]
+
+    return sp.sympify(image(expression)) if expression.has(*MULTIPLIED_OUT) else expression
+
+
+SIZES: dict[type, Callable[[sp.Expr], sp.Expr]] = {
+    sp.Abs: lambda f: sp.sqrt(f * sp.conjugate(f)),
+    sp.sign: lambda f: f / sp.sqrt(f * sp.conjugate(f)),
+    sp.re: lambda f: (f + sp.conjugate(f)) / 2,
+    sp.im: lambda f: (f - sp.conjugate(f)) / (2 * sp.I),
+}
 
 
 def _bits(expression: sp.Expr) -> int:

@@ -45,6 +45,9 @@ WINDOW = 60
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
 
+INFINITE_AT_ZERO = ("log", "coth", "csch", "cot", "csc")
+"""Functions that have no value at 0."""
+
 _TOKEN = re.compile(
     r"(?P<space>[ \t\r\n]+)"
     r"|(?P<number>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -167,7 +170,10 @@ def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp
 
 
 class Parser:
-    """Reads expressions from tokens; the place moves on past what has been read."""
+    """Reads expressions from tokens; the place moves on past what has been read.
+
+    ``used`` are the names that occur; ``divisors`` is what must not be 0, also where it cancels.
+    """
 
     def __init__(
         self, text: str, words: Sequence[Token], vocabulary: Vocabulary, name: str
@@ -179,6 +185,7 @@ class Parser:
         self.place = 0
         self._depth = 0
         self.used: set[str] = set()
+        self.divisors: list[sp.Expr] = []
 
     @property
     def next(self) -> Token:
@@ -235,6 +242,7 @@ class Parser:
             further = self._signed()
             if sign.text == "/":
                 divisor = self._built(sign, product, further)
+                self.divisors.append(divisor)
                 further = [self._built(sign, power, divisor, sp.S.NegativeOne)]
             factors += further
         return self._built(start, product, factors)
@@ -257,6 +265,8 @@ class Parser:
         if sign is None:
             return base
         exponent = self._built(sign, product, self._signed())
+        if not exponent.is_nonnegative:
+            self.divisors.append(base)
         return self._built(sign, power, base, exponent)
 
     def _operand(self) -> sp.Expr:
@@ -351,6 +361,8 @@ class Parser:
             plural = "" if arity == 1 else "s"
             words = f"expected {arity} argument{plural} of {name}, got {len(arguments)}"
             raise self.error(words, token)
+        if name in INFINITE_AT_ZERO:
+            self.divisors += arguments
         return self._built(token, applied, function, arguments)
 
     def _arguments(self, token: Token) -> list[sp.Expr]:

@@ -3,12 +3,14 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
-from lattice.schemes.scheme import stability_limit
+from lattice.schemes import stability_limit
 from paper_map import Holder, Row, paper_map
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.formulas.printing import latex
 from reports.sections.theory import domain_latex
 from solutions import CATALOGUE, ClosedForm
+from verify.cli.problem_file import ProblemText
+from verify.cli.published import published, source_of
 from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
 from verify.comparison.observables import OBSERVABLES
 
@@ -107,7 +109,7 @@ def observables() -> str:
             entry.what + (" (on a ring only)" if entry.needs_ring else ""),
             ", ".join(f"`{variable.name}`" for variable in entry.variables),
         ]
-        for entry in OBSERVABLES
+        for entry in OBSERVABLES.values()
     ]
     return table(["observable", "what", "arrays"], rows)
 
@@ -126,3 +128,35 @@ def schemes() -> str:
     ]
     limit = "step $\\times$ highest frequency"
     return table(["scheme", "order", "forces a step", limit, "from"], rows)
+
+
+def library() -> str:
+    """The published solutions by equation: name, source, expected verdict, what is to be known."""
+    head = ["statement", "source", "expected", "note"]
+    equations = list(dict.fromkeys(text.equation_name for text in published()))
+    parts = [
+        (equation, [text for text in published() if text.equation_name == equation])
+        for equation in equations
+    ]
+    return "\n\n".join(
+        f"### {equation}\n\n{table(head, (_statement_row(text) for text in texts))}"
+        for equation, texts in parts
+    )
+
+
+def misprints() -> str:
+    """The wrong formulas that were found in publications: name, publication, what is wrong."""
+    rows = [
+        [f"`{text.name}`", _linked(text.misprint_in, text.looked_up), text.note]
+        for text in published()
+        if text.misprint_in
+    ]
+    return table(["statement", "publication", "what is wrong"], rows)
+
+
+def _statement_row(text: ProblemText) -> list[str]:
+    return [f"`{text.name}`", _linked(source_of(text), text.looked_up), text.expect, text.note]
+
+
+def _linked(words: str, address: str) -> str:
+    return f"[{words}]({address})" if address else words

@@ -24,6 +24,8 @@ CONTENTS: dict[str, Callable[[], str]] = {
     "scenes": lists.scenes,
     "observables": lists.observables,
     "schemes": lists.schemes,
+    "published-solutions": lists.library,
+    "published-misprints": lists.misprints,
     "gallery": lambda: gallery.markdown(gallery.scripts(GALLERY)),
 }
 """Directive -> the Markdown that takes its place."""
@@ -62,4 +64,6 @@ def _write(app: Sphinx) -> None:
 
 def _read_again(app: Sphinx, env: Any, docnames: list[str]) -> None:
     """Pages with generated tables follow the objects, which Sphinx does not watch."""
-    docnames += [name for name in ("gallery", "lists", "paper-map") if name not in docnames]
+    docnames += [
+        name for name in ("gallery", "library", "lists", "paper-map") if name not in docnames
+    ]

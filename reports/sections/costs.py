@@ -244,7 +244,7 @@ def rk4_table(points: Iterable[ScalingPoint]) -> str:
 def window_table(points: Sequence[ScalingPoint]) -> str:
     """The window's error by its number of sites, with the fitted exponent."""
     rows = [[f"{point.x:.0f}", scientific(point.value)] for point in points]
-    rows.append(["law", rf"$N^{{{fit_law(points).exponent:.1f}}}$"])
+    rows.append(["law", rf"$N^{{{fit_law((p.x, p.value) for p in points).exponent:.1f}}}$"])
     return table("rl", ["sites $N$", r"error of $y/\epsilon$"], rows)
 
 

@@ -15,7 +15,7 @@ from reports.figures.drawing import CostPanel, Snapshot
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, snapshots
 from reports.latex import duration, escape, mathematics, measured, scientific, table
 from reports.paper import cited
-from verify.comparison import Scene, load_scene, relative_sup_error
+from verify.comparison import Scene, load_scene
 from verify.studies.lattice_cost import PeakError, peak_laws
 
 if TYPE_CHECKING:
@@ -233,16 +233,11 @@ def _times(runs: Mapping[str, LongRun]) -> list[float]:
 
 
 def _long_row(name: str, found: LongRun) -> list[str]:
-    errors = []
-    for time in found.ring["time"].values:
-        at = found.ring.sel(time=time)
-        parts = (np.asarray(at[key]) for key in ("strain", "analytic", "background"))
-        errors.append(f"{relative_sup_error(*parts):.4f}")
     attributes = found.ring.attrs
     judged = scientific(float(found.differences.max(skipna=False)))
     return [
         escape(name.split("_k_")[0].replace("_", " ")),
-        *errors,
+        *(f"{error:.4f}" for error in found.ring["error"].values),
         scientific(float(attributes["error_estimate"])),
         judged if found.kept else f"{judged} (TOO LARGE)",
         scientific(found.own, 1),

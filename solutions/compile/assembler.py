@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from solutions.run.bytecode import Code
-from solutions.run.machine import Bytecode, Operation
+from solutions.run.bytecode import Bytecode, Code, Operation
 
 __all__ = ["Assembler"]
 

@@ -9,10 +9,7 @@ expression, or of the source of the closed form, which need not be made then.
 from __future__ import annotations
 
 import hashlib
-import uuid
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
 
 import sympy as sp
 
@@ -21,7 +18,7 @@ from solutions.compile.lowering import Lowering
 from solutions.compile.tape import tape_of
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.record import ClosedForm
-from solutions.run.jit import cache_folder
+from solutions.run.kernel_folder import cache_folder, write_whole
 from solutions.run.program import Program
 from solutions.run.source_digest import source_digest
 
@@ -38,7 +35,7 @@ def kept_program(
     ``expression`` makes the part's expression; it is not called if the program is there. A cache
     can only save time: whatever goes wrong in it means that the program is compiled.
     """
-    folder = cache_folder(__name__)
+    folder = cache_folder(__name__, source_digest(__name__))
     if folder is None:
         return compile_program(expression(), parameters)
     if form.module:
@@ -50,18 +47,8 @@ def kept_program(
         return Program.read(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, KeyError, TypeError):
         program = compile_program(expression(), parameters)
-        _keep(program, path)
+        write_whole(path, program.text().encode())
         return program
-
-
-def _keep(program: Program, path: Path) -> None:
-    """Write the program down; readers see the whole file or none."""
-    draft = path.with_suffix(f".{uuid.uuid4().hex[:16]}")
-    with suppress(OSError):
-        draft.write_text(program.text(), encoding="utf-8")
-        draft.replace(path)
-    with suppress(OSError):
-        draft.unlink(missing_ok=True)
 
 
 def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:

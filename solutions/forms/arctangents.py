@@ -2,8 +2,7 @@
 
 import sympy as sp
 
-from solutions.parameter import Bound, Parameter
-from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.record import FOCUSING_MKDV, Bound, ClosedForm, FarFields, Parameter, Reference
 from solutions.symbols import X_0, A, tau, xi
 
 __all__ = ["breather", "double_pole", "two_soliton"]

@@ -8,8 +8,15 @@ which take phase and wave from here.
 import sympy as sp
 
 from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
-from solutions.parameter import Bound, Parameter
-from solutions.record import DEFOCUSING_MKDV, FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.record import (
+    DEFOCUSING_MKDV,
+    FOCUSING_MKDV,
+    Bound,
+    ClosedForm,
+    FarFields,
+    Parameter,
+    Reference,
+)
 from solutions.symbols import k, tau, xi
 
 __all__ = [

@@ -17,8 +17,7 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.parameter import Bound, Parameter
-from solutions.record import DEFOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.record import DEFOCUSING_MKDV, Bound, ClosedForm, FarFields, Parameter, Reference
 from solutions.symbols import X_0, alpha, k, tau, xi
 
 __all__ = ["breather_sn", "inverse_width", "speed"]

@@ -13,8 +13,7 @@ import sympy as sp
 from flint import fmpq_mpoly
 
 from solutions.forms.tau_polynomials import SPACE_TIME, RationalTau, rational_tau
-from solutions.parameter import Parameter
-from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Parameter, Reference
 from solutions.symbols import shift_symbol, tau, xi
 
 __all__ = [

@@ -6,8 +6,15 @@ Where a wave stands on a constant, its denominator is ``a + b cosh(phase)``; div
 
 import sympy as sp
 
-from solutions.parameter import Bound, Parameter
-from solutions.record import DEFOCUSING_MKDV, FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from solutions.record import (
+    DEFOCUSING_MKDV,
+    FOCUSING_MKDV,
+    Bound,
+    ClosedForm,
+    FarFields,
+    Parameter,
+    Reference,
+)
 from solutions.symbols import A, kappa, tau, xi
 
 __all__ = ["by_sech", "by_tanh", "kink", "kink_antikink", "soliton_background", "soliton_sech"]

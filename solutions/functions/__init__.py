@@ -1,6 +1,6 @@
 """Special functions SymPy lacks, as SymPy functions of (z, m) with m = k**2.
 
-Their values: `solutions.functions.multiprecision` (any precision), `solutions.run.jacobi_program`
+Their values: `solutions.functions.multiprecision` (any precision), `solutions.run.program`
 (NumPy arrays, about 30 digits) and `solutions.numpy_function` (NumPy, as `lambdify` finds them).
 """
 

@@ -1,16 +1,64 @@
-"""Writing programs for the machine: instructions on numbered values, and their registers."""
+"""Programs for the machine: what an instruction is, and writing them on numbered values."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solutions.run.machine import WITH_CONSTANT, Bytecode, Operation
+__all__ = ["Bytecode", "Code", "Operation", "Value", "allocate"]
 
-__all__ = ["Code", "Value", "allocate"]
+
+class Operation(IntEnum):
+    """What an instruction does with registers ``a``, ``b`` and the constant ``c``."""
+
+    ADD = 0  # a + b
+    SUBTRACT = 1  # a - b
+    MULTIPLY = 2  # a b
+    CHOOSE = 3  # a where register c is 1, b where it is 0
+    ADD_CONSTANT = 4  # a + c
+    FROM_CONSTANT = 5  # c - a
+    MULTIPLY_CONSTANT = 6  # a c
+    SCALE = 7  # a c for a power of two c, or minus one
+    CONSTANT = 8  # c
+    RECIPROCAL = 9  # 1/a
+    SQUARE_ROOT = 10
+    LOGARITHM = 11
+    EXPONENTIAL = 12
+    TANH = 13
+    SECH = 14
+    SINE = 15  # of |a| <= 0.79
+    COSINE = 16  # of |a| <= 0.79
+
+
+WITH_CONSTANT = (
+    Operation.ADD_CONSTANT,
+    Operation.FROM_CONSTANT,
+    Operation.MULTIPLY_CONSTANT,
+    Operation.SCALE,
+    Operation.CONSTANT,
+)
+
+
+@dataclass(frozen=True)
+class Bytecode:
+    """Instructions ``(operation, target, a, b, c)``, one a row.
+
+    ``a`` and ``b`` are registers, ``c`` is a constant or, of CHOOSE, a register. The inputs are in
+    registers ``0 .. inputs - 1`` at the start; ``outputs`` are the registers of the results.
+    ``pool`` holds the constants: exact numbers, or expressions of which they will be made.
+    """
+
+    code: NDArray[np.int64]
+    registers: int
+    inputs: int
+    outputs: tuple[int, ...]
+    pool: tuple[Any, ...]
 
 
 class Code:

@@ -15,11 +15,9 @@ from typing import Any
 
 import numpy as np
 from mpmath import MPContext
-from numba import types
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from solutions.run.jit import njit
+from solutions.run.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -77,6 +75,8 @@ def check_range(number: Any) -> Any:
 
 
 def _fma_signature(typing_context: Any, x: Any, y: Any, z: Any) -> Any:
+    from numba import types
+
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.fma(*args)
 
@@ -84,6 +84,8 @@ def _fma_signature(typing_context: Any, x: Any, y: Any, z: Any) -> Any:
 
 
 def _power_signature(typing_context: Any, n: Any) -> Any:
+    from numba import types
+
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         exponent = builder.fsub(context.get_constant(types.float64, _EXPONENT), args[0])
         bits = builder.bitcast(exponent, context.get_value_type(types.int64))
@@ -94,8 +96,8 @@ def _power_signature(typing_context: Any, n: Any) -> Any:
 
 
 _EXPONENT = 1.5 * 2.0**52 + 1023.0  # minus n, its lowest bits are the exponent field of 2^-n
-_fma: Any = intrinsic(_fma_signature)
-_halves: Any = intrinsic(_power_signature)
+_fma: Any = Intrinsic(_fma_signature)
+_halves: Any = Intrinsic(_power_signature)
 
 
 @njit(error_model="numpy")

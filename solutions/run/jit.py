@@ -1,54 +1,36 @@
-"""Numba's ``njit`` with a cache on disk that follows the sources.
+"""Numba's ``njit`` with a cache on disk that follows the sources, read without numba.
 
-Numba's own cache looks at the one file in which a kernel stands: it serves old machine code after
-a change in a function, an intrinsic or a constant that the kernel takes from another file.  Here a
-kernel's machine code lies in a folder that is named by a digest of all that it is built from: the
-text of every file of the project that its module imports, directly or through others; the byte
-code and the constants that these modules hold in memory (Python's own cache of byte code can be
-stale as well); the versions of numba, llvmlite, NumPy and of what else these files import; numba's
-settings.  The processor is in the key of each entry.  So nothing old is ever found, and going back
-to an earlier source finds what was compiled from that.
-
-The folder is the first that can be written of ``NUMBA_CACHE_DIR``, the module's ``__pycache__`` and
-the user's cache.  Where there is none, every process compiles anew, and a warning says so once.
+A kernel is compiled by numba when it is first called with arguments of some types. What is kept of
+it (`solutions.run.kernel_folder` says where, `solutions.run.entry_point` what) is loaded by the
+next process without numba, which takes half a second to import. Numba is asked for what has no such
+entry point, for what its own runtime is needed for, and where anything else is not as expected.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import json
 import os
-import pickle
-import shutil
 import sys
-import tempfile
-import uuid
-import warnings
-from collections.abc import Callable, Iterator
-from functools import cached_property, lru_cache, partial
+import threading
+from collections.abc import Callable
+from functools import cached_property, lru_cache
 from importlib import import_module
 from pathlib import Path
-from types import FunctionType
 from typing import Any
 
-import numba
-from numba.core import config
-from numba.core.caching import (
-    CompileResultCacheImpl,
-    FunctionCache,
-    NullCache,
-    _CacheLocator,
-)
-from numba.core.registry import CPUDispatcher
-from numba.core.serialize import dumps
-from numba.misc.appdirs import AppDirs
-from numba.np import linalg as numba_linalg
+import numpy as np
 
+from solutions.run import entry_point
+from solutions.run.entry_point import Machine, Unsupported
+from solutions.run.kernel_folder import cache_folder, write_whole
 from solutions.run.source_digest import source_digest
 
-__all__ = ["njit"]
+__all__ = ["Intrinsic", "Kernel", "njit"]
 
-KEPT = 8
-"""Versions of a module's kernels that a cache keeps; the least lately used ones go first."""
+SUFFIX = ".kernel"
+"""Of the files of compiled kernels."""
 
 
 def njit(
@@ -66,201 +48,217 @@ def njit(
     1.5
     """
 
-    if inner:
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
     def compiled(function: Callable[..., Any]) -> Any:
-        kernel = numba.njit(**options)(function)
-        if inner and isinstance(kernel, CPUDispatcher):
-            kernel.__class__ = _Inner
-        if cache and hasattr(kernel, "_cache"):  # numba returns the function where it is disabled
-            kernel._cache = KernelCache(function)
-        return kernel
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+            return function
+        return Kernel(function, cache, inner, options)
 
     return compiled
 
 
-class _Inner(CPUDispatcher):
-    def __call__(self, *_: Any, **__: Any) -> Any:
-        raise TypeError(
-            f"{self.py_func.__name__} must be called from compiled code (it has no other entry)"
-        )
+class Kernel:
+    """A function to be compiled: for Python, and for the kernels that call it.
 
-
-class KernelCache(NullCache):
-    """The cache of one kernel, opened when the kernel is first called.
-
-    A cache can only save time: whatever goes wrong in it (a full disk, a damaged file, a folder
-    removed by another process) means that the kernel is compiled.
+    ``found`` counts the signatures whose machine code was there already.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self._function = function
+    def __init__(
+        self, function: Callable[..., Any], cache: bool, inner: bool, options: dict[str, Any]
+    ) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self.found = 0
+        self._kept, self._inner, self._options = cache, inner, options
+        self._entries: list[Callable[..., Any]] = []
+        self._compiled: set[Any] = set()
+        self._loaded = False
+        self._lock = threading.Lock()
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The function's value."""
+        for entry in self._entries:
+            value = entry(*arguments)
+            if value is not NotImplemented:
+                return value
+        return self._other(arguments)
+
+    def _other(self, arguments: tuple[Any, ...]) -> Any:
+        """The value for arguments of types that were not met before."""
+        if self._inner:
+            raise TypeError(
+                f"{self.py_func.__name__} must be called from compiled code (it has no other entry)"
+            )
+        arguments = tuple(a.item() if isinstance(a, np.generic) else a for a in arguments)
+        if self._kept and entry_point.fields_are_known():
+            for prepare in (self._load, self._compile):
+                with self._lock:
+                    prepare(arguments)
+                for entry in self._entries:
+                    value = entry(*arguments)
+                    if value is not NotImplemented:
+                        return value
+        return self._by_numba(*arguments)
+
+    def _load(self, _: tuple[Any, ...]) -> None:
+        """Load what is on disk, once."""
+        if self._folder is None or self._loaded:
+            return
+        self._loaded = True
+        for path in sorted(self._folder.glob(f"{self._stem}.*{SUFFIX}")):
+            machine = _read(path)
+            entry = None if machine is None else _loaded(machine)
+            if entry is not None:
+                self._entries.append(entry)
+                self.found += 1
+
+    def _compile(self, arguments: tuple[Any, ...]) -> None:
+        """Compile for arguments of these types, and keep what comes of it."""
+        numba = _numba()
+        try:
+            types = tuple(map(numba.typeof, arguments))
+        except ValueError:  # numba says so when it is called
+            return
+        if types in self._compiled:
+            return
+        self._compiled.add(types)
+        dispatcher = self.dispatcher
+        _, folded = dispatcher._compiler.fold_argument_types(types, {})
+        dispatcher.compile(folded)
+        known = f"{types} {entry_point.processor()}"
+        key = hashlib.sha256(known.encode()).hexdigest()[:16]
+        name = f"{self.__module__}.{self._stem}.{key}"
+        nogil = self._options.get("nogil", False)
+        try:
+            compiled = dispatcher.overloads[folded]
+            machine = entry_point.write(dispatcher.targetctx, compiled, name, nogil)
+        except Unsupported:
+            return
+        entry = _loaded(machine)
+        if entry is not None:
+            self._entries.append(entry)
+            if self._folder is not None:
+                _write(machine, self._folder / f"{self._stem}.{key}{SUFFIX}")
 
     @cached_property
-    def _files(self) -> NullCache | FunctionCache:
-        folder = cache_folder(self._function.__module__)
-        return NullCache() if folder is None else _FolderCache(self._function, folder)
+    def dispatcher(self) -> Any:
+        """Numba's own object, as other kernels call it."""
+        bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options = self._options | (bare if self._kept or self._inner else {})
+        return _numba().njit(**options)(self.py_func)
+
+    @cached_property
+    def _by_numba(self) -> Any:
+        """Numba's own object, as Python calls it."""
+        return _numba().njit(**self._options)(self.py_func)
+
+    @cached_property
+    def _folder(self) -> Path | None:
+        return cache_folder(self.__module__, source_digest(self.__module__))
 
     @property
-    def cache_path(self) -> str | None:
-        """The folder with the machine code, None if there is none."""
-        path: str | None = self._files.cache_path
-        return path
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled kernel for that signature, None if it is not there."""
-        _load_numba_without_blas()
-        try:
-            return self._files.load_overload(sig, target_context)
-        except Exception:
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep the compiled kernel."""
-        try:
-            self._files.save_overload(sig, data)
-        except (OSError, pickle.PicklingError):
-            return
+    def _stem(self) -> str:
+        return f"{self.py_func.__qualname__}-{self.py_func.__code__.co_firstlineno}"
 
 
-@lru_cache
-def _load_numba_without_blas() -> None:
+class Intrinsic:
+    """``numba.extending.intrinsic``, which numba is told of when it is there.
+
+    ``function`` is as numba takes it: the signature and the code for arguments of some types. Where
+    the module that it ``needs`` cannot be imported, the kernel ``otherwise`` stands for it.
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], needs: str = "", otherwise: Kernel | None = None
+    ) -> None:
+        self.__wrapped__ = function
+        self._function, self._needs, self._otherwise = function, needs, otherwise
+
+    @cached_property
+    def kind(self) -> Any:
+        """Numba's type of it."""
+        import numba
+        from numba.core.registry import cpu_target
+        from numba.extending import intrinsic
+
+        if self._otherwise is not None:
+            try:
+                import_module(self._needs)
+            except (ImportError, AttributeError):
+                return numba.types.Dispatcher(self._otherwise.dispatcher)
+        typing = cpu_target.typing_context
+        made = intrinsic(self._function)
+        typing.refresh()
+        return typing.resolve_value_type(made)
+
+
+@lru_cache(maxsize=1)
+def _numba() -> Any:
+    """Numba, which knows kernels and intrinsics then, and its runtime."""
+    import numba
+    from numba.core.registry import cpu_target
+    from numba.core.runtime.nrt import rtsys
+    from numba.core.typing.typeof import typeof_impl
+
+    _load_arrays_without_blas()
+
+    @typeof_impl.register(Kernel)
+    def _kernel(kernel: Kernel, _: Any) -> Any:
+        return numba.types.Dispatcher(kernel.dispatcher)
+
+    @typeof_impl.register(Intrinsic)
+    def _intrinsic(intrinsic: Intrinsic, _: Any) -> Any:
+        return intrinsic.kind
+
+    rtsys.initialize(cpu_target.target_context)
+    return numba
+
+
+def _load_arrays_without_blas() -> None:
     """Spare the 0.2 s that numba takes to import SciPy's BLAS, which is there, before any kernel.
 
     What needs it (``np.dot`` in a kernel) imports it then.
     """
-    ensure = numba_linalg.ensure_blas
-    numba_linalg.ensure_blas = lambda: None
+    from numba.np import linalg
+
+    ensure = linalg.ensure_blas
+    linalg.ensure_blas = lambda: None
     try:
         import_module("numba.np.arraymath")
     finally:
-        numba_linalg.ensure_blas = ensure
+        linalg.ensure_blas = ensure
 
 
-class _FolderCache(FunctionCache):
-    """Numba's cache of a function in a given folder, one file for each signature."""
-
-    def __init__(self, function: Callable[..., Any], folder: Path) -> None:
-        self._impl_class: Any = partial(_FolderImplementation, folder)
-        super().__init__(function)
-        self._cache_file: Any = _Overloads(folder, self._impl.filename_base)
-
-
-class _FolderImplementation(CompileResultCacheImpl):
-    """How numba is told the folder, whatever locators the user has configured."""
-
-    def __init__(self, folder: Path, function: FunctionType) -> None:
-        self._lineno = function.__code__.co_firstlineno
-        self._locator = _FolderLocator(folder, function)
-        abiflags = getattr(sys, "abiflags", "")
-        self._filename_base = self.get_filename_base(function.__qualname__, abiflags)
+def _loaded(machine: Machine) -> Callable[..., Any] | None:
+    """The entry point; None if numba's runtime lacks something that it needs, too."""
+    entry = entry_point.load(machine) if sys.platform == "linux" else None
+    if entry is None:
+        _numba()
+        entry = entry_point.load(machine)
+    return entry
 
 
-class _FolderLocator(_CacheLocator):
-    def __init__(self, folder: Path, function: FunctionType) -> None:
-        self._folder = folder
-        self._lineno = function.__code__.co_firstlineno
-        self._py_file = function.__code__.co_filename
-
-    def get_cache_path(self) -> str:
-        return str(self._folder)
-
-    def get_source_stamp(self) -> str:
-        return self._folder.name
-
-    def get_disambiguator(self) -> str:
-        return str(self._lineno)
+def _write(machine: Machine, path: Path) -> None:
+    """Keep machine code: a line that says what it is, and the code."""
+    code = machine.kernel + machine.caller
+    head = {
+        "processor": entry_point.processor(),
+        "entry": machine.entry,
+        "needed": machine.needed,
+        "kernel": len(machine.kernel),
+        "digest": hashlib.sha256(code).hexdigest(),
+    }
+    write_whole(path, json.dumps(head).encode() + b"\n" + code)
 
 
-class _Overloads:
-    """The machine code of one kernel, a file for each key (signature and processor).
-
-    Numba's own index numbers the files: two processes that write at once can give one number to two
-    signatures.  A file that names its key cannot be mistaken.
-    """
-
-    def __init__(self, folder: Path, base: str) -> None:
-        self._folder = folder
-        self._base = base
-
-    def _path(self, key: Any) -> Path:
-        return (
-            self._folder / f"{self._base}.{hashlib.sha256(str(key).encode()).hexdigest()[:16]}.nbc"
-        )
-
-    def load(self, key: Any) -> Any:
-        """The data saved under ``key``, None if there are none."""
-        path = self._path(key)
-        if not path.is_file():
-            return None
-        found, data = pickle.loads(path.read_bytes())
-        return data if found == key else None
-
-    def save(self, key: Any, data: Any) -> None:
-        """Write the data under ``key``; readers see the whole file or none."""
-        path = self._path(key)
-        draft = path.with_suffix(f".{uuid.uuid4().hex[:16]}")
-        try:
-            draft.write_bytes(dumps((key, data)))
-            draft.replace(path)
-        finally:
-            draft.unlink(missing_ok=True)
-
-    def flush(self) -> None:
-        """Remove the files."""
-        for path in self._folder.glob(f"{self._base}.*.nbc"):
-            path.unlink(missing_ok=True)
-
-
-@lru_cache
-def cache_folder(module: str) -> Path | None:
-    """The folder for the kernels of an imported module, made if need be; None if none can be."""
-    name = f"{module}-{_digest(module)[:20]}"
-    for base in _bases(Path(str(sys.modules[module].__file__))):
-        folder = base / name
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=folder).close()
-            os.utime(folder)
-        except OSError:
-            continue
-        _prune(base, module)
-        return folder
-    _tell_once()
-    return None
-
-
-def _digest(module: str) -> str:
-    """What the machine code depends on: the sources and numba's settings."""
-    settings = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
-    values = [f"{name} {getattr(config, name, None)}" for name in settings]
-    return hashlib.sha256("\n".join([source_digest(module), *values]).encode()).hexdigest()
-
-
-def _bases(file: Path) -> Iterator[Path]:
-    chosen = getattr(config, "CACHE_DIR", "")
-    if chosen:
-        yield Path(chosen)
-    yield file.parent / "__pycache__"
-    yield Path(AppDirs("longwave", appauthor=False).user_cache_dir) / "kernels"
-
-
-def _prune(base: Path, module: str) -> None:
-    """Remove the least lately used versions of the module's kernels."""
+def _read(path: Path) -> Machine | None:
+    """What `_write` kept; None if it is damaged or for another processor."""
     try:
-        versions = sorted(base.glob(f"{module}-*"), key=lambda path: path.stat().st_mtime)
-    except OSError:  # another process has just removed one
-        return
-    for folder in versions[:-KEPT]:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-@lru_cache
-def _tell_once() -> None:
-    warnings.warn(
-        "no folder for compiled kernels can be written: this process compiles them anew, which "
-        "takes some seconds (set NUMBA_CACHE_DIR to a folder that can be written)",
-        RuntimeWarning,
-        stacklevel=1,
-    )
+        line, _, code = path.read_bytes().partition(b"\n")
+        head = json.loads(line)
+        whole = hashlib.sha256(code).hexdigest() == head["digest"]
+        if not whole or head["processor"] != entry_point.processor():
+            return None
+        size = head["kernel"]
+        return Machine(head["entry"], code[:size], code[size:], head["needed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None

@@ -5,15 +5,22 @@ still has the precision of double-double. And a phase of 10^25, as at late times
 force, still has the digits that say where in its period it is.
 """
 
-from typing import Any
+from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
 from solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
 from solutions.run.jit import njit
 
-__all__ = ["LinearPhase", "as_pairs"]
+if TYPE_CHECKING:
+    from sympy import Expr
+
+__all__ = ["CONSTANT_DIGITS", "LONG", "LinearPhase", "Variables", "as_pairs", "long_number"]
 
 Array = NDArray[np.float64]
 
@@ -93,3 +100,32 @@ class LinearPhase:
         out = np.empty((4, x.size))
         _fill(*self._coefficients, x, t, out)
         return out
+
+
+CONSTANT_DIGITS = 120
+
+LONG: Any = mpmath.MPContext()
+"""What long numbers are made in."""
+LONG.dps = CONSTANT_DIGITS
+
+
+def long_number(exact: Expr) -> Any:
+    """An exact SymPy number as an mpf of the constants' precision."""
+    return LONG.mpf(exact._to_mpmath(LONG.prec))
+
+
+@dataclass(frozen=True)
+class Variables:
+    """``xi = a x + d t`` and ``tau = b t``: a closed form's variables in the caller's; exact."""
+
+    a: Expr
+    b: Expr
+    d: Expr
+
+    def phase(self, p: Any, q: Any, r: Any) -> LinearPhase:
+        """``p xi + q tau + r`` in the caller's variables; p, q, r are long numbers.
+
+        Raises OverflowError for a coefficient out of a double's range.
+        """
+        a, b, d = (long_number(rate) for rate in (self.a, self.b, self.d))
+        return LinearPhase(p * a, p * d + q * b, r)

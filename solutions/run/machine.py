@@ -6,9 +6,6 @@ A register is a block of ``solutions.run.bounded``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +24,7 @@ from solutions.run.bounded import (
     square_root,
     store,
 )
+from solutions.run.bytecode import Bytecode, Operation
 from solutions.run.doubledouble import Array, Pair
 from solutions.run.elementary import (
     SCRATCH,
@@ -40,54 +38,7 @@ from solutions.run.elementary import (
 )
 from solutions.run.jit import njit
 
-__all__ = ["WITH_CONSTANT", "Bytecode", "Operation", "run_pairs", "scale_rows"]
-
-
-class Operation(IntEnum):
-    """What an instruction does with registers ``a``, ``b`` and the constant ``c``."""
-
-    ADD = 0  # a + b
-    SUBTRACT = 1  # a - b
-    MULTIPLY = 2  # a b
-    CHOOSE = 3  # a where register c is 1, b where it is 0
-    ADD_CONSTANT = 4  # a + c
-    FROM_CONSTANT = 5  # c - a
-    MULTIPLY_CONSTANT = 6  # a c
-    SCALE = 7  # a c for a power of two c, or minus one
-    CONSTANT = 8  # c
-    RECIPROCAL = 9  # 1/a
-    SQUARE_ROOT = 10
-    LOGARITHM = 11
-    EXPONENTIAL = 12
-    TANH = 13
-    SECH = 14
-    SINE = 15  # of |a| <= 0.79
-    COSINE = 16  # of |a| <= 0.79
-
-
-WITH_CONSTANT = (
-    Operation.ADD_CONSTANT,
-    Operation.FROM_CONSTANT,
-    Operation.MULTIPLY_CONSTANT,
-    Operation.SCALE,
-    Operation.CONSTANT,
-)
-
-
-@dataclass(frozen=True)
-class Bytecode:
-    """Instructions ``(operation, target, a, b, c)``, one a row.
-
-    ``a`` and ``b`` are registers, ``c`` is a constant or, of CHOOSE, a register. The inputs are in
-    registers ``0 .. inputs - 1`` at the start; ``outputs`` are the registers of the results.
-    ``pool`` holds the constants: exact numbers, or expressions of which they will be made.
-    """
-
-    code: NDArray[np.int64]
-    registers: int
-    inputs: int
-    outputs: tuple[int, ...]
-    pool: tuple[Any, ...]
+__all__ = ["run_pairs", "scale_rows"]
 
 
 @njit(inner=True, error_model="numpy")
@@ -169,10 +120,10 @@ def _run(
     registers: Array,
     outputs: NDArray[np.int64],
     inputs: Array,
+    scratch: Array,
     out: Array,
 ) -> None:
     """Block after block; the points beyond the last are copies of it."""
-    scratch = np.zeros((SCRATCH, PARTS * BLOCK))
     points = inputs.shape[2]
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
@@ -221,4 +172,5 @@ def run_pairs(bytecode: Bytecode, constants: Array, inputs: Array, out: Array) -
     registers = np.zeros((bytecode.registers, PARTS * BLOCK))
     outputs = np.array(bytecode.outputs, dtype=np.int64)
     bounds = 2.0**-105 * np.abs(constants[:, :1])
-    _run(bytecode.code, np.hstack([constants, bounds]), registers, outputs, inputs, out)
+    scratch = np.zeros((SCRATCH, PARTS * BLOCK))
+    _run(bytecode.code, np.hstack([constants, bounds]), registers, outputs, inputs, scratch, out)

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from solutions.forms.tau_polynomials import RationalTau
 from solutions.run.bounded import PARTS
 from solutions.run.doubledouble import check_range, split
-from solutions.run.linear_phase import LinearPhase, as_pairs
-from solutions.run.program import Variables, long_number
+from solutions.run.linear_phase import LinearPhase, Variables, as_pairs, long_number
 from solutions.run.rational_kernel import rational_loop
 
 __all__ = ["RationalEvaluator"]

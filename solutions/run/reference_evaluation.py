@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive.algebra.exact_numbers import exact_number, shown
 from solutions.functions.multiprecision import MpmathFormula
-from solutions.run.program import Variables
+from solutions.run.linear_phase import Variables
 from solutions.symbols import tau, xi
 
 __all__ = ["check_digits", "evaluate_mp", "exact_point"]

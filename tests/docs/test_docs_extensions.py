@@ -14,6 +14,7 @@ from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
 from reference import write_reference
 from snippets import snippets
+from verify.cli.published import published
 from verify.comparison import SCHEMES, further_scenes, shipped_scenes
 
 
@@ -54,6 +55,14 @@ def test_the_tables_hold_every_object() -> None:
         rows = made.splitlines()[2:]
         assert [re.findall("`(.+?)`", row)[0] for row in rows] == names
         assert len({len(re.findall(r"(?<!\\)\|", row)) for row in made.splitlines()}) == 1
+
+
+def test_the_library_is_listed_with_its_sources_and_misprints() -> None:
+    made = lists.library()
+    assert re.findall("(?m)^. `(.+?)`", made) == [text.name for text in published()]
+    found = re.findall("(?m)^. `(.+?)`", lists.misprints())
+    assert found == [text.name for text in published() if text.misprint_in]
+    assert "[Wikipedia, Benjamin-Bona-Mahony equation](https://" in made
 
 
 def test_the_maps_table_names_object_file_and_scenes() -> None:

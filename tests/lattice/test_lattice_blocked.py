@@ -15,16 +15,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from lattice.kernels import blocked, plain, vector
+from lattice.kernels import blocked, plain
 from lattice.model import Array, Model
-from lattice.schemes.catalogue import (
+from lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     REDUCED_PHASE_6,
     SCHEMES,
     STOERMER_VERLET,
+    Composition,
+    Splitting,
 )
-from lattice.schemes.scheme import Composition, Splitting
+from lattice.stepper import advance
 from solutions import Wave, closed_form
 
 SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
@@ -59,7 +61,7 @@ def test_every_splitting_is_advanced_by_either_kernel(
         y, s = 0.1 * np.random.default_rng(4).standard_normal((2, 1200))
         if not admitted:
             monkeypatch.setattr(blocked, "fits", lambda *_: False)
-        splitting.advance(y, s, 0.2, 61, constants)
+        advance(splitting, y, s, 0.2, 61, constants)
         ends.append((y, s))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=2e-13)
 
@@ -79,7 +81,7 @@ def test_engine_agrees_with_dop853() -> None:
 
     start = np.concatenate([y, s])
     solved = solve_ivp(rate, (0.0, duration), start, "DOP853", rtol=1e-13, atol=1e-15)
-    BLANES_MOAN_6.advance(y, s, duration / 200, 200, Model(4.0, 0.0, 1.0))
+    advance(BLANES_MOAN_6, y, s, duration / 200, 200, Model(4.0, 0.0, 1.0))
     assert np.abs(y - solved.y[:size, -1]).max() < 1e-8 * eps
 
 
@@ -88,8 +90,8 @@ def test_odd_ring_falls_back() -> None:
     y, s = 0.1 * random.standard_normal((2, 61))
     begin = y.copy(), s.copy()
     constants = Model(4.0, 0.0, 1.0)
-    BLANES_MOAN_6.advance(y, s, 0.1, 7, constants)
-    BLANES_MOAN_6.advance(y, s, -0.1, 7, constants)
+    advance(BLANES_MOAN_6, y, s, 0.1, 7, constants)
+    advance(BLANES_MOAN_6, y, s, -0.1, 7, constants)
     np.testing.assert_allclose(y, begin[0], atol=1e-13)
     np.testing.assert_allclose(s, begin[1], atol=1e-13)
 
@@ -106,10 +108,10 @@ def advanced(size: int, steps: int) -> Iterator[Array]:
 OTHER_WAY = """
 import sys
 import numpy as np
-from lattice.kernels import vector
+from lattice.kernels import blocked
 from tests.lattice.test_lattice_blocked import advanced
 np.save(sys.argv[1], list(advanced(*map(int, sys.argv[2:]))))
-print(vector.WHY_PLAIN)
+print(blocked.why_plain())
 """
 
 
@@ -124,7 +126,7 @@ def test_plain_loops_take_the_place_of_vector_code(
     setting: str, size: int, steps: int, ulps: int, why: str, tmp_path: Path
 ) -> None:
     """To the bit, but for multiply-adds without the compiler: they round twice."""
-    assert not vector.WHY_PLAIN
+    assert not blocked.why_plain()
     file = tmp_path / "rings.npy"
     done = subprocess.run(
         [sys.executable, "-c", OTHER_WAY, str(file), str(size), str(steps)],

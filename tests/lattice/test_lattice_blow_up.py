@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from lattice.model import Model
-from lattice.state import State, find_blow_up
+from lattice.model import Model, State, find_blow_up
 
 SOFT = Model(1.0, 0.0, -1.0)
 

@@ -10,7 +10,7 @@ import pytest
 import lattice
 from lattice import Composition, Model, State, Trajectory, integrate, ring_energy
 from lattice.model import Array
-from lattice.schemes.catalogue import KAHAN_LI_8, RK4, SCHEMES
+from lattice.schemes import KAHAN_LI_8, RK4, SCHEMES
 from verify.studies.doubledouble_ring import advance_doubled, doubled
 
 

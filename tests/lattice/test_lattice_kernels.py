@@ -11,10 +11,9 @@ from numba import float64, njit, none
 import derive
 from derive import symbols
 from lattice.kernels import plain
-from lattice.model import Array, Model
-from lattice.schemes.catalogue import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET
-from lattice.schemes.scheme import Scheme
-from lattice.state import State, ring_energy
+from lattice.model import Array, Model, State, ring_energy
+from lattice.schemes import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET, Scheme
+from lattice.stepper import advance
 
 SIZES = (3, 4, plain.BLOCK - 1, plain.BLOCK, plain.BLOCK + 1, 2 * plain.BLOCK + 2)
 PRESENT = list(itertools.product((0.0, 0.7), (0.0, -0.4)))
@@ -44,7 +43,7 @@ def test_composition_equals_plain_numpy(
         plain_y += 0.5 * h * plain_s
         plain_s += h * laplacian(force(plain_y, constants))
         plain_y += 0.5 * h * plain_s
-    STOERMER_VERLET.advance(y, s, h, 3, constants)
+    advance(STOERMER_VERLET, y, s, h, 3, constants)
     np.testing.assert_allclose(y, plain_y, rtol=0, atol=1e-14)
     np.testing.assert_allclose(s, plain_s, rtol=0, atol=1e-14)
 
@@ -65,7 +64,7 @@ def test_rk4_equals_the_textbook_form(K3: float, K4: float, rng: np.random.Gener
         k3 = rate(state + 0.5 * h * k2)
         k4 = rate(state + h * k3)
         state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    RK4.advance(y, s, h, 2, constants)
+    advance(RK4, y, s, h, 2, constants)
     np.testing.assert_allclose(np.array([y, s]), state, rtol=0, atol=1e-14)
 
 
@@ -103,7 +102,7 @@ def test_absent_terms_are_absent_from_the_machine_code(
 def test_no_steps_change_nothing(scheme: Scheme, rng: np.random.Generator) -> None:
     y, s = smooth_ring(9, rng)
     before = y.copy(), s.copy()
-    scheme.advance(y, s, 0.1, 0, Model(1, 0, 1))
+    advance(scheme, y, s, 0.1, 0, Model(1, 0, 1))
     assert np.array_equal(y, before[0])
     assert np.array_equal(s, before[1])
 
@@ -113,16 +112,16 @@ def test_total_velocity_is_conserved(scheme: Scheme, rng: np.random.Generator) -
     """The discrete Laplacian sums to zero on a ring: a leak at the seam would show."""
     y, s = smooth_ring(50, rng)
     total = s.sum()
-    scheme.advance(y, s, 0.1, 50, Model(1, 0.3, 1))
+    advance(scheme, y, s, 0.1, 50, Model(1, 0.3, 1))
     assert s.sum() == pytest.approx(total, abs=1e-12)
 
 
 def test_symmetric_schemes_run_backwards(rng: np.random.Generator) -> None:
     y, s = smooth_ring(40, rng)
     before = y.copy(), s.copy()
-    KAHAN_LI_8.advance(y, s, 0.3, 40, Model(1, 0, 1))
+    advance(KAHAN_LI_8, y, s, 0.3, 40, Model(1, 0, 1))
     assert np.max(np.abs(y - before[0])) > 0.1
-    KAHAN_LI_8.advance(y, s, -0.3, 40, Model(1, 0, 1))
+    advance(KAHAN_LI_8, y, s, -0.3, 40, Model(1, 0, 1))
     np.testing.assert_allclose(y, before[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(s, before[1], rtol=0, atol=1e-11)
 
@@ -136,7 +135,7 @@ def test_energy_is_conserved_without_drift_and_only_by_symplectic_schemes(
         y, s = smooth_ring(64, rng)
         s -= s.mean()
         before = ring_energy(State(0.0, 0, y, s), constants)
-        scheme.advance(y, s, 0.25, 8000, constants)
+        advance(scheme, y, s, 0.25, 8000, constants)
         drift[scheme.name] = abs(ring_energy(State(0.0, 0, y, s), constants) / before - 1.0)
     assert drift["kahan_li_8"] < 1e-7
     assert drift["suzuki_umeno_8"] < 1e-6

@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from lattice.schemes.catalogue import (
+from lattice.scheme_order import check_order, nystroem_defect, phase_lag_defect
+from lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     MCLACHLAN_4,
@@ -16,9 +17,11 @@ from lattice.schemes.catalogue import (
     SCHEMES,
     STOERMER_VERLET,
     SUZUKI_UMENO_8,
+    Composition,
+    NystroemTable,
+    Scheme,
+    Splitting,
 )
-from lattice.schemes.order import check_order, nystroem_defect, phase_lag_defect
-from lattice.schemes.scheme import Composition, NystroemTable, Scheme, Splitting
 from tests.lattice.order_conditions import composition_defect, runge_kutta_defect, trees, words
 
 COMPOSITIONS = (STOERMER_VERLET, SUZUKI_UMENO_8, KAHAN_LI_8)

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from lattice.model import Array, Model
-from lattice.schemes.catalogue import SCHEMES
-from lattice.schemes.scheme import RungeKutta, Scheme
+from lattice.schemes import SCHEMES, RungeKutta, Scheme
+from lattice.stepper import advance
 
 CONSTANTS = Model(1.0, 0.4, 0.9)
 DURATION = 12.0
@@ -57,7 +57,7 @@ def test_order_on_fput_against_dop853(scheme: Scheme, fput: tuple[Array, Array, 
     errors = []
     for steps in STEPS[scheme.name]:
         y, s = fput[0].copy(), fput[1].copy()
-        scheme.advance(y, s, DURATION / steps, steps, CONSTANTS)
+        advance(scheme, y, s, DURATION / steps, steps, CONSTANTS)
         errors.append(float(np.max(np.abs(y - fput[2]))))
     assert 1e-11 < errors[-1] < errors[0] < 1e-2
     assert slopes(errors, STEPS[scheme.name]) == pytest.approx(scheme.order, abs=0.2)

@@ -10,7 +10,7 @@ import pytest
 from llvmlite import binding  # type: ignore[import-untyped]
 
 import reports.engine
-import solutions.run.jit
+import solutions.run.kernel_folder
 from longwave import health
 from longwave.__main__ import main
 
@@ -71,11 +71,11 @@ def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(solutions.run.jit, "cache_folder", lambda _: None)
+    monkeypatch.setattr(solutions.run.kernel_folder, "cache_folder", lambda *_: None)
     assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
-    monkeypatch.setattr(solutions.run.jit, "cache_folder", lambda _: tmp_path)
+    monkeypatch.setattr(solutions.run.kernel_folder, "cache_folder", lambda *_: tmp_path)
     assert "the first run compiles" in found("compiled kernels").cost
-    (tmp_path / "kernel.nbc").touch()
+    (tmp_path / "kernel.kernel").touch()
     assert found("compiled kernels").state == "good"
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert "unset NUMBA_DISABLE_JIT" in found("compiled kernels").cost
@@ -90,7 +90,8 @@ def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lattice.kernels.vector.WHY_PLAIN", "LONGWAVE_PLAIN_KERNELS is set")
+    why = "LONGWAVE_PLAIN_KERNELS is set"
+    monkeypatch.setattr("lattice.kernels.blocked.why_plain", lambda: why)
     finding = found("vectors")
     assert (finding.found, finding.state) == ("plain loops", "costs")
     assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

@@ -26,7 +26,7 @@ NAMES = {
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
-    "observables": [observable.name for observable in OBSERVABLES],
+    "observables": [*OBSERVABLES],
 }
 
 

@@ -4,16 +4,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import xarray as xr
 
 from longwave import plotting as drawing
 from longwave.__main__ import main
 from longwave.command_tree import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
-from verify.comparison.recording import UnfinishedRun
+from verify.comparison import load_scene
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
+
+NOTHING = RunRecord(load_scene("rogue_cn_k_0.5"), (), {}, {})
 
 
 def test_the_kinds_are_those_that_are_drawn() -> None:
@@ -54,8 +56,8 @@ def test_wrong_input_is_one_line_and_status_2(
 @pytest.mark.parametrize(
     ("stop", "drawable", "said"),
     [
-        (UnfinishedRun(xr.Dataset()), True, "what was run until then is in x.png"),
-        (UnfinishedRun(xr.Dataset()), False, "too little was run to be drawn"),
+        (UnfinishedRun(NOTHING), True, "what was run until then is in x.png"),
+        (UnfinishedRun(NOTHING), False, "too little was run to be drawn"),
         (KeyboardInterrupt(), True, "nothing was drawn yet"),
     ],
 )

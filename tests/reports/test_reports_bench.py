@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from reports import bench, build
-from reports.build import STUDY_TABLES
-from reports.work import Studies
+from reports.build import STUDY_TABLES, Studies
 from verify.studies.hard_cases import HardCaseResult
 from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 

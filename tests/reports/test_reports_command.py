@@ -7,25 +7,34 @@ import xarray as xr
 
 from reports import build
 from reports.__main__ import main
+from reports.build import Findings, Studies
 from reports.engine import EngineMissingError
-from reports.work import Findings, Studies
+from verify.cli.published import chosen
 from verify.evidence.mutations import MutationCount, Survivor
 from verify.studies.hard_cases import HardCaseResult
 from verify.studies.measured_runs import MeasuredRuns
 from verify.studies.proofs import ProofRecord
+from verify.studies.published_verdicts import PublishedVerdict
 from verify.verdict import Outcome
 
 
 def findings(
-    outcome: Outcome = Outcome.PROVED, blow_up: str = "", undecided: int = 0, fails: bool = False
+    outcome: Outcome = Outcome.PROVED,
+    blow_up: str = "",
+    undecided: int = 0,
+    fails: bool = False,
+    library: Outcome = Outcome.PROVED,
 ) -> Findings:
-    """What a report found: one proof, one run, one count of misprints."""
+    """What a report found: one proof, run, count of misprints and published solution."""
     proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
     survivors = (Survivor("term", Outcome.UNDECIDED, "too hard"),) * undecided
     hard = HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})
     evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
-    return Findings(evidence, [proof], {}, [MutationCount("kink", 8, survivors, 0.1)], [], empty)
+    (text,) = chosen(["kdv_soliton"])
+    published = [PublishedVerdict(text, library, 0.1)]
+    count = MutationCount("kink", 8, survivors, 0.1)
+    return Findings(evidence, [proof], {}, [count], [], empty, published)
 
 
 @pytest.fixture
@@ -72,8 +81,9 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
         findings(blow_up="at t = 1, site 2"),
         findings(undecided=1),
         findings(fails=True),
+        findings(library=Outcome.UNDECIDED),
     ],
-    ids=["undecided form", "blow-up", "undecided misprint", "hard case"],
+    ids=["undecided form", "blow-up", "undecided misprint", "hard case", "published solution"],
 )
 def test_what_does_not_stand_fails_the_report(
     without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings

@@ -58,6 +58,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "limit", "latex")
 @click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
 @click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
 @click.option("--domain", metavar="TEXT", help="Of x, y, z, t and n, as t > 0.")
+@click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
 @click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
 @click.option(
@@ -72,11 +73,12 @@ def prove(names: tuple[str, ...], **options: Any) -> int:
     """Prove formulas of your own or by name, or check proofs.
 
     A formula of your own is stated by --equation and --solution, or with others in a FILE.toml of
-    [[problem]] tables. Closed forms are proved for all X and T, all lattice constants and all their
+    [[problem]] tables; --library decides the published solutions that come with the package.
+    Closed forms are proved for all X and T, all lattice constants and all their
     parameters; `longwave list waves` shows the names; rational_<j> is there for every order j.
     """
     files = [name for name in names if name.endswith(".toml")]
-    if options["equations"] or options["solutions"] or files:
+    if options["equations"] or options["solutions"] or options["library"] or files:
         return _prove_statements(names, files, options)
     for option in STATEMENT_OPTIONS:
         if options[option]:
@@ -87,15 +89,18 @@ def prove(names: tuple[str, ...], **options: Any) -> int:
 def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[str, Any]) -> int:
     """Decide statements in text; raises UsageError for options that contradict each other."""
     texts = bool(options["equations"]), bool(options["solutions"])
-    written = options.pop("output")
-    if any(texts) and (names or not all(texts)):
+    written, library = options.pop("output"), options.pop("library")
+    if any(texts) and (names or library or not all(texts)):
         missing = "no --solution" if texts[0] else "no --equation"
-        got = f"{names[0]} as well" if names else missing
+        others = (*names, "--library") if library else names
+        got = f"{others[0]} as well" if others else missing
         raise click.UsageError(f"--equation must be given with --solution alone, got {got}")
+    stated = "--library" if library else "a FILE.toml" if files else ""
     for wrong, option, other in (
-        (len(files) < len(names), "FILE.toml", "names of forms"),
-        (files and options["parameters"], "--parameters", "a FILE.toml"),
-        (files and options["domain"], "--domain", "a FILE.toml"),
+        (library and files, "FILE.toml", "--library"),
+        (not library and len(files) < len(names), "FILE.toml", "names of forms"),
+        (stated and options["parameters"], "--parameters", stated),
+        (stated and options["domain"], "--domain", stated),
         (options["json_wanted"] and options["latex"], "--json", "--latex"),
         (options["certificate"] and written, "--certificate", "--output"),
     ):
@@ -104,7 +109,8 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
     from verify.cli.statements import Options, print_statement_verdicts
 
     options["certificate"] = options["certificate"] or written
-    return print_statement_verdicts(Options(files=files, **options), called_by())
+    chosen = names if library else None
+    return print_statement_verdicts(Options(files=files, library=chosen, **options), called_by())
 
 
 def _prove_names(

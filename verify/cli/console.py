@@ -1,17 +1,22 @@
-"""What the subcommands share: tables, progress, and Ctrl-C between two items."""
+"""What the subcommands share: consoles, progress, files to be written, Ctrl-C between two items."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import track
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
+
+from derive.command_line import announce
 
 PIPE_WIDTH = 120
 """Columns of a table where stdout is no terminal."""
 
 T = TypeVar("T")
+Tell = Callable[[float], None]
 
 
 def table_console() -> Console:
@@ -42,3 +47,39 @@ def print_lines(console: Console, lines: Sequence[str]) -> None:
     """Print lines as they are, without markup and without breaking them."""
     for line in lines:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """A console that prints text as it is: a scene's title and name are no markup."""
+    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
+
+
+def check_output(text: str | None, example: str = "run.nc") -> None:
+    """Raise ValueError before anything is computed if ``text`` can be no file's path."""
+    if text is None:
+        return
+    if text.endswith("/") or Path(text).is_dir():
+        raise ValueError(
+            f"--output must name a file, got the folder {text} (such as {example} in it)"
+        )
+    if not Path(text).parent.is_dir():
+        raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
+
+
+@contextmanager
+def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
+    """A bar, where the console is a terminal, as `run` takes it.
+
+    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
+    """
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+        task = bar.add_task(name, total=1.0)
+
+        def tell(seconds: float) -> None:
+            bar.stop()
+            announce(work, seconds)
+            bar.start()
+
+        yield lambda share: bar.update(task, completed=share), tell

@@ -8,11 +8,19 @@ parameters = "k: k>0"
 domain = "t > 0"
 source = "free text"
 expect = "PROVED"
+
+[[problem]]
+name = "KdV soliton, wrong speed"
+variant_of = "KdV soliton"                  # what is left out is as there
+solution = "u = 2*k**2*sech(k*(x - 2*k**2*t))**2"
+note = "what is wrong"
+expect = "REFUTED"
 """
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,8 +34,17 @@ FILE_BYTES, PROBLEMS = 5_000_000, 10_000
 
 NAME_LENGTH = 100
 
+FORMULAS = ("equation", "solution")
+"""The keys of a problem with one text or a list."""
+
 TEXTS = ("name", "parameters", "domain", "source", "expect")
-"""The keys of a problem with one text; equation and solution may be lists."""
+"""The keys of a problem with one text."""
+
+REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
+"""The keys of a problem with one text on which no verdict depends."""
+
+TAKEN = ("equation", "solution", "parameters", "domain", "source", "equation_name", "looked_up")
+"""What a variant takes from its original."""
 
 EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
 
@@ -41,11 +58,52 @@ class StatedProblem:
     source: str = ""
 
 
+@dataclass(frozen=True)
+class ProblemText:
+    """A problem as a file has it, before its formulas are read.
+
+    ``looked_up`` is the address of a text in which the formula was found, up to the names and the
+    scale of its parameters; empty, where it is written from memory of the source. ``variant_of`` is
+    the name of the problem of which this is a wrong variant, and ``note`` says what is hidden in
+    it; ``misprint_in`` is the publication that has the wrong formula, where it was not made here.
+    """
+
+    where: str
+    name: str
+    equation: tuple[str, ...]
+    solution: tuple[str, ...]
+    parameters: str = ""
+    domain: str = ""
+    source: str = ""
+    expect: str = ""
+    equation_name: str = ""
+    looked_up: str = ""
+    variant_of: str = ""
+    misprint_in: str = ""
+    note: str = ""
+
+    def problem(self) -> StatedProblem:
+        """Read the formulas; raises FormulaError with the problem's place and name."""
+        texts = self.equation, self.solution, self.parameters, self.domain
+        try:
+            return StatedProblem(read_statement(*texts, name=self.name), self.expect, self.source)
+        except FormulaError as error:
+            raise error.within(f"{self.where} ({self.name})") from None
+
+
 def read_problems(path: Path) -> list[StatedProblem]:
     """The problems of a TOML file, in order.
 
     Raises ValueError, for a formula FormulaError, with the problem's name, and OSError as opening
     does.
+    """
+    return [text.problem() for text in problem_texts(path)]
+
+
+def problem_texts(path: Path) -> list[ProblemText]:
+    """The problems of a TOML file, in order, with their formulas not yet read.
+
+    Raises ValueError with the problem's number, and OSError as opening does.
     """
     with path.open("rb") as file:
         content = file.read(FILE_BYTES + 1)
@@ -61,41 +119,52 @@ def read_problems(path: Path) -> list[StatedProblem]:
         raise ValueError(f"{path} must hold [[problem]] tables and nothing else, got {got}")
     if len(tables) > PROBLEMS:
         raise ValueError(f"{path} must have at most {PROBLEMS} problems, got {len(tables)}")
-    return [_problem(path, number, table) for number, table in enumerate(tables, 1)]
+    found: list[ProblemText] = []
+    for number, table in enumerate(tables, 1):
+        earlier = {text.name: text for text in found}
+        found.append(_problem(f"{path}, problem {number}", f"{path.stem} {number}", table, earlier))
+    return found
 
 
-def _problem(path: Path, number: int, table: Any) -> StatedProblem:
-    where = f"{path}, problem {number}"
+def _problem(
+    where: str, unnamed: str, table: Any, earlier: Mapping[str, ProblemText]
+) -> ProblemText:
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table, got {shown(table)} (begin with [[problem]])")
-    known = ("equation", "solution", *TEXTS)
+    known = (*FORMULAS, *TEXTS, *REMARKS)
     for key in table:
         if key not in known:
             raise ValueError(f"{where}: keys must be among {', '.join(known)}, got {shown(key)}")
-    for key in ("equation", "solution"):
-        _check_texts(where, key, table.get(key))
-    texts = {key: table.get(key, "") for key in TEXTS}
-    for key, text in texts.items():
+    original = table.get("variant_of")
+    if isinstance(original, str) and original in earlier:
+        taken = {key: getattr(earlier[original], key) for key in TAKEN}
+    elif original is None:
+        taken = {}
+    else:
+        words = "variant_of must be the name of a problem above"
+        raise ValueError(f"{where}: {words}, got {shown(original)}")
+    texts: dict[str, Any] = {**taken, **table}
+    for key in FORMULAS:
+        texts[key] = _formula_texts(where, key, texts.get(key))
+    for key in (*TEXTS, *REMARKS):
+        text = texts.setdefault(key, "")
         if not isinstance(text, str):
             raise ValueError(f"{where}: {key} must be text, got {shown(text)} (put it in quotes)")
-    name = texts["name"] or f"{path.stem} {number}"
+    texts["name"] = name = texts["name"] or unnamed
     if not name.isprintable() or len(name) > NAME_LENGTH:
         words = f"one printable line of {NAME_LENGTH} characters at most"
         raise ValueError(f"{where}: name must be {words}, got {shown(name)}")
     if texts["expect"] not in ("", *EXPECTED):
         words = ", ".join(EXPECTED)
         raise ValueError(f"{where}: expect must be one of {words}, got {shown(texts['expect'])}")
-    try:
-        statement = read_statement(
-            table["equation"], table["solution"], texts["parameters"], texts["domain"], name=name
-        )
-    except FormulaError as error:
-        raise error.within(f"{where} ({name})") from None
-    return StatedProblem(statement, texts["expect"], texts["source"])
+    return ProblemText(where, **texts)
 
 
-def _check_texts(where: str, key: str, given: Any) -> None:
-    texts = given if isinstance(given, list) else [given]
-    if not texts or not all(isinstance(text, str) for text in texts):
+def _formula_texts(where: str, key: str, given: Any) -> tuple[str, ...]:
+    texts = [given] if isinstance(given, str) else given
+    if not isinstance(texts, list | tuple) or not texts:
+        texts = [None]
+    if not all(isinstance(text, str) for text in texts):
         got = "nothing" if given is None else shown(given)
         raise ValueError(f"{where}: {key} must be text or a list of texts, got {got}")
+    return tuple(texts)

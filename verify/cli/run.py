@@ -1,28 +1,19 @@
 """``python -m verify run SCENE``: run a scene, print its errors, cost and trust."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import xarray as xr
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from derive.command_line import announce, fail, interrupted
-from verify.comparison.recording import UnfinishedRun
-from verify.comparison.saved_run import save_run
-from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.scene_catalogue import (
-    find_scene,
-)
-from verify.comparison.scene_run import run
+from derive.command_line import fail, interrupted
+from verify.cli.console import check_output, plain_console, progress_bar
+from verify.comparison.scene import Scene, find_scene, with_tolerance
+from verify.comparison.scene_run import record_scene, save_run
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
-
-Tell = Callable[[float], None]
 
 
 @dataclass
@@ -47,47 +38,31 @@ def run_and_print(options: RunOptions, program: str) -> int:
         check_output(options.output)
         scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
         trust = trust_attributes(scene)
-        dataset = _run_with_bar(scene, errors).assign_attrs(trust)
-        _give(dataset, scene, options.output)
+        run = _run_with_bar(scene, errors)
+        run.attrs |= trust
+        _give(run, scene, options.output)
     except UnfinishedRun as stop:
-        kept = stop.run.assign_attrs(trust)
+        stop.record.attrs |= trust
         try:
-            _give(kept, scene, options.output)
+            _give(stop.record, scene, options.output)
         except OSError as error:
             return fail(error)
         where = f" in {options.output}" if options.output else ""
-        return interrupted(program, f"{kept.sizes['time']} snapshots are kept{where}")
+        return interrupted(program, f"{len(stop.record.reached)} snapshots are kept{where}")
     except KeyboardInterrupt:
         return interrupted(program, "nothing was recorded yet")
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
-    return 1 if dataset.attrs["blow_up"] else 0
+    return 1 if run.attrs["blow_up"] else 0
 
 
-def _give(dataset: xr.Dataset, scene: Scene, output: str | None) -> None:
+def _give(run: RunRecord, scene: Scene, output: str | None) -> None:
     """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
     if output is not None:
-        save_run(dataset, output)
-    print_summary(dataset, scene, plain_console())
-
-
-def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
-    """A console that prints text as it is: a scene's title and name are no markup."""
-    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
-
-
-def check_output(text: str | None, example: str = "run.nc") -> None:
-    """Raise ValueError before anything is computed if ``text`` can be no file's path."""
-    if text is None:
-        return
-    if text.endswith("/") or Path(text).is_dir():
-        raise ValueError(
-            f"--output must name a file, got the folder {text} (such as {example} in it)"
-        )
-    if not Path(text).parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
+        save_run(run.dataset, output)
+    print_summary(run, scene, plain_console())
 
 
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
@@ -97,29 +72,10 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
     return scene if engine is None else scene.changed(engine=engine)
 
 
-def _run_with_bar(scene: Scene, console: Console) -> xr.Dataset:
+def _run_with_bar(scene: Scene, console: Console) -> RunRecord:
     wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
-        return run(scene, advance, tell)
-
-
-@contextmanager
-def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
-    """A bar, where the console is a terminal, as `run` takes it.
-
-    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
-    """
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task(name, total=1.0)
-
-        def tell(seconds: float) -> None:
-            bar.stop()
-            announce(work, seconds)
-            bar.start()
-
-        yield lambda share: bar.update(task, completed=share), tell
+        return record_scene(scene, advance, tell)
 
 
 COLUMNS = {
@@ -130,27 +86,28 @@ COLUMNS = {
 }
 
 
-def print_summary(dataset: xr.Dataset, scene: Scene, console: Console) -> None:
+def print_summary(run: RunRecord, scene: Scene, console: Console) -> None:
     """Print a run's errors, its cost, what can be trusted of it, and a blow-up if there was one."""
-    shown = {name: title for name, title in COLUMNS.items() if name in dataset}
+    shown = {name: title for name, title in COLUMNS.items() if name in run.variables}
     if shown:
-        table = Table("t", *shown.values(), title=dataset.attrs["title"])
-        for index, t in enumerate(dataset["time"].values):
-            table.add_row(f"{t:g}", *(f"{float(dataset[name][index]):.3g}" for name in shown))
+        table = Table("t", *shown.values(), title=scene.title or scene.name)
+        for t, *row in zip(run.reached, *map(run.values, shown), strict=True):
+            table.add_row(f"{t:g}", *(f"{value:.3g}" for value in row))
         console.print(table)
-    for line in summary_lines(dataset, scene):
+    for line in summary_lines(run, scene):
         console.print(line, markup=False, soft_wrap=True)
 
 
-def summary_lines(dataset: xr.Dataset, scene: Scene) -> Iterator[str]:
+def summary_lines(run: RunRecord, scene: Scene) -> Iterator[str]:
     """The lines below the table."""
-    yield _cost(dataset)
-    if "trust_rate" in dataset.attrs:
-        yield _trust(dataset.attrs, scene)
-    if "unfinished" in dataset.attrs:
-        yield f"unfinished: {dataset.attrs['unfinished']}"
-    if dataset.attrs["blow_up"]:
-        yield f"{dataset.attrs['blow_up']}; {dataset.sizes['time']} snapshots before it are kept"
+    told = run.attrs
+    yield _cost(told)
+    if "trust_rate" in told:
+        yield _trust(told, scene)
+    if "unfinished" in told:
+        yield f"unfinished: {told['unfinished']}"
+    if told["blow_up"]:
+        yield f"{told['blow_up']}; {len(run.reached)} snapshots before it are kept"
 
 
 def _trust(found: Mapping[str, Any], scene: Scene) -> str:
@@ -169,9 +126,8 @@ def _trust(found: Mapping[str, Any], scene: Scene) -> str:
     )
 
 
-def _cost(dataset: xr.Dataset) -> str:
+def _cost(cost: Mapping[str, Any]) -> str:
     """The cost line: what was done, how exact it is, what it took, and what more would take."""
-    cost = dataset.attrs
     line = (
         f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
         f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s"

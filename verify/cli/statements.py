@@ -24,6 +24,7 @@ from derive.algebra.formula_text import FormulaError
 from derive.command_line import fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.problem_file import StatedProblem, read_problems
+from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
 from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
 from verify.proof.near_misses import SECONDS as HINT_SECONDS
@@ -60,13 +61,17 @@ STAGES = {
 
 @dataclass(frozen=True)
 class Options:
-    """The texts of a statement, or the files of many; how to decide and what to print."""
+    """The texts of a statement, or the files of many; how to decide and what to print.
+
+    ``library`` has names in the library of published solutions; none of them mean all of it.
+    """
 
     equations: Sequence[str] = ()
     solutions: Sequence[str] = ()
     parameters: str | None = None
     domain: str | None = None
     files: Sequence[str] = ()
+    library: Sequence[str] | None = None
     json_wanted: bool = False
     latex: bool = False
     certificate: str | None = None
@@ -109,6 +114,8 @@ def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
 
 
 def _problems(options: Options) -> list[StatedProblem]:
+    if options.library is not None:
+        return [text.problem() for text in chosen(options.library)]
     if options.files:
         return [problem for path in options.files for problem in read_problems(Path(path))]
     statement = read_statement(

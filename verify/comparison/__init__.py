@@ -11,20 +11,28 @@ from typing import TYPE_CHECKING
 from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from lattice.model import Model
-    from lattice.schemes.catalogue import SCHEMES, scheme_named
-    from lattice.schemes.scheme import Composition, RungeKutta, Scheme, stability_limit
-    from lattice.state import BlowUp
+    from lattice.model import BlowUp, Model
+    from lattice.schemes import (
+        SCHEMES,
+        Composition,
+        RungeKutta,
+        Scheme,
+        scheme_named,
+        stability_limit,
+    )
     from verify.comparison.observables import OBSERVABLES
-    from verify.comparison.saved_run import load_run, resume, save_run
-    from verify.comparison.scene import ENGINES, Discretisation, Scene, Tolerance, with_tolerance
-    from verify.comparison.scene_catalogue import (
+    from verify.comparison.scene import (
+        ENGINES,
+        Discretisation,
+        Scene,
+        Tolerance,
         further_scenes,
         load_scene,
         rational_family_scenes,
         shipped_scenes,
+        with_tolerance,
     )
-    from verify.comparison.scene_run import run
+    from verify.comparison.scene_run import load_run, resume, run, save_run
     from verify.comparison.view import relative_sup_error
 
 __all__ = [
@@ -56,16 +64,12 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "lattice.model": "Model",
-        "lattice.schemes.catalogue": "SCHEMES scheme_named",
-        "lattice.schemes.scheme": "Composition RungeKutta Scheme stability_limit",
-        "lattice.state": "BlowUp",
+        "lattice.model": "BlowUp Model",
+        "lattice.schemes": "SCHEMES Composition RungeKutta Scheme scheme_named stability_limit",
         "verify.comparison.observables": "OBSERVABLES",
-        "verify.comparison.scene_run": "run",
-        "verify.comparison.saved_run": "load_run resume save_run",
-        "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance with_tolerance",
-        "verify.comparison.scene_catalogue": "further_scenes load_scene rational_family_scenes "
-        "shipped_scenes",
+        "verify.comparison.scene_run": "load_run resume run save_run",
+        "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance further_scenes "
+        "load_scene rational_family_scenes shipped_scenes with_tolerance",
         "verify.comparison.view": "relative_sup_error",
     },
 )

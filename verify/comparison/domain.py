@@ -2,6 +2,10 @@
 
 Both store their sites on a ring, so the kernels know one boundary only. What crosses the ring's
 seam is wrong; a domain keeps it away from the compared sites.
+
+A window's feed is the wave's initial far field, moved rigidly. In the frame that moves with it this
+is one smooth function, wanted on few hundred sites over and over again. It is therefore evaluated
+once, on Chebyshev points, and interpolated from there.
 """
 
 import math
@@ -9,12 +13,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from lattice.model import WATCHED, BlowUp, Domain, InflowCheck, Sites, State, empty_state
 from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
-from lattice.state import WATCHED, BlowUp, InflowCheck, State, empty_state
-from lattice.stepper import Domain
-from verify.comparison.moving_wave import MovingWave, Tail
+from solutions.run.jit import njit
+from verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 
@@ -166,6 +171,76 @@ class SiteRing(Domain):
         distance = min(found.site - state.left, state.left + state.size - 1 - found.site)
         reach = self.moving.speed * (found.t - self.moving.t0) + MARGIN
         return replace(found, from_seam=distance) if distance <= reach else found
+
+
+DEGREES = (16, 32, 64, 128)
+"""Degrees tried: Y2's far field takes the first of them."""
+
+INTERPOLATION_ERROR = 1e-14
+"""Largest error of the interpolation, of y/eps or of what is largest."""
+
+
+_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+
+
+@_jit
+def _clenshaw(coefficients: Array, u: Array) -> Array:
+    """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
+    rows, terms = coefficients.shape
+    found = np.empty((rows, u.size))
+    for row in range(rows):
+        c = coefficients[row]
+        for i in range(u.size):
+            one, two = 0.0, 0.0
+            for k in range(terms - 1, 0, -1):
+                one, two = c[k] + 2.0 * u[i] * one - two, one
+            found[row, i] = c[0] + u[i] * one - two
+    return found
+
+
+@dataclass(frozen=True)
+class Tail:
+    """The initial strain that moves at ``speed``, and its velocity, on a stretch of its frame.
+
+    ``low`` and ``high`` are offsets in sites from the place that began at c t0.
+    """
+
+    moving: MovingWave
+    speed: float
+    low: float
+    high: float
+
+    def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
+        """Strain and velocity at time t on the sites, which must be in the stretch by then."""
+        offsets = self.moving.rigid_offsets(self.speed, sites, t)
+        if self._coefficients is None:
+            return self.moving.rigid_data(self.speed, offsets)
+        y, s = _clenshaw(self._coefficients, self._unit(offsets))
+        return y, s
+
+    def _unit(self, offsets: Array) -> Array:
+        """The stretch as -1 .. 1."""
+        return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
+
+    def _exact(self, u: Array) -> Array:
+        offsets = 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u
+        return np.stack(self.moving.rigid_data(self.speed, offsets))
+
+    @cached_property
+    def _coefficients(self) -> Array | None:
+        """Those of strain and velocity; None if no degree gives what lies between its points."""
+        for degree in DEGREES:
+            points = chebyshev.chebpts1(degree + 1)
+            values = self._exact(points)
+            level = values[:, 0]  # small coefficients then have small roundings
+            found = (values.T - level).T @ chebyshev.chebvander(points, degree) * 2.0 / points.size
+            found[:, 0] = 0.5 * found[:, 0] + level
+            between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
+            exact = self._exact(between)
+            error = np.abs(_clenshaw(found, between) - exact).max()
+            if error <= INTERPOLATION_ERROR * max(self.moving.eps, np.abs(exact).max()):
+                return found
+        return None
 
 
 @dataclass

@@ -1,41 +1,32 @@
-"""A wave that moves along the lattice, its initial data, and what feeds a window at its front.
+"""A wave that moves along the lattice: its initial data, where it is, and how large it becomes.
 
 Its parameters may be multiples of the quarter period: "K/2", "3*K/4", "K". The grammar is
 ``[integer *] K [/ integer]`` and nothing else; nothing is evaluated as code.
 
-The feed is the wave's initial far field, moved rigidly. In the frame that moves with it this is one
-smooth function, wanted on few hundred sites over and over again. It is therefore evaluated once, on
-Chebyshev points, and interpolated from there.
+A plan must know before any step where the wave is. It is looked for on the whole line, not on the
+compared sites alone: outwards from where its phases vanish, on a grid whose spacing grows with the
+distance. A domain that holds the bounds holds the wave at all times, so nothing of it can come back
+round a ring or be cut off by a window.
 """
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, lru_cache
 from typing import Protocol
 
 import numpy as np
 import sympy as sp
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 import derive
 from derive.algebra.exact_numbers import exact_number
-from lattice.model import Model
+from lattice.model import Model, Sites
 from solutions import ClosedForm, Wave, WaveValues
-from solutions.run.jit import njit
 
 Array = NDArray[np.float64]
-Sites = NDArray[np.int64]
-
-DEGREES = (16, 32, 64, 128)
-"""Degrees tried: Y2's far field takes the first of them."""
-
-INTERPOLATION_ERROR = 1e-14
-"""Largest error of the interpolation, of y/eps or of what is largest."""
-
 
 GRAMMAR = re.compile(r"(?:(?P<times>\d{1,6})\s*\*\s*)?K(?:\s*/\s*(?P<over>\d{1,6}))?")
 
@@ -179,64 +170,129 @@ class MovingWave:
         return self.eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, self.eps)
 
 
-_jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
+TIMES = 17
+"""Equidistant times at which the wave is looked at, beside the snapshots (as many at most)."""
 
+DISTANCES = np.concatenate([np.linspace(0.0, 1.0, 21)[:-1], np.geomspace(1.0, 1e5, 360)])
+"""Distances from the zero of a phase, in units of the wave's variable xi; they grow by 3.2 %."""
 
-@_jit
-def _clenshaw(coefficients: Array, u: Array) -> Array:
-    """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
-    rows, terms = coefficients.shape
-    found = np.empty((rows, u.size))
-    for row in range(rows):
-        c = coefficients[row]
-        for i in range(u.size):
-            one, two = 0.0, 0.0
-            for k in range(terms - 1, 0, -1):
-                one, two = c[k] + 2.0 * u[i] * one - two, one
-            found[row, i] = c[0] + u[i] * one - two
-    return found
+LEVEL = 0.01
+"""Deviation from the far field below which there is no wave, in units of the tolerance."""
+
+CREST_SHARE = 0.05
+"""The same in units of the largest deviation, for waves that decay like a power."""
+
+POWER = 0.05
+"""What is left of the deviation at twice the distance, at least, where it decays like a power."""
+
+DRIFT_SHARE = 0.1
+"""The lattice's wave may run this share of its drift against c t ahead of the closed form."""
 
 
 @dataclass(frozen=True)
-class Tail:
-    """The initial strain that moves at ``speed``, and its velocity, on a stretch of its frame.
+class WaveBounds:
+    """Sites relative to c t that hold wave and compared sites, from ``low`` to ``high``.
 
-    ``low`` and ``high`` are offsets in sites from the place that began at c t0.
+    ``strain`` holds the smallest and the largest strain of the wave at any time.
     """
 
-    moving: MovingWave
-    speed: float
     low: float
     high: float
+    strain: Array
 
-    def at(self, sites: Sites, t: float) -> tuple[Array, Array]:
-        """Strain and velocity at time t on the sites, which must be in the stretch by then."""
-        offsets = self.moving.rigid_offsets(self.speed, sites, t)
-        if self._coefficients is None:
-            return self.moving.rigid_data(self.speed, offsets)
-        y, s = _clenshaw(self._coefficients, self._unit(offsets))
-        return y, s
+    @property
+    def width(self) -> float:
+        """Number of sites between the ends."""
+        return self.high - self.low
 
-    def _unit(self, offsets: Array) -> Array:
-        """The stretch as -1 .. 1."""
-        return (offsets - 0.5 * (self.low + self.high)) * (2.0 / (self.high - self.low))
+    @property
+    def middle(self) -> float:
+        """Half-way between the ends."""
+        return 0.5 * (self.low + self.high)
 
-    def _exact(self, u: Array) -> Array:
-        offsets = 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * u
-        return np.stack(self.moving.rigid_data(self.speed, offsets))
+    @property
+    def reach(self) -> int:
+        """The farther end's distance from c t."""
+        return int(np.ceil(max(-self.low, self.high)))
 
-    @cached_property
-    def _coefficients(self) -> Array | None:
-        """Those of strain and velocity; None if no degree gives what lies between its points."""
-        for degree in DEGREES:
-            points = chebyshev.chebpts1(degree + 1)
-            values = self._exact(points)
-            level = values[:, 0]  # small coefficients then have small roundings
-            found = (values.T - level).T @ chebyshev.chebvander(points, degree) * 2.0 / points.size
-            found[:, 0] = 0.5 * found[:, 0] + level
-            between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
-            exact = self._exact(between)
-            error = np.abs(_clenshaw(found, between) - exact).max()
-            if error <= INTERPOLATION_ERROR * max(self.moving.eps, np.abs(exact).max()):
-                return found
+
+def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
+    """The bounds of compared sites and wave at all times from the first to the last.
+
+    The wave is where y/eps deviates from its far fields by more than a share of ``tolerance``, or,
+    if it decays like a power, by more than a share of its largest deviation: the rest is a matter
+    of the domain's size.
+    """
+    ends, strain = _wave_at_all_times(
+        moving.constants, moving.wave, moving.eps, moving.times, tolerance
+    )
+    edge = float(moving.compared)
+    return WaveBounds(min(-edge, ends[0]), max(edge, ends[1]), strain)
+
+
+@lru_cache(maxsize=4)
+def _wave_at_all_times(
+    constants: Model, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
+) -> tuple[tuple[float, float], Array]:
+    """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
+
+    Whatever is chosen about a scene asks for it: the engine, the scout and the runs themselves.
+    """
+    places = [_places(constants, wave, eps, t) for t in _watched(times)]
+    supports = [_support(x, deviation, LEVEL * tolerance) for x, deviation, _ in places]
+    ends = [support for support in supports if support is not None]
+    low, high = np.inf, -np.inf
+    if ends:
+        lows, highs = np.array(ends).T
+        low = float(lows.min()) - DRIFT_SHARE * float(np.ptp(lows))
+        high = float(highs.max()) + DRIFT_SHARE * float(np.ptp(highs))
+    strains = [eps * value for _, _, value in places]
+    least = min(float(strain.min()) for strain in strains)
+    extremes = np.array([least, max(float(strain.max()) for strain in strains)])
+    extremes.flags.writeable = False
+    return (low, high), extremes
+
+
+def _watched(times: Sequence[float]) -> list[float]:
+    """Equidistant times, some of those given, and the crest's."""
+    t0, end = times[0], times[-1]
+    crest = {0.0} if t0 < 0.0 < end else set()
+    some = times[:: max(1, len(times) // TIMES)]
+    return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
+
+
+def _places(constants: Model, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
+    """Positions relative to c t in order, the deviation from the far fields there, and Y."""
+    origin = constants.sound_speed() * t
+    unit = 1.0 / (float(wave.normal_form.a) * eps)
+    offsets = unit * np.concatenate([-DISTANCES[:0:-1], DISTANCES])
+    zeros = wave.phase_zeros(t, eps) or [origin]
+    x = np.unique(np.concatenate([zero - origin + offsets for zero in zeros]))
+    value = wave.at(origin + x, t, eps).Y
+    left, right = (wave.far_field_at(origin + x, t, eps, side).Y for side in ("left", "right"))
+    deviation = np.minimum(np.abs(value - left), np.abs(value - right))
+    return x, deviation, value
+
+
+def _support(x: Array, deviation: Array, level: float) -> tuple[float, float] | None:
+    """The ends of what rises above the level, None if nothing does."""
+    largest = float(deviation.max())
+    if largest <= level:
         return None
+    inside = np.flatnonzero(deviation > level)
+    first, last = int(inside[0]), int(inside[-1])
+    if _decays_like_a_power(x, deviation, first) or _decays_like_a_power(x, deviation, last):
+        inside = np.flatnonzero(deviation > max(level, CREST_SHARE * largest))
+        first, last = int(inside[0]), int(inside[-1])
+    step = 1 if last + 1 < x.size else 0
+    return float(x[max(first - 1, 0)]), float(x[last + step])
+
+
+def _decays_like_a_power(x: Array, deviation: Array, index: int) -> bool:
+    """Whether what is beyond the end at ``index`` falls slowly."""
+    crest = float(x[int(np.argmax(deviation))])
+    if index in (0, x.size - 1):
+        return True
+    beyond = crest + 2.0 * (x[index] - crest)
+    rest = x >= beyond if x[index] > crest else x <= beyond
+    return not rest.any() or float(np.max(deviation[rest])) > POWER * float(deviation[index])

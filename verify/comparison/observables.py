@@ -1,13 +1,29 @@
-"""The observables that a scene may ask for, as a table; each is computed only if it is asked for.
+"""The observables that a scene may ask for; each is computed only if it is asked for.
 
-Adding one is one function in `measures.py` and one entry here: what it computes, when it looks,
-what it adds and what it needs.
+Adding one is one function here, of a view of the run: what it computes, when it looks and what it
+adds stand above it.
 
 >>> from verify.comparison.observables import observable_named
 >>> [variable.name for variable in observable_named("momentum").variables]
 ['mean_strain', 'mean_velocity']
+
+The error split writes the error as a shift in position, a change of amplitude and one of shape.
+With y the run's strain, w the wave, b its bare background and n the compared sites, the shift d
+(sites) and the scale a minimise
+
+    sum_n ( y_n - [ b(n - d) + a (w - b)(n - d) ] )^2
+
+The error is then, exactly,
+
+    y - w  =  position + amplitude + shape
+    position   =  w(n - d) - w(n)
+    amplitude  =  (a - 1) (w - b)(n - d)
+    shape      =  y_n - b(n - d) - a (w - b)(n - d)
+
+Each is reported as its largest modulus over max_n |w - b|, the denominator of the error figure.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,20 +31,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.comparison.measures import (
-    background_difference,
-    cell_width,
-    crest_track,
-    energy,
-    error_curve,
-    error_split,
-    momentum,
-    space_time,
-    spectrum,
-    strain,
-    whole_state,
-)
-from verify.comparison.view import View
+from lattice.model import ring_energy
+from verify.comparison.view import Array, View
 
 Moment = Literal["snapshots", "curve", "looks", "refinement"]
 
@@ -68,9 +72,8 @@ class Observable:
     """One observable.
 
     ``measure`` maps a view to the values of ``variables`` at one moment; optional variables may be
-    missing from all moments of a run. ``uses_wave`` says that the closed form is evaluated,
-    ``needs_ring`` that the sites must form a ring, ``all_sites`` that others than the compared ones
-    are looked at.
+    missing from all moments of a run. ``needs_ring`` says that the sites must form a ring,
+    ``all_sites`` that others than the compared ones are looked at.
     """
 
     name: str
@@ -78,9 +81,52 @@ class Observable:
     seen: Moment
     variables: tuple[Variable, ...]
     measure: Measure
-    uses_wave: bool = False
     needs_ring: bool = False
     all_sites: bool = False
+
+
+OBSERVABLES: dict[str, Observable] = {}
+"""The observables by name, in the order in which they are declared."""
+
+
+def observable(
+    what: str, seen: Moment, *variables: Variable, needs_ring: bool = False, all_sites: bool = False
+) -> Callable[[Measure], Measure]:
+    """Declare the function below as the measurement of the observable of its name."""
+
+    def declare(measure: Measure) -> Measure:
+        name = measure.__name__
+        OBSERVABLES[name] = Observable(name, what, seen, variables, measure, needs_ring, all_sites)
+        return measure
+
+    return declare
+
+
+def observable_named(name: str) -> Observable:
+    """The observable of that name; ValueError lists the known ones.
+
+    >>> observable_named("colour")
+    Traceback (most recent call last):
+    ...
+    ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
+    """
+    if name not in OBSERVABLES:
+        known = ", ".join(OBSERVABLES)
+        raise ValueError(f"observables must be known ones, got {name!r} (one of {known})")
+    return OBSERVABLES[name]
+
+
+MAP_CELLS = 256
+"""Most cells of a space-time map."""
+
+
+def cell_width(compared: int) -> int:
+    """Sites in one cell of a space-time map.
+
+    >>> cell_width(1500), cell_width(50)
+    (12, 1)
+    """
+    return math.ceil((2 * compared + 1) / MAP_CELLS)
 
 
 def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dict[str, str]] | None:
@@ -101,148 +147,258 @@ def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dic
 STRAIN, PER_TIME, SITES = "strain (lattice units)", "strain per lattice time", "sites"
 RELATIVE = "relative sup error against the bare background"
 RELATIVE_FAR = "relative sup error against the true far field"
-REFINED = "sup difference to the refined run"
 
 
-def _nothing(_: View) -> Mapping[str, Any]:
-    """A refinement is measured by a second run, not by looking at the first."""
-    return {}
-
-
-OBSERVABLES = (
-    Observable(
-        name="strain",
-        what="strains of run, wave and background at the snapshots, and the error there",
-        seen="snapshots",
-        variables=(
-            Variable("strain", ("site",), STRAIN),
-            Variable("analytic", ("site",), STRAIN),
-            Variable("background", ("site",), STRAIN),
-            Variable("n", ("site",), long_name="site on the lattice"),
-            Variable("error", long_name=RELATIVE),
-            Variable("error_far_field", long_name=RELATIVE_FAR, optional=True),
-        ),
-        measure=strain,
-        uses_wave=True,
-    ),
-    Observable(
-        name="error_curve",
-        what="the relative sup error against time",
-        seen="curve",
-        variables=(
-            Variable("error_curve", long_name=RELATIVE),
-            Variable("error_curve_far_field", long_name=RELATIVE_FAR, optional=True),
-        ),
-        measure=error_curve,
-        uses_wave=True,
-    ),
-    Observable(
-        name="energy",
-        what="kinetic and potential energy of the ring against time",
-        seen="looks",
-        variables=(Variable("energy", units="lattice energy"),),
-        measure=energy,
-        needs_ring=True,
-        all_sites=True,
-    ),
-    Observable(
-        name="momentum",
-        what="mean strain and mean velocity of the ring against time",
-        seen="looks",
-        variables=(
-            Variable("mean_strain", units=STRAIN),
-            Variable("mean_velocity", units=PER_TIME, long_name="conserved by the exact flow"),
-        ),
-        measure=momentum,
-        needs_ring=True,
-        all_sites=True,
-    ),
-    Observable(
-        name="spectrum",
-        what="Fourier amplitudes of the compared strains at the snapshots",
-        seen="snapshots",
-        variables=(Variable("spectrum", ("wavenumber",), STRAIN),),
-        measure=spectrum,
-    ),
-    Observable(
-        name="crest_track",
-        what="position and strain of the crest against time",
-        seen="looks",
-        variables=(
-            Variable("crest_position", units=SITES, long_name="position of the crest less c t"),
-            Variable("crest_strain", units=STRAIN),
-        ),
-        measure=crest_track,
-    ),
-    Observable(
-        name="space_time",
-        what="a map of the strain over time and cells of sites",
-        seen="looks",
-        variables=(Variable("space_time", ("map_site",), STRAIN),),
-        measure=space_time,
-    ),
-    Observable(
-        name="background_difference",
-        what="strain of the run less the bare background at the snapshots",
-        seen="snapshots",
-        variables=(Variable("background_difference", ("site",), STRAIN),),
-        measure=background_difference,
-        uses_wave=True,
-    ),
-    Observable(
-        name="error_split",
-        what="the error at the snapshots as shift in position, amplitude and shape",
-        seen="snapshots",
-        variables=(
-            Variable("shift", units=SITES, long_name="fitted shift of the run"),
-            Variable("scale", long_name="fitted amplitude over the wave's"),
-            Variable("error_position", long_name="relative sup of the shift's part"),
-            Variable("error_amplitude", long_name="relative sup of the amplitude's part"),
-            Variable("error_shape", long_name="relative sup of what is left"),
-        ),
-        measure=error_split,
-        uses_wave=True,
-    ),
-    Observable(
-        name="state",
-        what="strains and velocities of all computed sites at the snapshots, for a restart",
-        seen="snapshots",
-        variables=(
-            Variable("state_y", ("cell",), STRAIN),
-            Variable("state_s", ("cell",), PER_TIME),
-            Variable("state_left", long_name="leftmost site held"),
-        ),
-        measure=whole_state,
-        all_sites=True,
-    ),
-    Observable(
-        name="time_step_error",
-        what="largest difference of y/eps to the run with half the step",
-        seen="refinement",
-        variables=(Variable("time_step_error", units="strain / eps", long_name=REFINED),),
-        measure=_nothing,
-    ),
-    Observable(
-        name="domain_error",
-        what="largest difference of y/eps to the run with twice the sites",
-        seen="refinement",
-        variables=(Variable("domain_error", units="strain / eps", long_name=REFINED),),
-        measure=_nothing,
-    ),
+@observable(
+    "strains of run, wave and background at the snapshots, and the error there",
+    "snapshots",
+    Variable("strain", ("site",), STRAIN),
+    Variable("analytic", ("site",), STRAIN),
+    Variable("background", ("site",), STRAIN),
+    Variable("n", ("site",), long_name="site on the lattice"),
+    Variable("error", long_name=RELATIVE),
+    Variable("error_far_field", long_name=RELATIVE_FAR, optional=True),
 )
+def strain(view: View) -> Mapping[str, Any]:
+    """Strains of run, wave and bare background, the sites' numbers, and the errors.
 
-NAMES = tuple(entry.name for entry in OBSERVABLES)
-
-
-def observable_named(name: str) -> Observable:
-    """The entry of that name; ValueError lists the known ones.
-
-    >>> observable_named("colour")
-    Traceback (most recent call last):
-    ...
-    ValueError: observables must be known ones, got 'colour' (one of strain, ..., domain_error)
+    Errors are NaN at a time when the wave is its own background on all compared sites.
     """
-    for entry in OBSERVABLES:
-        if entry.name == name:
-            return entry
-    raise ValueError(f"observables must be known ones, got {name!r} (one of {', '.join(NAMES)})")
+    rows = {
+        "strain": view.numeric,
+        "analytic": view.analytic,
+        "background": view.background,
+        "n": view.sites,
+    }
+    if not np.array_equal(view.analytic, view.background):
+        return rows | _errors(view, "error")
+    far = {"error_far_field": np.nan} if view.has_far_field else {}
+    return rows | {"error": np.nan} | far
+
+
+@observable(
+    "the relative sup error against time",
+    "curve",
+    Variable("error_curve", long_name=RELATIVE),
+    Variable("error_curve_far_field", long_name=RELATIVE_FAR, optional=True),
+)
+def error_curve(view: View) -> Mapping[str, Any]:
+    """The relative sup errors alone."""
+    return _errors(view, "error_curve")
+
+
+def _errors(view: View, prefix: str) -> dict[str, float]:
+    found = {prefix: view.error}
+    if view.has_far_field:
+        found[f"{prefix}_far_field"] = view.error_far_field
+    return found
+
+
+@observable(
+    "kinetic and potential energy of the ring against time",
+    "looks",
+    Variable("energy", units="lattice energy"),
+    needs_ring=True,
+    all_sites=True,
+)
+def energy(view: View) -> Mapping[str, float]:
+    """The energy of the chain whose bonds are strained by y (`ring_energy`)."""
+    return {"energy": ring_energy(view.state, view.moving.constants)}
+
+
+@observable(
+    "mean strain and mean velocity of the ring against time",
+    "looks",
+    Variable("mean_strain", units=STRAIN),
+    Variable("mean_velocity", units=PER_TIME, long_name="conserved by the exact flow"),
+    needs_ring=True,
+    all_sites=True,
+)
+def momentum(view: View) -> Mapping[str, float]:
+    """Mean strain and mean velocity over the ring.
+
+    The second difference sums to zero over a ring, so the mean velocity is conserved and the mean
+    strain moves linearly with it.
+    """
+    state = view.state
+    return {"mean_strain": float(np.mean(state.y)), "mean_velocity": float(np.mean(state.s))}
+
+
+@observable(
+    "Fourier amplitudes of the compared strains at the snapshots",
+    "snapshots",
+    Variable("spectrum", ("wavenumber",), STRAIN),
+)
+def spectrum(view: View) -> Mapping[str, Array]:
+    """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
+    return {"spectrum": amplitudes(view.numeric)}
+
+
+def amplitudes(values: Array) -> Array:
+    """Hann-windowed Fourier amplitudes of ``values`` less their mean.
+
+    Scaled so that a cos(k n) with k on the grid has the amplitude a there. The window keeps the
+    jump between the two ends from covering the tail: its leakage falls like 1/k^3.
+
+    >>> n = np.arange(64)
+    >>> float(np.round(amplitudes(3.0 * np.cos(2.0 * np.pi * 8.0 * n / 64.0))[8], 12))
+    3.0
+    """
+    count = values.size
+    window = 1.0 - np.cos(2.0 * np.pi * np.arange(count) / count)
+    modes = np.fft.rfft((values - np.mean(values)) * window)
+    found: Array = 2.0 * np.abs(modes) / count
+    return found
+
+
+NEWTON_STEPS = 4
+
+
+@observable(
+    "position and strain of the crest against time",
+    "looks",
+    Variable("crest_position", units=SITES, long_name="position of the crest less c t"),
+    Variable("crest_strain", units=STRAIN),
+)
+def crest_track(view: View) -> Mapping[str, float]:
+    """Position of the crest relative to c t, and its strain, interpolated between the sites."""
+    deviation = view.numeric - view.moving.level
+    top = int(np.argmax(np.abs(deviation)))
+    offset, height = 0.0, float(deviation[top])
+    if 2 <= top < deviation.size - 2:
+        offset, height = extremum(deviation[top - 2 : top + 3])
+    travelled = view.moving.speed * view.state.t
+    return {
+        "crest_position": float(view.sites[top]) + offset - travelled,
+        "crest_strain": height + view.moving.level,
+    }
+
+
+def extremum(f: Array) -> tuple[float, float]:
+    """Place and value of the extremum of the quartic through five values at -2 .. 2.
+
+    The middle one is the largest in modulus; Newton starts from the parabola through the three
+    innermost.
+
+    >>> x = np.arange(-2.0, 3.0) - 0.3
+    >>> place, value = extremum(5.0 - x**2 + 0.01 * x**4)
+    >>> round(place, 12), round(value, 12)
+    (0.3, 5.0)
+    """
+    c1 = (f[0] - 8.0 * f[1] + 8.0 * f[3] - f[4]) / 12.0
+    c2 = (-f[0] + 16.0 * f[1] - 30.0 * f[2] + 16.0 * f[3] - f[4]) / 24.0
+    c3 = (-f[0] + 2.0 * f[1] - 2.0 * f[3] + f[4]) / 12.0
+    c4 = (f[0] - 4.0 * f[1] + 6.0 * f[2] - 4.0 * f[3] + f[4]) / 24.0
+    bend = f[1] - 2.0 * f[2] + f[3]
+    x = 0.5 * (f[1] - f[3]) / bend if bend != 0.0 else 0.0
+    for _ in range(NEWTON_STEPS):
+        curvature = 2.0 * c2 + x * (6.0 * c3 + 12.0 * c4 * x)
+        if curvature == 0.0:
+            break
+        x -= (c1 + x * (2.0 * c2 + x * (3.0 * c3 + 4.0 * c4 * x))) / curvature
+    if not abs(x) <= 1.0:
+        return 0.0, float(f[2])
+    return float(x), float(f[2] + x * (c1 + x * (c2 + x * (c3 + c4 * x))))
+
+
+@observable(
+    "a map of the strain over time and cells of sites",
+    "looks",
+    Variable("space_time", ("map_site",), STRAIN),
+)
+def space_time(view: View) -> Mapping[str, Array]:
+    """The strain farthest from the background in each cell of sites: no crest is lost."""
+    starts = np.arange(0, view.numeric.size, cell_width((view.numeric.size - 1) // 2))
+    high = np.maximum.reduceat(view.numeric, starts)
+    low = np.minimum.reduceat(view.numeric, starts)
+    return {"space_time": np.where(high + low >= 2.0 * view.moving.level, high, low)}
+
+
+@observable(
+    "strain of the run less the bare background at the snapshots",
+    "snapshots",
+    Variable("background_difference", ("site",), STRAIN),
+)
+def background_difference(view: View) -> Mapping[str, Any]:
+    """Strain of the run less the bare wave of the same phase (or the constant)."""
+    return {"background_difference": view.numeric - view.background}
+
+
+@observable(
+    "the error at the snapshots as shift in position, amplitude and shape",
+    "snapshots",
+    Variable("shift", units=SITES, long_name="fitted shift of the run"),
+    Variable("scale", long_name="fitted amplitude over the wave's"),
+    Variable("error_position", long_name="relative sup of the shift's part"),
+    Variable("error_amplitude", long_name="relative sup of the amplitude's part"),
+    Variable("error_shape", long_name="relative sup of what is left"),
+)
+def error_split(view: View) -> Mapping[str, float]:
+    """Shift, scale, and the three parts of the relative error."""
+    analytic = view.analytic
+    height = float(np.max(np.abs(analytic - view.background)))
+    shift, scale = fit(view)
+    wave, background, _, _ = view.displaced(shift)
+    parts = {
+        "error_position": wave - analytic,
+        "error_amplitude": (scale - 1.0) * (wave - background),
+        "error_shape": view.numeric - background - scale * (wave - background),
+    }
+    found = {name: float(np.max(np.abs(part))) / height for name, part in parts.items()}
+    return {"shift": shift, "scale": scale} | found
+
+
+def fit(view: View) -> tuple[float, float]:
+    """The least-squares shift (sites) and scale, started from no shift and from the crests' one."""
+    from scipy.optimize import least_squares  # 0.2 s, for one observable
+
+    run, wave = view.numeric - view.background, view.analytic - view.background
+    crests = float(np.argmax(np.abs(run)) - np.argmax(np.abs(wave)))
+    fits = [
+        least_squares(
+            lambda unknown: _residual(view, unknown),
+            [start, 1.0],
+            lambda unknown: _slopes(view, unknown),
+            method="lm",
+            xtol=1e-12,
+        )
+        for start in sorted({0.0, crests})
+    ]
+    best = min(fits, key=lambda found: float(found.cost))
+    return float(best.x[0]), float(best.x[1])
+
+
+def _residual(view: View, unknown: Array) -> Array:
+    wave, background, _, _ = view.displaced(float(unknown[0]))
+    return view.numeric - background - float(unknown[1]) * (wave - background)
+
+
+def _slopes(view: View, unknown: Array) -> Array:
+    wave, background, wave_slope, background_slope = view.displaced(float(unknown[0]))
+    by_shift = background_slope + float(unknown[1]) * (wave_slope - background_slope)
+    return np.stack([by_shift, background - wave], axis=1)
+
+
+@observable(
+    "strains and velocities of all computed sites at the snapshots, for a restart",
+    "snapshots",
+    Variable("state_y", ("cell",), STRAIN),
+    Variable("state_s", ("cell",), PER_TIME),
+    Variable("state_left", long_name="leftmost site held"),
+    all_sites=True,
+)
+def state(view: View) -> Mapping[str, Any]:
+    """Strains and velocities of all computed sites, in the order of storage."""
+    held = view.state
+    return {"state_y": held.y.copy(), "state_s": held.s.copy(), "state_left": held.left}
+
+
+def _refinement(name: str, change: str) -> None:
+    """Declare what a second run measures, and no look at the first."""
+    what = f"largest difference of y/eps to the run with {change}"
+    added = Variable(name, (), "strain / eps", "sup difference to the refined run")
+    OBSERVABLES[name] = Observable(name, what, "refinement", (added,), lambda _: {})
+
+
+_refinement("time_step_error", "half the step")
+_refinement("domain_error", "twice the sites")

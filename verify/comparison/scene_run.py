@@ -2,18 +2,58 @@
 
 Where none is named or required by what is asked for, the cheaper one by a model is taken. What the
 spectral engine refuses, though it was not named, is run site by site.
+
+A run can be saved, and gone on with from a snapshot.
 """
 
-import xarray as xr
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from lattice.model import State
 from lattice.refine import Announce, Progress
-from verify.comparison.checks import shown
-from verify.comparison.recording import Announcer, UnfinishedRun
 from verify.comparison.scene import Scene
+from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
-from verify.comparison.stated_run import run_from, stated_seconds
+from verify.comparison.stated_run import (
+    LONG,
+    RunRecord,
+    UnfinishedRun,
+    run_from,
+    stated_seconds,
+)
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from solutions import ClosedForm
+
+
+class Announcer:
+    """Passes on how many seconds are expected, if they are many and not what was said before.
+
+    >>> told = Announcer(print)
+    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
+    ...     told(seconds)
+    30.0
+    90.0
+    """
+
+    def __init__(self, announce: Callable[[float], None]) -> None:
+        self._announce = announce
+        self._said = LONG / 2.0
+
+    def __call__(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= max(LONG, 2.0 * self._said):
+            self._said = seconds
+            self._announce(seconds)
+
 
 SITE_BY_SITE = ("energy", "momentum", "state")
 """Observables of all sites of a lattice, which the spectral ring does not have."""
@@ -40,7 +80,7 @@ def choose_engine(scene: Scene) -> str:
 
 def run_to_tolerance(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
+) -> RunRecord:
     """Run a scene that has a tolerance.
 
     The run carries, beside what any run does, ``tolerance``, ``error_estimate`` (of y/eps, sup over
@@ -63,21 +103,22 @@ def run_to_tolerance(
             told(seconds)
             found = run_stencil(scene, progress, told)
     except UnfinishedRun as stop:
-        stop.run.attrs["tolerance"] = scene.tolerance
+        stop.record.attrs["tolerance"] = scene.tolerance
         raise
     run, estimate, planning_seconds = found
-    return run.assign_attrs(
-        tolerance=scene.tolerance,
-        error_estimate=estimate.total,
-        rounding_estimate=estimate.rounding,
-        next_decade=estimate.next_decade,
-        planning_seconds=planning_seconds,
-    )
+    run.attrs |= {
+        "tolerance": scene.tolerance,
+        "error_estimate": estimate.total,
+        "rounding_estimate": estimate.rounding,
+        "next_decade": estimate.next_decade,
+        "planning_seconds": planning_seconds,
+    }
+    return run
 
 
 def run(
     scene: Scene, progress: Progress | None = None, announce: Announce | None = None
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Run the scene and return what it asks for.
 
     Dimensions: ``time`` (the snapshots), ``curve_time``, ``look_time``, ``site`` (offset from the
@@ -93,6 +134,13 @@ def run(
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit, and
     UnfinishedRun on Ctrl-C.
     """
+    return record_scene(scene, progress, announce).dataset
+
+
+def record_scene(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> RunRecord:
+    """`run` without a data set: what it records, of which one can be made."""
     if not isinstance(scene, Scene):
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
@@ -102,3 +150,64 @@ def run(
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
+
+
+def scene_of(run: "xr.Dataset") -> Scene:
+    """The scene that a run carries."""
+    return Scene.from_json(run.attrs["scene"])
+
+
+def state_at(run: "xr.Dataset", t: float) -> State:
+    """A copy of the state at a snapshot of a run whose scene asks for the observable ``state``.
+
+    Raises ValueError if the run carries no states or has no snapshot at ``t``.
+    """
+    if "state_y" not in run:
+        raise ValueError(
+            "run must carry its states to be resumed, got none (ask for the observable 'state')"
+        )
+    found = np.flatnonzero(run["time"].values == t)
+    if found.size == 0:
+        kept = ", ".join(f"{kept:g}" for kept in run["time"].values)
+        raise ValueError(f"at must be a snapshot of the run, got {t:g} (it kept {kept or 'none'})")
+    row = run.isel(time=int(found[0]))
+    y, s = (np.array(row[name].values, dtype=np.float64) for name in ("state_y", "state_s"))
+    return State(t, int(row["state_left"]), y, s)
+
+
+def resume(
+    run: "xr.Dataset",
+    at: float | None = None,
+    snapshots: Sequence[float] | None = None,
+    progress: Progress | None = None,
+    wave: "ClosedForm | None" = None,
+) -> "xr.Dataset":
+    """Go on from a snapshot of a run, to the bit as if the run had not been interrupted.
+
+    ``at`` is the snapshot, by default the last one; ``snapshots`` are the times wanted after it, by
+    default those of the scene; a ``wave`` of your own, which no file holds, is to be given again.
+    The result holds what the scene asks for after ``at``. Same bits need the same stops:
+    ``curve_points`` and ``look_points`` times move with the end of the run.
+
+    Raises ValueError if the run carries no state at ``at`` or nothing is wanted after it.
+    """
+    start = state_at(run, float(run["time"].values[-1]) if at is None else at)
+    scene = scene_of(run) if wave is None else replace(scene_of(run), wave=wave)
+    later = tuple(t for t in (scene.snapshots if snapshots is None else snapshots) if t > start.t)
+    if not later:
+        raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
+    scene = replace(scene, snapshots=later)
+    return run_from(scene, scene.moving_wave, start, progress).dataset
+
+
+def save_run(run: "xr.Dataset", path: str | Path) -> None:
+    """Write a run as netCDF 3; floats keep their bits. Raises OSError if it cannot be written."""
+    run.to_netcdf(path, engine="scipy")
+
+
+def load_run(path: str | Path) -> "xr.Dataset":
+    """Read a run back into memory. Raises OSError if there is none."""
+    import xarray as xr  # where no file is read it is not needed
+
+    with xr.open_dataset(path, engine="scipy") as dataset:
+        return dataset.load()

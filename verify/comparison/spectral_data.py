@@ -12,8 +12,7 @@ from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at
 from lattice.spectral.ring import RingState, backward, forward
 from lattice.trial import Choices, Estimate
 from verify.comparison.domain import front, seam_room
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.wave_bounds import WaveBounds, find_bounds
+from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 
 Array = NDArray[np.float64]
 

@@ -10,25 +10,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 
+from lattice.model import BlowUp, empty_state, find_blow_up
 from lattice.refine import Announce, Progress, StoppedSearch, TooDearError
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
-from lattice.state import BlowUp, empty_state, find_blow_up
 from lattice.trial import Estimate
 from verify.comparison.moving_wave import MovingWave
-from verify.comparison.recording import (
-    LONG,
-    Observer,
-    Recorder,
-    build_dataset,
-    build_recorders,
-    unfinished,
-)
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
 from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
+from verify.comparison.stated_run import (
+    LONG,
+    Observer,
+    Recorder,
+    RunRecord,
+    build_recorders,
+    unfinished,
+)
 from verify.comparison.view import View
 
 START_SECONDS = 0.08
@@ -110,7 +109,7 @@ SCHEME = "exponential_adams"
 
 def run_spectral(
     scene: Scene, site_by_site: float, progress: Progress, announce: Announce
-) -> tuple[xr.Dataset, Estimate, float]:
+) -> tuple[RunRecord, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
     ``site_by_site`` are the seconds that the stencil would take. What it would look at where it
@@ -169,11 +168,11 @@ def _stopped(
     return unfinished(run, stop.error, stop.before)
 
 
-def _recorded(scene: Scene, solved: SpectralRun, recorders: list[Recorder]) -> xr.Dataset:
+def _recorded(scene: Scene, solved: SpectralRun, recorders: list[Recorder]) -> RunRecord:
     reached, fault = _show(scene, solved, recorders)
     variables = {name: value for item in recorders for name, value in item.variables().items()}
     cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
-    return build_dataset(scene, reached, variables, cost)
+    return RunRecord(scene, reached, variables, cost)
 
 
 def _show(

@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 
 from lattice.model import Model
 from lattice.refine import (
@@ -20,16 +19,28 @@ from lattice.refine import (
     refine,
     shorter_step,
 )
-from lattice.schemes.catalogue import scheme_named
-from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.schemes import Scheme, scheme_named, stability_limit
 from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
-from verify.comparison.domain import creeping, least_ring, least_window, seam_room, window_moves
-from verify.comparison.moving_wave import MovingWave
+from verify.comparison.domain import (
+    creeping,
+    least_ring,
+    least_window,
+    seam_room,
+    window_moves,
+)
+from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 from verify.comparison.observables import observable_named
-from verify.comparison.recording import UnfinishedRun, moments_of, unfinished
 from verify.comparison.scene import Discretisation, Scene
-from verify.comparison.stated_run import SECONDS_PER_UPDATE, START_SECONDS, StrainSamples, run_from
-from verify.comparison.wave_bounds import WaveBounds, find_bounds
+from verify.comparison.stated_run import (
+    SECONDS_PER_UPDATE,
+    START_SECONDS,
+    RunRecord,
+    StrainSamples,
+    UnfinishedRun,
+    moments_of,
+    run_from,
+    unfinished,
+)
 
 PREFERRED = "reduced_phase_6"
 """Fewest force evaluations for sup errors from 1e-2 to 1e-9 of those in the table."""
@@ -120,7 +131,7 @@ or the lattice."""
 
 def run_stencil(
     scene: Scene, progress: Progress, announce: Announce
-) -> tuple[xr.Dataset, Estimate, float]:
+) -> tuple[RunRecord, Estimate, float]:
     """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
 
     The error is infinite if the lattice blows up by itself; what came before is kept. Raises
@@ -248,7 +259,7 @@ class StencilEngine:
         try:
             run = run_from(stated, replace(self._moving, eps=eps), None, progress, [samples])
         except UnfinishedRun as stop:
-            run, stopped = stop.run, True
+            run, stopped = stop.record, True
         steps, size = run.attrs["force_evaluations"], run.attrs["sites"]
         values = None
         if not run.attrs["blow_up"]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.state import Sites, State
-from verify.comparison.checks import shown
+from lattice.model import Sites, State
+from verify.comparison.scene_fields import shown
 
 if TYPE_CHECKING:
     from solutions import WaveValues

@@ -21,8 +21,7 @@ import mpmath
 import sympy as sp
 
 from solutions.compile.tape import Tape, UnknownDerivativeError
-from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm, Equation
+from solutions.record import Bound, ClosedForm, Equation, Parameter
 from verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4

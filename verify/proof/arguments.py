@@ -7,7 +7,7 @@ combinations of a few: sn(2 x) and sn(3 x + K) follow from sn(x) and sn(K).
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import lcm
 
 import sympy as sp
@@ -52,6 +52,10 @@ class Dependence:
 
 Vector = dict[sp.Expr, sp.Rational]
 
+INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
+KEPT = (sp.log, sp.atan, *INVERSE)
+"""Functions that stay as they are written, as their exponentials are known."""
+
 LONGEST = 60
 """Operations of a quotient that common factors are looked for in."""
 
@@ -64,8 +68,12 @@ def expanded_terms(expression: sp.Expr) -> Vector:
     {x: 2, y: -2/3}
     """
     found: Vector = {}
-    for term in sp.Add.make_args(sp.expand(cancelled(expression))):
+    names = {f: sp.Dummy(real=f.is_real) for f in expression.atoms(*KEPT)}
+    hidden = sp.expand(cancelled(expression.xreplace(names)))
+    kept = {name: f for f, name in names.items()}
+    for term in sp.Add.make_args(hidden):
         coefficient, rest = term.as_coeff_Mul(rational=True)
+        rest = rest.xreplace(kept)
         found[rest] = found.get(rest, sp.S.Zero) + coefficient
     return {rest: value for rest, value in found.items() if value != 0}
 
@@ -82,6 +90,36 @@ def cancelled(expression: sp.Expr) -> sp.Expr:
         return expression
     found: sp.Expr = sp.cancel(expression)
     return found
+
+
+def definition(node: sp.Expr) -> sp.Expr:
+    """An inverse function, other than atan, by logarithms; all values are principal ones.
+
+    >>> definition(sp.asinh(sp.Symbol("x")))
+    log(x + sqrt(x**2 + 1))
+    """
+    (f,) = node.args
+    if isinstance(node, sp.asinh):
+        return sp.log(f + sp.sqrt(1 + f**2))
+    if isinstance(node, sp.acosh):
+        return sp.log(f + sp.sqrt(f - 1) * sp.sqrt(f + 1))
+    if isinstance(node, sp.atanh):
+        return (sp.log(1 + f) - sp.log(1 - f)) / 2
+    arc = -sp.I * sp.log(sp.I * f + sp.sqrt(1 - f**2))
+    return arc if isinstance(node, sp.asin) else sp.pi / 2 - arc
+
+
+def with_definitions(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
+    """The expressions, and the definitions of the inverse functions in them."""
+    found = dict.fromkeys(expressions)
+    waiting = list(found)
+    while waiting:
+        for node in waiting.pop().atoms(*INVERSE):
+            defined = definition(node)
+            if defined not in found:
+                found[defined] = None
+                waiting.append(defined)
+    return list(found)
 
 
 def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
@@ -102,8 +140,14 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
     """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
-    turned = is_phase and isinstance(term / sp.I, sp.atan) and value % 2 == 0
+    turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
     return bool(isinstance(term, sp.log) or turned)
+
+
+def _nesting(expression: sp.Expr) -> int:
+    """How many functions stand in one another: those within a basis must come without it."""
+    inner = max(map(_nesting, expression.args), default=0)
+    return inner + bool(expression.is_Function)
 
 
 class IntegerCombinations:
@@ -121,7 +165,7 @@ class IntegerCombinations:
         given = list(dict.fromkeys(arguments))
         vectors = [expanded_terms(argument) for argument in given]
         monomials = {monomial for vector in vectors for monomial in vector}
-        self._monomials = sorted(monomials, key=sp.default_sort_key)
+        self._monomials = sorted(monomials, key=lambda m: (-_nesting(m), sp.default_sort_key(m)))
         self._scale = lcm(*(int(value.q) for vector in vectors for value in vector.values()))
         self._rows = self._hermite([self._integers(vector) for vector in vectors])
         self.basis = tuple(self._written(row, given, vectors) for row in self._rows)
@@ -174,16 +218,26 @@ HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
+NO_LOGARITHMS: Mapping[sp.Expr, sp.Expr] = {}
+
+
 class Arguments:
     """The arguments of the exponentials and of the elliptic functions, as integer combinations.
 
     ``exponents`` combines what stands in exponentials; for an elliptic parameter m, ``moving(m)``
     and ``fixed(m)`` the variable and the constant parts of the arguments.  ``count`` says how often
     each function occurs; ``circles`` are the symbols s for which sqrt(1 - s**2) occurs and no other
-    root of a sum with s, as its relation with that one would be lost.
+    root of a sum with s, as its relation with that one would be lost.  ``logarithms`` are sums for
+    logarithms of products, which exponents are written with.
     """
 
-    def __init__(self, expressions: Iterable[sp.Expr], variables: Sequence[sp.Symbol]) -> None:
+    def __init__(
+        self,
+        expressions: Iterable[sp.Expr],
+        variables: Sequence[sp.Symbol],
+        logarithms: Mapping[sp.Expr, sp.Expr] = NO_LOGARITHMS,
+    ) -> None:
+        self._logarithms = logarithms
         self.dependence = Dependence(variables)
         self.count: Counter[tuple[type, sp.Expr]] = Counter()
         self._exponents: dict[sp.Expr, None] = {}
@@ -209,6 +263,11 @@ class Arguments:
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
 
+    def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
+        """An exponent without logarithms, and those with their factors."""
+        z = z.xreplace({node: definition(node) for node in z.atoms(*INVERSE)})
+        return without_logarithms(z.xreplace(self._logarithms) if z.has(sp.log) else z)
+
     def _visit(self, node: sp.Basic, seen: set[sp.Basic]) -> None:
         for inner in node.args:
             self._visit(inner, seen)
@@ -218,9 +277,9 @@ class Arguments:
             return
         seen.add(node)
         if isinstance(node, (sp.exp, *HYPERBOLIC)):
-            self._exponents[without_logarithms(node.args[0])[0]] = None
+            self._exponents[self.exponent(node.args[0])[0]] = None
         elif isinstance(node, TRIGONOMETRIC):
-            self._exponents[sp.I * node.args[0]] = None
+            self._exponents[self.exponent(sp.I * node.args[0])[0]] = None
         elif isinstance(node, JacobiFunction):
             argument, m = node.args
             for moves, part in zip((True, False), self.parts(argument), strict=True):

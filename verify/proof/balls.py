@@ -168,6 +168,11 @@ class BallEvaluator:
             return constant(self._shape, acb(1).exp())
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, map(self.jet, node.args))
+        if node.is_Pow and node.base is sp.S.NegativeOne and node.exp.is_integer:
+            whole = self.jet(node.exp).value.real.unique_fmpz()
+            if whole is None:
+                raise ValueError(f"powers of -1 must be to integers, got {node.exp}")
+            return constant(self._shape, acb(-1 if int(whole) % 2 else 1))
         if node.is_Pow and node.exp.is_Rational:
             if not node.exp.is_Integer:
                 self._check_smooth(node, node.base)

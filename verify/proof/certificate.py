@@ -22,7 +22,7 @@ from flint import acb, ctx, fmpq_mpoly
 
 from verify.subexpressions import distinct_nodes, replaced
 
-from .arguments import Dependence
+from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
@@ -37,6 +37,7 @@ from .generator_search import GeneratorSearch
 from .linear_forms import BITS
 from .problem import Problem
 from .simplification import Rewriting
+from .statement_problem import StatementProblem
 
 LEMMA_BITS = 320
 
@@ -52,10 +53,11 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
 
     Raises ValueError for a function without an axiom, and without a regular point.
     """
-    table = NodeTable()
+    table = NodeTable(list(problem.solutions))
     statement = statement_data(problem, table)
     rewriting = Rewriting(DomainSigns(problem.domains))
-    for expression in problem.expressions:
+    expressions = with_definitions(problem.expressions)
+    for expression in expressions:
         rewriting(expression)
     point = regular_point(problem)
 
@@ -63,9 +65,9 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         found = rewriting.found
         return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
 
-    whole = search(problem.expressions, moving=problem.right is None)
+    whole = search(expressions, moving=problem.right is None)
     for pair in parts:
-        proof = search(pair, moving=False).proof(point)
+        proof = search(with_definitions(pair), moving=False).proof(point)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
     proof = with_square_roots(table, statement, whole.proof(point))
     return Certificate.signed(problem.name, table, statement, proof)
@@ -74,20 +76,28 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
 def statement_data(problem: Problem, table: NodeTable) -> Data:
     """What a certificate states, as places in ``table``."""
     taken = {symbol.name for symbol in problem.domains}
-    name = problem.unknown_name
-    while name in taken:
-        name += "_"
+    unknowns = []
+    for unknown, formula in problem.solutions.items():
+        name = unknown.func.__name__
+        while name in taken:
+            name += "_"
+        unknowns.append([name, table.place(formula)])
     return {
         "variables": [table.place(variable) for variable in problem.variables],
-        "unknowns": [[name, table.place(problem.formula)]],
-        "equations": [
-            [
-                [str(number), [table.place(factor) for factor in known], [[0, jet] for jet in jets]]
-                for number, known, jets in problem.terms()
-            ]
-        ],
+        "unknowns": unknowns,
+        "equations": [_equation_data(problem, table)],
         "domain": _domain_data(problem.domains, table),
     }
+
+
+def _equation_data(problem: Problem, table: NodeTable) -> int | list[Any]:
+    """A polynomial's terms, or the place of the left-hand side of any other equation."""
+    if isinstance(problem, StatementProblem):
+        return table.place(problem.left)
+    return [
+        [str(number), [table.place(factor) for factor in known], [[0, jet] for jet in jets]]
+        for number, known, jets in problem.terms()
+    ]
 
 
 def regular_point(problem: Problem) -> Point:

@@ -13,10 +13,11 @@ from typing import Any
 
 import sympy as sp
 from flint import fmpq_mpoly
+from sympy.core.function import AppliedUndef
 
 from solutions import functions
 
-from .arguments import HYPERBOLIC, TRIGONOMETRIC
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .checker.limits import FORMAT, digest
 from .domains import Point
 
@@ -25,7 +26,7 @@ Node = list[Any]
 FUNCTIONS: dict[str, type] = {
     function.__name__: function
     for function in (
-        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan),
+        *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
         *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,
@@ -36,7 +37,9 @@ CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
 class NodeTable:
-    """The nodes of some expressions; symbols are real.
+    """The nodes of some expressions; symbols are real, or integers.
+
+    ``unknowns`` are the undefined functions that may stand in an equation, in their order.
 
     >>> table = NodeTable()
     >>> table.place(sp.Symbol("x") / 2)
@@ -45,7 +48,8 @@ class NodeTable:
     [['number', '1/2'], ['symbol', 'x', 'real'], ['Mul', 0, 1]]
     """
 
-    def __init__(self) -> None:
+    def __init__(self, unknowns: Sequence[AppliedUndef] = ()) -> None:
+        self.unknowns = tuple(unknowns)
         self.nodes: list[Node] = []
         self._places: dict[sp.Expr, int] = {}
         self._known: dict[str, int] = {}
@@ -68,19 +72,36 @@ class NodeTable:
         if expression.is_Rational:
             return ["number", str(expression)]
         if expression.is_Symbol:
-            return ["symbol", expression.name, "real"]
+            return ["symbol", expression.name, "integer" if expression.is_integer else "real"]
         if expression in CONSTANTS:
             return ["constant", CONSTANTS[expression]]
         if expression is sp.E:
             return ["exp", self.place(sp.S.One)]
         if expression.is_Pow and expression.exp.is_Rational:
             return ["Pow", self.place(expression.base), str(expression.exp)]
+        if expression.is_Pow and expression.base is sp.S.NegativeOne and expression.exp.is_integer:
+            return ["parity", self.place(expression.exp)]
+        if expression.is_Pow:
+            return ["power", *map(self.place, expression.args)]
+        if isinstance(expression, sp.Derivative):
+            return ["diff", *map(self.place, (expression.expr, *expression.variables))]
+        if isinstance(expression, AppliedUndef):
+            return self._unknown(expression)
         name = expression.func.__name__
         if FUNCTIONS.get(name) is not expression.func:
             raise ValueError(
                 f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
             )
         return [name, *map(self.place, expression.args)]
+
+    def _unknown(self, unknown: AppliedUndef) -> Node:
+        for place, own in enumerate(self.unknowns):
+            if own.func == unknown.func:
+                pairs = zip(unknown.args, own.args, strict=True)
+                shifts = [moved - variable for moved, variable in pairs]
+                if all(shift.is_Integer for shift in shifts):
+                    return ["unknown", place, list(map(int, shifts))]
+        raise ValueError(f"unknowns must be of a statement, at shifted variables, got {unknown}")
 
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
         """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""

@@ -57,9 +57,7 @@ class Domain:
 
     def ends(self, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
         """Both ends, with ``values`` for the symbols that they contain."""
-        if not self.lower.is_Atom or not self.upper.is_Atom:
-            return self.lower.xreplace(dict(values)), self.upper.xreplace(dict(values))
-        return values.get(self.lower, self.lower), values.get(self.upper, self.upper)
+        return _end_at(self.lower, values), _end_at(self.upper, values)
 
     def contains(self, value: sp.Rational, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
         """Whether ``value`` lies inside, the other symbols having ``values``."""
@@ -75,7 +73,7 @@ class Domain:
         return set(self.lower.free_symbols | self.upper.free_symbols)
 
     def __and__(self, other: Domain) -> Domain:
-        """The common part; of two ends that cannot be compared, that of ``other``."""
+        """The common part; raises ValueError for two ends that cannot be compared."""
         lower, lower_open = _inner(
             (self.lower, self.lower_open), (other.lower, other.lower_open), side=1
         )
@@ -85,6 +83,9 @@ class Domain:
         nonzero, integer = self.nonzero or other.nonzero, self.integer or other.integer
         return Domain(lower, upper, lower_open, upper_open, nonzero, integer)
 
+
+END_DIGITS = 60
+"""Of an end with roots, at a point."""
 
 REAL = Domain()
 POSITIVE = Domain(lower=sp.S.Zero)
@@ -208,6 +209,15 @@ def _check_assumptions(symbol: sp.Symbol) -> None:
         )
 
 
+def _end_at(end: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """An end at a point: exact, but for powers, of which SymPy would take huge numbers' roots."""
+    if end.is_Atom:
+        return values.get(end, end)
+    if any(not power.exp.is_Integer for power in end.atoms(sp.Pow)):
+        return sp.N(end, END_DIGITS, subs=dict(values))
+    return end.xreplace(dict(values))
+
+
 def _inner(
     left: tuple[sp.Expr, bool], right: tuple[sp.Expr, bool], side: int
 ) -> tuple[sp.Expr, bool]:
@@ -219,6 +229,11 @@ def _inner(
     if right[0] in (sp.oo, -sp.oo):
         return left
     closer = side * (left[0] - right[0])
+    if closer.is_nonnegative is None and closer.is_nonpositive is None:
+        raise ValueError(
+            f"ends of a domain on one side must be comparable, got {left[0]} and {right[0]} "
+            "(state one of them as a bound of the other symbol)"
+        )
     return left if closer.is_positive else right
 
 

@@ -13,8 +13,9 @@ from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, TRIGONOMETRIC, Arguments, without_logarithms
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, Arguments, definition
 from .certificate_writer import Data, NodeTable, ProofWriter
+from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, visible
@@ -55,7 +56,8 @@ class GeneratorSearch:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         shown = visible(self._expressions, self._done)
         values = [self._factors_in(node, value) for node, value in self._values.items()]
-        self._arguments = Arguments([*shown, *values], self._variables)
+        logarithms = {f: value for f, value in self._values.items() if isinstance(f, sp.log)}
+        self._arguments = Arguments([*shown, *values], self._variables, logarithms)
         self._elliptic = EllipticSearch(
             self._writer,
             self._arguments,
@@ -144,6 +146,11 @@ class GeneratorSearch:
 
     def _power(self, node: sp.Expr) -> None:
         base, exponent = node.base, node.exp
+        if base is sp.S.NegativeOne and exponent.is_integer and not exponent.is_Integer:
+            for symbol in exponent.free_symbols:
+                self.need(symbol)
+                self._writer.atom(self._place(sp.Pow(base, symbol)))
+            return
         if not exponent.is_Rational:
             raise ValueError(f"no generator is known for the power {node}")
         if isinstance(base, sp.Abs) and exponent.is_Integer and exponent % 2 == 0:
@@ -152,6 +159,8 @@ class GeneratorSearch:
         self.need(base)
         if exponent.is_Integer:
             return
+        if is_small_polynomial(base):
+            self.show_sign(base)
         root = sp.Pow(base, sp.Rational(1, exponent.q))
         if root != node and (root in self._values or not root.is_Pow or root.base != base):
             self.need(root)
@@ -187,14 +196,12 @@ class GeneratorSearch:
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
             self._writer.atom(self._place(node))
-        elif isinstance(node, sp.log):
+        elif isinstance(node, sp.log | sp.atan):
             self._writer.atom(self._place(node))
-        elif isinstance(node, sp.atan):
-            if isinstance(z, sp.tan):
-                self._writer.name(value=self._place(z.args[0]), place=self._place(node))
-                self.need(z.args[0])
-            else:
-                self._writer.atom(self._place(node))
+        elif isinstance(node, INVERSE):
+            if isinstance(node, sp.asin | sp.acos):
+                self.need(sp.I)
+            self.need(sp.asin(z) if isinstance(node, sp.acos) else definition(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
                 self.need(sp.I)
@@ -220,7 +227,7 @@ class GeneratorSearch:
         self._writer.hints["logs"][self._place(node)] = found
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
-        rest, logarithms = without_logarithms(z)
+        rest, logarithms = self._arguments.exponent(z)
         combinations = self._arguments.exponents
         found = []
         for basis, n in zip(combinations.basis, combinations.coordinates(rest), strict=True):
@@ -231,6 +238,8 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
+            elif q % 2:
+                self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)
             found.append([str(q), self._place(logarithm)])
         self._writer.hints["sums"][self._made("exp", place)] = found

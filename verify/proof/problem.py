@@ -64,6 +64,11 @@ class Problem:
         return tuple(self.unknown.args)
 
     @property
+    def solutions(self) -> dict[AppliedUndef, sp.Expr]:
+        """The unknown with its formula."""
+        return {self.unknown: self.formula}
+
+    @property
     def expressions(self) -> list[sp.Expr]:
         """The formula, and the known factors in the equation."""
         return [self.formula, *dict.fromkeys(f for _, known, _ in self.terms() for f in known)]

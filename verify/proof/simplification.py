@@ -13,16 +13,29 @@ line; it stops at a root or logarithm of what may be negative.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
 
 import sympy as sp
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns
+from .domains import INFINITY, Number
 from .factors import Quotients, TooLong, factored
 
 DIGITS, LARGEST = 40, 10**6
 """Decimals of a number whose cube root is sought, and its largest denominator."""
+
+PRINCIPAL: Mapping[Any, tuple[Any, Number, Number]] = {
+    sp.asin: (sp.sin, -BELOW_PI / 2, BELOW_PI / 2),
+    sp.acos: (sp.cos, Fraction(0), BELOW_PI),
+    sp.atan: (sp.tan, -BELOW_PI / 2, BELOW_PI / 2),
+    sp.asinh: (sp.sinh, -INFINITY, INFINITY),
+    sp.acosh: (sp.cosh, Fraction(0), INFINITY),
+    sp.atanh: (sp.tanh, -INFINITY, INFINITY),
+}
+"""What each is the inverse of, and between which numbers its values are."""
 
 REAL_ON_THE_LINE = (sp.exp, *HYPERBOLIC, *TRIGONOMETRIC)
 """Meromorphic functions that take conjugates to conjugates."""
@@ -54,6 +67,8 @@ class Rewriting:
         written = node if same else _rebuilt(node, arguments)
         simpler = self.simpler(written)
         if simpler is None:
+            if isinstance(node, sp.log) and not isinstance(written, sp.log):
+                self.found[node] = written
             return written
         self.found[node] = value = self(simpler)
         if node.is_Pow and node.exp.p != 1:
@@ -70,6 +85,8 @@ class Rewriting:
             value = self._signed(node)
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             value = self._real_part(node)
+        elif node.func in PRINCIPAL and isinstance(node.args[0], PRINCIPAL[node.func][0]):
+            value = self._inverse(node, node.args[0].args[0])
         else:
             return None
         return None if value == node else value
@@ -173,6 +190,11 @@ class Rewriting:
         if self.signs.is_nonnegative(inner):
             return inner
         return -inner if self.signs.is_nonpositive(inner) else sp.Abs(inner)
+
+    def _inverse(self, node: sp.Expr, value: sp.Expr) -> sp.Expr | None:
+        """``value`` of an inverse function where it is a principal one."""
+        found, (_, low, high) = self.signs.range(value), PRINCIPAL[node.func]
+        return value if found is not None and low <= found.lower and found.upper <= high else None
 
     def _signed(self, node: sp.Expr) -> sp.Expr | None:
         inner = node.args[0]

@@ -19,6 +19,7 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
+    Parser,
     Token,
     Vocabulary,
 )
@@ -66,13 +67,15 @@ class Statement:
     """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
-    its formula.  ``domains`` has every variable and parameter that is not all real numbers.
+    its formula.  ``domains`` has every variable and parameter that is not all real numbers;
+    ``divisors`` is what the texts divide by or take the logarithm of.
     """
 
     name: str
     equations: tuple[sp.Expr, ...]
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
+    divisors: tuple[sp.Expr, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -133,6 +136,7 @@ class _Reading:
     fields: dict[str, AppliedUndef] = field(default_factory=dict)
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
+    divisors: dict[sp.Expr, None] = field(default_factory=dict)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -151,7 +155,12 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
-        return Statement(self.name, equations, solutions, self.domains)
+        return Statement(self.name, equations, solutions, self.domains, tuple(self.divisors))
+
+    def _note(self, parser: Parser) -> None:
+        """Keep what a text names, and what it divides by."""
+        self.used |= parser.used
+        self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
 
     def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
         for part in (*self.equations, *self.solutions):
@@ -209,7 +218,7 @@ class _Reading:
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
             self.names[name] = parser.expression()
             parser.expect_end()
-            self.used |= parser.used
+            self._note(parser)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)
@@ -233,7 +242,12 @@ class _Reading:
         found = REAL
         while True:
             place = part.words.index(parser.next)
-            found &= condition(part, parser, name)
+            try:
+                found &= condition(part, parser, name)
+            except FormulaError:
+                raise
+            except ValueError as error:
+                raise part.error(str(error), place) from None
             if not parser.take_sign(","):
                 break
         parser.expect_end()
@@ -331,7 +345,7 @@ class _Reading:
         parser = part.parser(self._vocabulary(), equal + 1)
         found = parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         return self.fields[name], found
 
     def _equation(self, part: TextPart) -> sp.Expr:
@@ -340,7 +354,7 @@ class _Reading:
         if parser.take_sign("="):
             found -= parser.expression()
         parser.expect_end()
-        self.used |= parser.used
+        self._note(parser)
         if not found.atoms(AppliedUndef):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")

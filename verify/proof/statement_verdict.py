@@ -1,8 +1,8 @@
 """Verdicts on statements (`verify.proof.statement_text`): every equation proved, or one refuted.
 
-An equation in one unknown and its derivatives goes to `prove` as it is.  What that cannot take
-(several unknowns, lattice sites, functions of the unknown) is decided as the equality of its
-residual with 0: the formulas are put in and differentiated by SymPy before the proof.
+An equation in one unknown and its derivatives goes to `prove` as it is, any other with a
+certificate into which the checker puts the formulas.  What neither can take is decided as the
+equality of its residual with 0: the formulas are put in and differentiated by SymPy.
 """
 
 from __future__ import annotations
@@ -17,14 +17,21 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
-from verify.subexpressions import abbreviated, distinct_nodes, replaced
+from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .balls import ball_value
 from .domain_signs import singularities
-from .domains import REAL, Domains, settled_domains
+from .domains import REAL, Domains
 from .samples import sample
+from .statement_problem import (
+    all_domains,
+    residual_of,
+    statement_problem,
+    undefined,
+    with_exponentials,
+)
 from .statement_text import Statement, read_statement
 
 Progress = Callable[[str], None]
@@ -130,7 +137,12 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         found.append(_decide_equation(statement, equation))
         if found[-1].outcome is Outcome.REFUTED:
             break
-    return _together(statement, found, time.perf_counter() - start)
+    verdict = _together(statement, found, time.perf_counter() - start)
+    divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
+    if divisor is not None:
+        reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
+        return undecided(statement, reason, time.perf_counter() - start)
+    return verdict
 
 
 def _together(
@@ -184,7 +196,7 @@ def equation_text(equation: sp.Expr) -> str:
 def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     """The verdict on one equation, in the first way that decides."""
     reasons: list[str] = []
-    for way in (_as_it_is, _by_residual, _by_angles):
+    for way in (_as_it_is, _by_substitution, _by_residual, _by_angles):
         try:
             verdict = way(statement, equation)
         except (ValueError, TypeError, RecursionError, NotImplementedError) as error:
@@ -203,7 +215,7 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
     """The verdict with the symbols that were gone before the proof: they are real as the others."""
     if verdict.outcome is Outcome.UNDECIDED:
         return verdict
-    domains = _all_domains(statement, equation)
+    domains = all_domains(statement, *statement.equations)
     if verdict.outcome is Outcome.PROVED:
         return replace(verdict, assumptions=(_reading(domains), *verdict.assumptions[1:]))
     witness = dict(verdict.witness or {})
@@ -216,12 +228,6 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
             coordinates = {str(symbol): str(value) for symbol, value in whole.items()}
             return replace(verdict, witness=coordinates)
     return verdict
-
-
-def _all_domains(statement: Statement, equation: sp.Expr) -> Domains:
-    used = [f for u, f in statement.solutions.items() if equation.has(u.func)]
-    symbols = {s for formula in (equation, *used) for s in formula.free_symbols}
-    return settled_domains(symbols | set(statement.variables), statement.domains)
 
 
 def _reading(domains: Domains) -> str:
@@ -238,6 +244,15 @@ def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     formula = statement.solutions[unknown]
     verdict = prover.prove(equation, formula, name=statement.name, domains=statement.domains)
     return _completed(statement, equation, verdict)
+
+
+def _by_substitution(statement: Statement, equation: sp.Expr) -> ProofVerdict:
+    """By a certificate that has the equation as it stands, for the checker to put in."""
+    problem = statement_problem(statement, equation)
+    verdict = _completed(statement, equation, prover.decide(problem, time.perf_counter()))
+    if verdict.outcome is Outcome.REFUTED:
+        _check_defined_at(verdict.witness or {}, problem.expressions)
+    return verdict
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -268,7 +283,7 @@ def _as_equality(
     parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
     parts += [residual_of(statement, node) for node in nodes]
     residual, *parts = (
-        _with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
+        with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
     )
     parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
     verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
@@ -281,21 +296,12 @@ def _as_equality(
         defined = _equal(statement, part, part, "a formula = itself")
         if defined.outcome is not Outcome.PROVED:
             raise ValueError(f"formulas must be shown to be defined: {defined.detail}")
-    places = singularities(parts, _all_domains(statement, equation))
+    places = singularities(parts, all_domains(statement, equation))
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
         assumptions=(*verdict.assumptions, note),
     )
-
-
-def _with_exponentials(expression: sp.Expr) -> sp.Expr:
-    """The expression with x**k as exp(k*log(x)), which is what it means."""
-    powers = [p for p in expression.atoms(sp.Pow) if not p.exp.is_Rational and p.base is not sp.E]
-    for power in sorted(powers, key=sp.default_sort_key):
-        image = sp.exp(power.exp * sp.log(power.base), evaluate=False)
-        expression = replaced(expression, power, image)
-    return expression
 
 
 def _equal(statement: Statement, left: sp.Expr, right: sp.Expr, said: str) -> ProofVerdict:
@@ -317,37 +323,6 @@ def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> N
             if any(ball_value(part, point, bits).is_finite() for bits in WITNESS_BITS):
                 continue
         raise ValueError(f"formulas must be defined at a witness, got {abbreviated(part)} at none")
-
-
-def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
-    """The left-hand side with the formulas in the places of the unknowns.
-
-    >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
-    >>> residual_of(statement, statement.equations[0])
-    0
-    """
-    formulas = {unknown.func: (unknown.args, f) for unknown, f in statement.solutions.items()}
-    images: dict[sp.Expr, sp.Expr] = {}
-
-    def image(node: sp.Expr) -> sp.Expr:
-        if node not in images:
-            images[node] = made(node)
-        return images[node]
-
-    def made(node: sp.Expr) -> sp.Expr:
-        if isinstance(node, sp.Derivative):
-            found = sp.diff(image(node.expr), *node.variables)
-            if found.has(sp.Derivative, sp.Subs):
-                raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
-            return found
-        if isinstance(node, AppliedUndef):
-            arguments, formula = formulas[node.func]
-            return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)
-        if not node.args:
-            return node
-        return node.func(*map(image, node.args))
-
-    return image(equation)
 
 
 def statement_latex(statement: Statement) -> str:
@@ -416,7 +391,8 @@ def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
     variables = sorted(variables, key=unknown.args.index)
     index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
     below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
-    return f"{unknown.func.__name__}_{{{below}}}" if below else unknown.func.__name__
+    name = sp.latex(sp.Symbol(unknown.func.__name__))
+    return f"{name}_{{{below}}}" if below else name
 
 
 def _domain_latex(symbol: sp.Symbol, domain: Any) -> str:

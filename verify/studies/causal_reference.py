@@ -19,8 +19,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.schemes.catalogue import scheme_named
-from lattice.schemes.scheme import Scheme, stability_limit
+from lattice.schemes import Scheme, scheme_named, stability_limit
+from lattice.stepper import advance
 from verify.comparison.scene import Scene
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
@@ -170,7 +170,7 @@ class CausalReference:
                 until = stop if block == blocks else begin + (stop - begin) * block / blocks
                 steps = math.ceil((until - t) / step)
                 y, s = cone.closed(t, span.y, span.s)
-                self._scheme.advance(y, s, (until - t) / steps, steps, scene.constants)
+                advance(self._scheme, y, s, (until - t) / steps, steps, scene.constants)
                 held = _Span(span.first - cone.room, y, s)
                 t = until
                 first, last = cone.needed(t)

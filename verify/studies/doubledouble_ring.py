@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.model import Model
-from lattice.schemes.scheme import Composition
+from lattice.schemes import Composition
 from solutions.run.doubledouble import add, multiply, scale, split, subtract
 from solutions.run.jit import njit
 

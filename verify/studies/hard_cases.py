@@ -12,11 +12,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Model
-from lattice.schemes.catalogue import KAHAN_LI_8, SCHEMES, STOERMER_VERLET, SUZUKI_UMENO_8
-from lattice.schemes.scheme import Composition, Scheme, check_step, stability_limit
-from lattice.state import State, ring_energy
-from lattice.stepper import Stepper
+from lattice.model import Model, State, ring_energy
+from lattice.schemes import (
+    KAHAN_LI_8,
+    SCHEMES,
+    STOERMER_VERLET,
+    SUZUKI_UMENO_8,
+    Composition,
+    Scheme,
+    check_step,
+    stability_limit,
+)
+from lattice.stepper import Stepper, advance
 from verify.comparison import Scene, load_scene, resume, run
 from verify.comparison.domain import SiteRing, Window
 from verify.comparison.trust import UNIT_ROUNDOFF, horizon
@@ -131,7 +138,7 @@ def _observed_limit(scheme: Scheme, limit: float) -> float:
 
 def _noise_grows(scheme: Scheme, step: float) -> bool:
     y, s = np.tile([NOISE, -NOISE], 4), np.zeros(8)
-    scheme.advance(y, s, step, 40_000, LINEAR)
+    advance(scheme, y, s, step, 40_000, LINEAR)
     return not np.max(np.abs(y)) < 1e3 * NOISE
 
 
@@ -202,7 +209,7 @@ def _zone_boundary_noise() -> Reading:
         y, s = wave.strain(n) + NOISE * alternating, wave.velocity(n)
         h = 0.99 * stability_limit(scheme) / wave.constants.highest_frequency(y)
         for _ in range(20):
-            scheme.advance(y, s, h, math.ceil(500.0 / h), wave.constants)
+            advance(scheme, y, s, h, math.ceil(500.0 / h), wave.constants)
             grown.append(abs(float(np.mean(alternating * y))) / NOISE)
     return Reading(max(grown), f"growth {max(grown):.2g} of {NOISE:g}")
 
@@ -233,7 +240,7 @@ def deviations(wave: TravellingWave, y: Array, s: Array, h: float, times: Array)
     """sup |y_n(t) - f(n - v t)| / eps at the times (multiples of h) of a run from (y, s)."""
     n, t, found = np.arange(float(y.size)), 0.0, []
     for later in times:
-        KAHAN_LI_8.advance(y, s, h, round((later - t) / h), wave.constants)
+        advance(KAHAN_LI_8, y, s, h, round((later - t) / h), wave.constants)
         t = float(later)
         found.append(float(np.max(np.abs(y - wave.strain(n - wave.speed * t)))) / wave.eps)
     return np.array(found)
@@ -295,25 +302,14 @@ def _growth(form: str, K4: int) -> Reading:
     n = np.arange(float(8 * wave.period))
     noise = 1e-6 * wave.eps * np.random.default_rng(7).standard_normal(n.size)
     y, s = wave.strain(n) + noise - np.mean(noise), wave.velocity(n)
-    first, _ = shape_deviation(wave, y, 0.0)
+    first, _ = wave.shape_deviation(y, 0.0)
     worst, shift = first, 0.0
     for t in 100.0 * np.arange(1, 101):
-        KAHAN_LI_8.advance(y, s, 0.5, 200, wave.constants)
-        deviation, shift = shape_deviation(wave, y, float(t))
+        advance(KAHAN_LI_8, y, s, 0.5, 200, wave.constants)
+        deviation, shift = wave.shape_deviation(y, float(t))
         worst = max(worst, deviation)
     detail = f"shift {shift:.1g} sites at t = 10^4, largest eigenvalue {rate:.1g}"
     return Reading(worst / first, detail)
-
-
-def shape_deviation(wave: TravellingWave, y: Array, t: float) -> tuple[float, float]:
-    """Root mean square deviation from the best shifted wave, and that shift (Gauss-Newton)."""
-    n, shift = np.arange(float(y.size)), 0.0
-    for _ in range(4):
-        x = n - wave.speed * t - shift
-        slope = wave.velocity(x) / wave.speed
-        shift += float(slope @ (y - wave.strain(x)) / (slope @ slope))
-    missed = y - wave.strain(n - wave.speed * t - shift)
-    return float(np.sqrt(np.mean(missed**2))), shift
 
 
 def energy_errors(
@@ -322,7 +318,7 @@ def energy_errors(
     """Relative energy errors of the ring (y, s), advanced in place, after so many steps each."""
     initial, found = ring_energy(State(0.0, 0, y, s), model), []
     for count in steps:
-        scheme.advance(y, s, h, int(count), model)
+        advance(scheme, y, s, h, int(count), model)
         found.append(ring_energy(State(0.0, 0, y, s), model) / initial - 1.0)
     return np.array(found)
 
@@ -394,7 +390,7 @@ def _rounding_floor() -> Reading:
     exact_y, exact_s = doubled(y), doubled(s)
     floors = []
     for _ in range(5):
-        KAHAN_LI_8.advance(y, s, 0.5, 200, wave.constants)
+        advance(KAHAN_LI_8, y, s, 0.5, 200, wave.constants)
         advance_doubled(KAHAN_LI_8, exact_y, exact_s, 0.5, 200, wave.constants)
         floors.append(float(np.max(np.abs((y - exact_y[:, 0]) - exact_y[:, 1]))) / wave.eps)
     text = ", ".join(f"{floor:.1e}" for floor in floors)
@@ -412,7 +408,7 @@ def _time_reversal() -> Reading:
     y, s = measured.state_y.values[0].copy(), measured.state_s.values[0].copy()
     before = y.copy()
     for _ in range(2):
-        KAHAN_LI_8.advance(y, s, 0.5, 400, scene.constants)
+        advance(KAHAN_LI_8, y, s, 0.5, 400, scene.constants)
         s *= -1.0
     return Reading(float(np.max(np.abs(y - before))) / scene.eps, "kahan_li_8, 800 steps")
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,12 +24,11 @@ from verify.comparison import (
     Scene,
     load_scene,
     rational_family_scenes,
-    relative_sup_error,
     run,
+    scheme_named,
     stability_limit,
 )
-from verify.comparison.scene import Tolerance
-from verify.comparison.scene_catalogue import EPS, ORDERS
+from verify.comparison.scene import EPS, ORDERS, Tolerance
 from verify.comparison.spectral_data import RingPlace, ring_data
 from verify.processes import Job, Key
 
@@ -102,9 +102,8 @@ def work_precision(problem: str) -> list[CostPoint]:
 
 def by_scheme(scene: Scene, name: str, share: float) -> Scene:
     """The scene with a scheme at a share of its largest stable step."""
-    limit = stability_limit(next(scheme for scheme in SCHEMES if scheme.name == name))
     fastest = 2.0 * scene.constants.sound_speed(scene.eps * 5.0)
-    return scene.changed(scheme=name, step=share * limit / fastest)
+    return scene.changed(scheme=name, step=share * stability_limit(scheme_named(name)) / fastest)
 
 
 def spectral(scene: Scene, tolerance: float) -> Scene:
@@ -171,35 +170,32 @@ class ScalingPoint:
     scaled: bool = False
 
 
-@dataclass(frozen=True)
-class PowerLaw:
+class PowerLaw(NamedTuple):
     """value = factor * x^exponent, fitted to a series."""
 
-    series: str
     factor: float
     exponent: float
 
 
-def fit_law(points: Sequence[ScalingPoint]) -> PowerLaw:
-    """The power law through the points of one series.
+def fit_law(points: Iterable[tuple[float, float]]) -> PowerLaw:
+    """The power law through the points (x, value).
 
-    >>> fit_law([ScalingPoint("s", 1.0, 3.0), ScalingPoint("s", 2.0, 12.0)]).exponent
+    >>> fit_law([(1.0, 3.0), (2.0, 12.0)]).exponent
     2.0
     """
-    exponent, level = np.polyfit(
-        np.log([point.x for point in points]), np.log([point.value for point in points]), 1
-    )
-    return PowerLaw(points[0].series, float(np.exp(level)), round(float(exponent), 12))
+    x, value = np.log(list(points)).T
+    exponent, level = np.polyfit(x, value, 1)
+    return PowerLaw(float(np.exp(level)), round(float(exponent), 12))
 
 
 def scaling_laws(points: Iterable[ScalingPoint]) -> dict[str, PowerLaw]:
     """The law of each series, fitted where eps is smallest; what a tolerance sets has none."""
-    series: dict[str, list[ScalingPoint]] = {}
+    series: dict[str, list[tuple[float, float]]] = {}
     for point in points:
         if point.series != TRUE_ERROR:
-            series.setdefault(point.series, []).append(point)
+            series.setdefault(point.series, []).append((point.x, point.value))
     return {
-        name: fit_law(sorted(found, key=lambda point: max(point.x, 1 / point.x))[-FITTED:])
+        name: fit_law(sorted(found, key=lambda pair: max(pair[0], 1 / pair[0]))[-FITTED:])
         for name, found in series.items()
     }
 
@@ -214,13 +210,13 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
     """
     for scheme in ("", WINDOW_SCHEME, "rk4"):
         warmed(scheme)
-    base = _scene(eps)
+    end = SLOW_TIME / eps**3
+    base = replace(to_peak(-end), eps=eps, compared=round(COMPARED_X / eps))
     found = run(spectral(base, SPECTRAL_TOLERANCE))
     whole = float(found.attrs["seconds"] + found.attrs["planning_seconds"])
     wide = 2 * round(base.constants.sound_speed() * (base.end - base.t0)) + 2 * base.compared
     sites = max(2048, round(WINDOW_X / eps))
     rk4 = _scaled(base, "rk4", RK4_STEP, sites)
-    rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
     points = [
         ScalingPoint("RK4, wide lattice", 1 / eps, rk4 * wide / sites, scaled=True),
         ScalingPoint("RK4, window", 1 / eps, rk4, scaled=True),
@@ -228,24 +224,12 @@ def at_eps(eps: float, judged: bool) -> list[ScalingPoint]:
             "order 6, window", 1 / eps, _scaled(base, WINDOW_SCHEME, WINDOW_STEP, sites), True
         ),
         ScalingPoint("spectral", 1 / eps, whole),
-        ScalingPoint(REDUCTION, eps, relative_sup_error(*rows)),
+        ScalingPoint(REDUCTION, eps, float(found["error"][-1])),
     ]
     if judged:
         finer = run(spectral(base, FINER_SPECTRAL_TOLERANCE))["strain"] - found["strain"]
         points.append(ScalingPoint(TRUE_ERROR, eps, float(abs(finer).max()) / eps))
     return points
-
-
-def _scene(eps: float) -> Scene:
-    end = SLOW_TIME / eps**3
-    return replace(
-        load_scene("rational_2_eps_0.05"),
-        eps=eps,
-        t0=-end,
-        snapshots=(0.0,),
-        compared=round(COMPARED_X / eps),
-        observables=("strain",),
-    )
 
 
 def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
@@ -261,7 +245,7 @@ def _scaled(base: Scene, scheme: str, step: float, sites: int) -> float:
     return seconds * (base.end - base.t0) / (STEPS * step)
 
 
-def _figure(t0: float) -> Scene:
+def to_peak(t0: float) -> Scene:
     """Y2 at eps = 0.05 up to its peak."""
     scene = load_scene("rational_2_eps_0.05")
     return replace(scene, t0=t0, snapshots=(0.0,), observables=("strain",))
@@ -269,7 +253,7 @@ def _figure(t0: float) -> Scene:
 
 def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoint]:
     """Sup error of y/eps at the peak of Y2 by the window's size, against the largest of them."""
-    scene = replace(_figure(t0), compared=WINDOW_COMPARED)
+    scene = replace(to_peak(t0), compared=WINDOW_COMPARED)
     strains = [run(scene.changed(sites=count))["strain"].values[-1] for count in sites]
     return [
         ScalingPoint("window", count, float(np.max(np.abs(strain - strains[-1]))) / scene.eps)
@@ -279,14 +263,12 @@ def window_error(sites: Sequence[int], t0: float = -10000.0) -> list[ScalingPoin
 
 def rk4_share(steps: Sequence[float], t0: float = -10000.0) -> list[ScalingPoint]:
     """The paper's error figure of Y2 at t = 0 by RK4's step; x = 0 stands for an exact flow."""
-    scene = _figure(t0)
+    scene = to_peak(t0)
     variants = {step: scene.changed(scheme="rk4", step=step) for step in steps}
-    points = []
-    for step, variant in {**variants, 0.0: scene}.items():
-        found = run(variant)
-        rows = (found[name].values[-1] for name in ("strain", "analytic", "background"))
-        points.append(ScalingPoint("error figure", step, relative_sup_error(*rows)))
-    return points
+    return [
+        ScalingPoint("error figure", step, float(run(variant)["error"][-1]))
+        for step, variant in {**variants, 0.0: scene}.items()
+    ]
 
 
 HALF_WIDTH = 25.0
@@ -349,17 +331,13 @@ def peak_error(order: int, eps: float) -> PeakError:
 
 def peak_laws(points: Iterable[PeakError]) -> dict[int, PowerLaw | None]:
     """For each order the power of eps through its smallest resolved eps; None below two points."""
-    orders: dict[int, list[PeakError]] = {}
+    orders: dict[int, list[tuple[float, float]]] = {}
     for point in points:
-        orders.setdefault(point.order, []).append(point)
-    return {order: _law(found) for order, found in sorted(orders.items())}
-
-
-def _law(points: Sequence[PeakError]) -> PowerLaw | None:
-    sound = sorted((point for point in points if point.resolved), key=lambda point: point.eps)
-    if len(sound) < 2:
-        return None
-    return fit_law([ScalingPoint(f"Y_{p.order}", p.eps, p.value) for p in sound[:FITTED]])
+        orders.setdefault(point.order, []).extend([(point.eps, point.value)] * point.resolved)
+    return {
+        order: fit_law(sorted(found)[:FITTED]) if len(found) > 1 else None
+        for order, found in sorted(orders.items())
+    }
 
 
 EPSILONS, MORE_EPSILONS = (0.1, 0.05, 0.025, 0.0125), (0.00625,)

@@ -13,9 +13,9 @@ import xarray as xr
 
 from lattice.refine import Progress
 from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
-from verify.comparison.saved_run import scene_of
+from verify.comparison.moving_wave import find_bounds
+from verify.comparison.scene_run import scene_of
 from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
-from verify.comparison.wave_bounds import find_bounds
 from verify.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")

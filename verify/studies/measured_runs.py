@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from verify.comparison import Scene, load_scene, run, shipped_scenes
+from verify.comparison.stated_run import stated_seconds
 from verify.processes import Job
 
 RK4_STEP = 0.25
@@ -15,12 +16,6 @@ RK4_STEP = 0.25
 
 SPLIT = "rational_2_eps_0.05"
 """The run whose error is split."""
-
-SITE_SECONDS = 4e-10
-"""About the time of one force evaluation on one site, with what is seen of the run."""
-
-START_SECONDS = 0.5
-"""About the time that any run takes."""
 
 PARTS = ("position", "amplitude", "shape")
 
@@ -122,9 +117,5 @@ def rk4_name(order: int) -> str:
 
 
 def scene_job(scene: Scene) -> Job:
-    """The run of a scene; its weight counts force evaluations."""
-    stated = scene.discretisation
-    evaluations = (scene.end - scene.t0) / stated.step * stated.table.stages * stated.sites
-    refined = 1 + 2 * sum(name.endswith("_error") for name in scene.observables)
-    weight = START_SECONDS + evaluations * refined * SITE_SECONDS
-    return Job(run, (scene,), weight, tells=True)
+    """The run of a scene that states its step."""
+    return Job(run, (scene,), stated_seconds(scene), tells=True)

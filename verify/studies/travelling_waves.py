@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from derive import mkdv_normal_form
 from lattice.model import Model
 from solutions import Wave, closed_form
-from verify.comparison.hill import multiplication
+from verify.comparison.trust import multiplication
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -67,6 +67,19 @@ class TravellingWave:
         waves = np.sin(np.multiply.outer(x, self._wavenumbers))
         found: Array = self.speed * np.sum(waves * weights, axis=-1)
         return found
+
+    def shape_deviation(self, y: Array, t: float) -> tuple[float, float]:
+        """Root mean square deviation of a ring from the best shifted wave, and that shift.
+
+        By Gauss-Newton; ``y`` are the ring's strains at time ``t``.
+        """
+        n, shift = np.arange(float(y.size)), 0.0
+        for _ in range(4):
+            x = n - self.speed * t - shift
+            slope = self.velocity(x) / self.speed
+            shift += float(slope @ (y - self.strain(x)) / (slope @ slope))
+        missed = y - self.strain(n - self.speed * t - shift)
+        return float(np.sqrt(np.mean(missed**2))), shift
 
 
 def travelling_wave(form: str, k: float, period: int, K2: float, K4: float) -> TravellingWave:

@@ -10,7 +10,7 @@ import enum
 import statistics
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -29,13 +29,14 @@ LIMIT = 10.0
 
 
 class Mark(enum.StrEnum):
-    """What became of one statement."""
+    """What became of one statement.  UNJUDGED: refuted where the judge cannot say."""
 
     RIGHT = "right"
     WRONG = "wrong"
     UNDECIDED = "undecided"
     ERROR = "error"
     SLOW = "slow"
+    UNJUDGED = "unjudged"
 
 
 @dataclass(frozen=True)
@@ -192,10 +193,14 @@ def tally(kind: str, found: Sequence[Judgement]) -> Tally:
     )
 
 
-def tallies(found: Sequence[Judgement]) -> list[Tally]:
-    """One a kind (branches and complex formulas together), and one of all."""
+def _group(judgement: Judgement) -> str:
+    return judgement.kind.partition(":")[0]
+
+
+def tallies(found: Sequence[Judgement], group: Callable[[Judgement], str] = _group) -> list[Tally]:
+    """One a kind (branches and complex formulas together, unless told), and one of all."""
     by_kind: dict[str, list[Judgement]] = {}
     for judgement in found:
-        kind = judgement.kind.partition(":")[0]
+        kind = group(judgement)
         by_kind.setdefault(kind, []).append(judgement)
     return [*(tally(kind, own) for kind, own in sorted(by_kind.items())), tally("all", found)]

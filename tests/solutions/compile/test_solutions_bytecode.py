@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 from solutions.compile.assembler import Assembler
-from solutions.run.bytecode import allocate
+from solutions.run.bytecode import Bytecode, Operation, allocate
 from solutions.run.doubledouble import split
-from solutions.run.machine import Bytecode, Operation, run_pairs
+from solutions.run.machine import run_pairs
 
 x, y, c = sp.symbols("x y c", positive=True)
 CONSTANT = sp.Rational(-7, 3)

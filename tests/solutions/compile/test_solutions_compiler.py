@@ -18,7 +18,7 @@ NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(compiler, "cache_folder", lambda _: tmp_path)
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: tmp_path)
     return tmp_path
 
 
@@ -76,7 +76,7 @@ def test_a_damaged_program_is_written_anew(folder: Path, normal_forms: Any) -> N
 
 def test_without_a_folder_it_runs(monkeypatch: pytest.MonkeyPatch, normal_forms: Any) -> None:
     first = values("kink", normal_forms)
-    monkeypatch.setattr(compiler, "cache_folder", lambda _: None)
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: None)
     assert values("kink", normal_forms) == first
-    monkeypatch.setattr(compiler, "cache_folder", lambda _: Path("/dev/null/nowhere"))
+    monkeypatch.setattr(compiler, "cache_folder", lambda *_: Path("/dev/null/nowhere"))
     assert values("kink", normal_forms) == first

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mpmath import MPContext
 
-from solutions.run.bytecode import Code, Value
+from solutions.run.bytecode import Code, Operation, Value
 from solutions.run.doubledouble import Array
-from solutions.run.machine import Operation, run_pairs
+from solutions.run.machine import run_pairs
 
 ctx = MPContext()
 ctx.dps = 60

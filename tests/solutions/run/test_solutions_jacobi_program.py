@@ -12,7 +12,7 @@ from mpmath import MPContext
 from solutions import numpy_function as numpy_functions
 from solutions.functions import multiprecision as mp
 from solutions.run.doubledouble import Array
-from solutions.run.jacobi_program import JacobiProgram, jacobi_program
+from solutions.run.program import JacobiProgram, jacobi_program
 
 ctx = MPContext()
 ctx.dps = 50

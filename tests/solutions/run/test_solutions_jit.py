@@ -14,6 +14,10 @@ from solutions.run.jit import njit
 
 HOUSE = Path(__file__).parents[3]
 
+RUN_FILES = tuple(
+    f"run/{name}.py" for name in ("jit", "entry_point", "kernel_folder", "source_digest")
+)
+
 FILES = {
     "kernel.py": """
 from solutions.run.jit import njit
@@ -51,7 +55,7 @@ def generate(context, builder, signature, arguments):
 
 RUN = """
 from solutions.kernel import kernel
-print(kernel(3.0), sum(kernel.stats.cache_hits.values()))
+print(kernel(3.0), kernel.found)
 """
 
 
@@ -60,7 +64,7 @@ def house(tmp_path: Path) -> Path:
     """A small project whose kernel is built from five files."""
     room = tmp_path / "house" / "solutions"
     (room / "run").mkdir(parents=True)
-    for name in ("run/jit.py", "run/source_digest.py"):
+    for name in RUN_FILES:
         shutil.copy(HOUSE / "solutions" / name, room / name)
     for name, text in FILES.items():
         (room / name).write_text(text)
@@ -132,7 +136,7 @@ def test_read_only_installation_uses_the_users_cache(house: Path, tmp_path: Path
     (house / "solutions" / "__pycache__").write_text("no folder can be made here")
     for hits in ("0", "1"):
         assert call(house, XDG_CACHE_HOME=str(tmp_path / "cache")) == ["27.0", hits]
-    assert list((tmp_path / "cache").rglob("*.nbc"))
+    assert list((tmp_path / "cache").rglob("*.kernel"))
 
 
 def test_without_any_cache_it_runs_and_says_so_once(house: Path, tmp_path: Path) -> None:
@@ -155,7 +159,7 @@ def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) ->
         (house / "solutions" / "__pycache__" / f"solutions.kernel-{number}").mkdir(parents=True)
     call(house)
     assert len(list((house / "solutions" / "__pycache__").glob("solutions.kernel-*"))) == 8
-    [path] = house.rglob("*.nbc")
+    [path] = house.rglob("*.kernel")
     path.write_bytes(path.read_bytes()[:1000])
     assert call(house) == ["27.0", "0"]
     assert call(house) == ["27.0", "1"]
@@ -170,16 +174,15 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
     kinds = ["int", "float"]
     with ThreadPoolExecutor(2) as pool:
         assert list(pool.map(told, kinds)) == [["27.0"], ["27.0"]]
-    hits = "print(kernel(3), kernel(3.0), sum(kernel.stats.cache_hits.values()))"
+    hits = "print(kernel(3), kernel(3.0), kernel.found)"
     assert call(house, f"from solutions.kernel import kernel\n{hits}") == ["27.0", "27.0", "2"]
 
 
 def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
     """The force of the vector code changed from y^3 to y^2 and back."""
     for name in (
-        "solutions/run/jit.py",
-        "solutions/run/source_digest.py",
-        "lattice/kernels/vector.py",
+        *(f"solutions/{name}" for name in RUN_FILES),
+        "lattice/kernels/vector_code.py",
         "lattice/kernels/blocked.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -189,10 +192,10 @@ import numpy as np
 from lattice.kernels.blocked import advance_blocked
 y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
 advance_blocked(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
-print(y[30], sum(advance_blocked.stats.cache_hits.values()))
+print(y[30], advance_blocked.found)
 """
     before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
-    vector = tmp_path / "lattice" / "kernels" / "vector.py"
+    vector = tmp_path / "lattice" / "kernels" / "vector_code.py"
     text = vector.read_text()
     changed = text.replace("_fma(builder, y, found, factor)", "builder.fadd(found, factor)")
     assert changed != text

@@ -6,6 +6,7 @@ import pytest
 from rich.progress import TextColumn
 
 from verify.__main__ import main
+from verify.cli import console
 from verify.cli import run as cli
 
 SCENE = """
@@ -46,7 +47,7 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
             super().__init__(*words, **options)  # type: ignore[arg-type]
             columns.append(self)
 
-    monkeypatch.setattr(cli, "TextColumn", Noted)
-    monkeypatch.setattr(cli, "run", lambda *_: None)
+    monkeypatch.setattr(console, "TextColumn", Noted)
+    monkeypatch.setattr(cli, "record_scene", lambda *_: None)
     cli._run_with_bar(cli.find_scene("rogue_cn_k_0.5"), cli.plain_console(stderr=True))
     assert [column.markup for column in columns] == [False]

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lattice.model import State
 from lattice.seam import Fading
-from lattice.state import State
 from verify.comparison import Scene, run
 from verify.comparison.domain import SiteRing
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene, load_scene
-from verify.comparison.domain import Window, window_moves
-from verify.comparison.moving_wave import INTERPOLATION_ERROR, MovingWave, Tail
+from verify.comparison.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
+from verify.comparison.moving_wave import MovingWave
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {

@@ -5,7 +5,7 @@ import pytest
 
 import derive
 from solutions import Wave, closed_form
-from verify.comparison.hill import LEAST_MODES, fastest_rate, mkdv_rate, resolving_modes
+from verify.comparison.trust import LEAST_MODES, fastest_rate, mkdv_rate, resolving_modes
 
 
 def test_a_uniform_state_neither_grows_nor_decays() -> None:

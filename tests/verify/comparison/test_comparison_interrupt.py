@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from verify.comparison.saved_run import load_run
+from verify.comparison.scene_run import load_run
 
 LONG = """
 wave = "soliton_sech"

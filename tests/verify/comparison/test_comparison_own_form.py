@@ -12,7 +12,7 @@ import sympy as sp
 
 from solutions import ClosedForm, closed_form
 from verify.comparison import Scene, load_run, resume, run, save_run
-from verify.comparison.saved_run import scene_of
+from verify.comparison.scene_run import scene_of
 
 SHIPPED = closed_form("kink")
 OWN = ClosedForm(
@@ -71,7 +71,7 @@ USER = """
 import longwave
 import sympy as sp
 from solutions import ClosedForm, FarFields, Parameter, Reference
-from solutions.parameter import Bound
+from solutions.record import Bound
 from solutions.record import DEFOCUSING_MKDV
 from solutions.symbols import A, tau, xi
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from lattice.state import BlowUp
+from lattice.model import BlowUp
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import SiteRing
 from verify.comparison.stated_run import build_domain, refined

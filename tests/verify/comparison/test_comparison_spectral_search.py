@@ -8,8 +8,9 @@ import pytest
 
 import derive
 from lattice.model import Model
-from lattice.schemes.catalogue import scheme_named
+from lattice.schemes import scheme_named
 from lattice.spectral.evolution import SpectralRing
+from lattice.stepper import advance
 from solutions import Wave, closed_form
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import ring_data
@@ -46,7 +47,7 @@ def _stencil(name: str, index: int, end: float = 80.0) -> np.ndarray:
     sites = round(c * moving.t0) + np.arange(-reach, reach + int(c * duration))
     y, s = moving.initial_data(sites)
     steps = round(20 * duration)
-    scheme_named("kahan_li_8").advance(y, s, duration / steps, steps, moving.constants)
+    advance(scheme_named("kahan_li_8"), y, s, duration / steps, steps, moving.constants)
     return np.asarray(y[moving.compared_sites(t) - sites[0]] / moving.eps)
 
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from verify.cli.run import summary_lines
 from verify.comparison import load_scene, run, trust
 from verify.comparison.scene import with_tolerance
+from verify.comparison.stated_run import RunRecord
 from verify.comparison.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 
 
@@ -46,7 +46,7 @@ def _line(background: dict[str, float], **changes: float) -> str:
     scene = load_scene("rogue_cn_k_0.5").changed(**changes)
     attributes = {"engine": "e", "scheme": "s", "steps": 1, "sites": 2, "force_evaluations": 3}
     attributes |= {"seconds": 0.1, "blow_up": ""} | background
-    return list(summary_lines(xr.Dataset(attrs=attributes), scene))[-1]
+    return list(summary_lines(RunRecord(scene, (), {}, attributes), scene))[-1]
 
 
 def test_the_summary_says_whether_the_scene_ends_before() -> None:

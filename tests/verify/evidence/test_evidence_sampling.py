@@ -4,8 +4,7 @@ import pytest
 import sympy as sp
 
 from solutions.catalogue import CATALOGUE, closed_form
-from solutions.parameter import Bound, Parameter
-from solutions.record import ClosedForm
+from solutions.record import Bound, ClosedForm, Parameter
 from verify.evidence.residual import HALF_WIDTH, in_order_of_dependence, sample_points
 
 

@@ -8,7 +8,7 @@ import sympy as sp
 
 from solutions import CATALOGUE, ClosedForm
 from solutions.functions import jacobi_dn
-from solutions.parameter import Bound
+from solutions.record import Bound
 from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
 from verify.proof.domains import settled_domains
 from verify.proof.samples import sample

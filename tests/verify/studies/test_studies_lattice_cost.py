@@ -12,7 +12,6 @@ from verify.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,
-    ScalingPoint,
     at_eps,
     by_scheme,
     fit_law,
@@ -55,8 +54,7 @@ def test_the_windows_error_falls_with_its_size() -> None:
 
 
 def test_a_law_is_the_power_that_was_put_in() -> None:
-    points = [ScalingPoint("s", x, 7.0 * x**-3.5) for x in (1.0, 2.0, 5.0)]
-    law = fit_law(points)
+    law = fit_law((x, 7.0 * x**-3.5) for x in (1.0, 2.0, 5.0))
     assert (law.exponent, law.factor) == (pytest.approx(-3.5), pytest.approx(7.0))
 
 

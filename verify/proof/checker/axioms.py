@@ -38,6 +38,52 @@ TRIGONOMETRIC: Mapping[str, Callable[[Value, Value, Value], Value]] = {
 """In e = exp(i z)."""
 
 
+Make = Callable[..., int]
+"""`Nodes.made`."""
+
+
+def inverse(name: str, f: int, made: Make) -> int:
+    """The node that an inverse function of ``f`` is by definition; all values are principal ones.
+
+    asinh f = log(f + sqrt(1 + f**2)), acosh f = log(f + sqrt(f - 1) sqrt(f + 1)),
+    atanh f = (log(1 + f) - log(1 - f))/2, asin f = -i log(i f + sqrt(1 - f**2)),
+    acos f = pi/2 - asin f.
+    """
+    one, minus, i = made("number", fmpq(1)), made("number", fmpq(-1)), made("I")
+    square = made("Pow", f, fmpq(2))
+
+    def root(node: int) -> int:
+        return made("Pow", node, HALF)
+
+    match name:
+        case "asinh":
+            return made("log", made("Add", f, root(made("Add", one, square))))
+        case "acosh":
+            factors = (root(made("Add", f, each)) for each in (minus, one))
+            return made("log", made("Add", f, made("Mul", *factors)))
+        case "atanh":
+            negative = made("Mul", minus, f)
+            ahead, behind = (made("log", made("Add", one, each)) for each in (f, negative))
+            gap = made("Add", ahead, made("Mul", minus, behind))
+            return made("Mul", made("number", HALF), gap)
+        case "asin":
+            rest = root(made("Add", one, made("Mul", minus, square)))
+            turned = made("log", made("Add", made("Mul", i, f), rest))
+            return made("Mul", minus, i, turned)
+    quarter = made("Mul", made("number", HALF), made("pi"))
+    return made("Add", quarter, made("Mul", minus, made("asin", f)))
+
+
+INVERSE_OF: Mapping[str, str] = {
+    "asin": "sin",
+    "acos": "cos",
+    "atan": "tan",
+    "asinh": "sinh",
+    "acosh": "cosh",
+    "atanh": "tanh",
+}
+
+
 @dataclass(frozen=True)
 class Station:
     """sn, cn, dn at an argument, and epsilon or zeta there (None where it is not wanted)."""

@@ -31,6 +31,7 @@ from .limits import (
     within,
 )
 from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
+from .signs import INVERSE
 from .statement import Statement, read_statement, statement_text
 
 Point = Mapping[int, fmpq]
@@ -59,6 +60,8 @@ class Branches(Balls):
                 return (self.ball(inner) + self._conjugate(inner)) / 2
             case ("im", inner):
                 return (self.ball(inner) - self._conjugate(inner)) / acb(0, 2)
+            case ("parity", _) if node in self._turns:
+                return self._unit(node)
             case ("sign", inner) if node in self._turns:
                 size = (self.ball(inner) * self._conjugate(inner)).sqrt()
                 return self.ball(inner) / size * self._unit(node)
@@ -124,12 +127,14 @@ class Denominators:
         match self._field.nodes.all[node]:
             case ("Pow", _, exponent) if exponent.q != 1:
                 return not (self._connected and self._field.signs.is_clean(node))
-            case ("Abs" | "sign", _):
+            case ("Abs" | "sign" | "parity", _):
                 return True
         return False
 
     def _jumps(self, node: int) -> bool:
         match self._field.nodes.all[node]:
+            case (str(name), *_) if name == "power" or name in INVERSE:
+                return not self._field.signs.is_real(node)
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
                 return not self._field.signs.is_clean(root)
@@ -170,7 +175,7 @@ def is_linear(field: Field, node: int) -> bool:
         case ("number" | "pi", *_):
             return True
         case ("symbol", _, kind):
-            return bool(kind == "real")
+            return bool(kind != "complex")
         case ("Add", *terms):
             return all(is_linear(field, term) for term in terms)
         case ("Mul", *factors):
@@ -234,8 +239,8 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
     field = registered(nodes, statement, proof, part)
     field.walk(statement.roots)
     residual = Residual(field, statement)
-    for terms in statement.equations:
-        if not residual.vanishes(terms):
+    for equation in statement.equations:
+        if not residual.vanishes(equation):
             raise CertificateError("the numerator of the residual is not 0")
     point = {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
     _check_point(field, statement, point)

@@ -129,6 +129,8 @@ class Slopes:
                 return images.one if node == variable else images.zero
             case ("I",) | ("pi",) | (("elliptic_k" | "elliptic_e"), _):
                 return images.zero
+            case ("parity", _) if images.nodes.all[variable][2] != "integer":
+                return images.zero
             case ("exp", z):
                 return image * self._rate(z, variable)
             case ("log", f):

@@ -13,7 +13,7 @@ from functools import cached_property
 from flint import acb, fmpq, fmpq_mpoly
 
 from . import axioms
-from .derivations import Slopes
+from .derivations import Derivation, Slopes
 from .functions import Functions
 from .images import Form, Generator, Images
 from .limits import CertificateError
@@ -53,6 +53,10 @@ class Field(Images):
         return Functions(self)
 
     @cached_property
+    def _derivations(self) -> dict[int, tuple[frozenset[int], Derivation]]:
+        return {}
+
+    @cached_property
     def _slopes(self) -> Slopes:
         return Slopes(self)
 
@@ -74,6 +78,8 @@ class Field(Images):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
                 self._algebraic(node, int(exponent.q), self.image(base))
+            case ("parity", z) if self.nodes.all[z][0::2] == ("symbol", "integer"):
+                self._algebraic(node, 2, self.one)
             case ("Abs", inner):
                 self._algebraic(node, 2, self.squared(inner))
             case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m):
@@ -150,6 +156,19 @@ class Field(Images):
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator."""
         return self._slopes.slope(place, variable)
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, of which all generators' slopes follow from the axioms."""
+        known, derivation = self._derivations.get(variable, (frozenset[int](), None))
+        if derivation is None or not element.places <= known:
+            slopes = {place: self.slope(place, variable) for place in known}
+            images = [element]
+            while new := {place for image in images for place in image.places} - slopes.keys():
+                slopes |= {place: self.slope(place, variable) for place in new}
+                images = [slopes[place] for place in new]
+            derivation = Derivation(self.ring, slopes)
+            self._derivations[variable] = frozenset(slopes), derivation
+        return derivation(element)
 
     def balls(self, balls: Balls) -> list[acb]:
         """The values of the generators at a point."""

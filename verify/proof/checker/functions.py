@@ -6,6 +6,8 @@ products, and Jacobi functions by the addition theorems.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from flint import fmpq
 
 from . import axioms
@@ -21,9 +23,19 @@ def root(images: Images, node: int, base: int, q: int) -> Element:
     value = images.named(node)
     if not (images.image(value) ** q - images.image(base)).is_zero:
         raise CertificateError(f"the power {q} of what a root is said to be is another")
-    if not (images.signs.not_negative(value) or (q == 2 and _is_principal(images, value))):
+    shown = images.signs.not_negative(value) or _is_scaled_root(images, value, q)
+    if not shown and not (q == 2 and _is_principal(images, value)):
         raise CertificateError("what a root is said to be is not shown to be >= 0 there")
     return images.image(value)
+
+
+def _is_scaled_root(images: Images, node: int, q: int) -> bool:
+    """Whether a value is r f**(1/q) with r >= 0, the root of r**q f whatever f is."""
+    match images.nodes.all[node]:
+        case ("Mul", *factors):
+            rest = [f for f in factors if not images.signs.not_negative(f)]
+            return len(rest) == 1 and images.nodes.all[rest[0]][::2] == ("Pow", fmpq(1, q))
+    return False
 
 
 def absolute_value(images: Images, node: int, inner: int) -> Element:
@@ -88,8 +100,10 @@ def exponential(images: Images, z: int) -> Element:
             power = images.nodes.made("Pow", inner[1], coefficient)
             result = result * images.image(power)
         elif angle is not None and images.nodes.all[angle][0] == "atan":
-            half = integer_of(coefficient / 2)
-            result = result * _phase(images, images.nodes.all[angle][1]) ** half
+            times, f = integer_of(coefficient), images.nodes.all[angle][1]
+            result = result * _phase(images, f) ** (times // 2)
+            if times % 2:
+                result = result * _half_phase(images, f)
         else:
             result = result * images.made("exp", u) ** integer_of(coefficient)
     return result
@@ -101,12 +115,21 @@ def _phase(images: Images, f: int) -> Element:
     return (images.one + turned) / (images.one - turned)
 
 
+def _half_phase(images: Images, f: int) -> Element:
+    """exp(i atan f) = (1 + i f)/sqrt(1 + f**2)."""
+    made = images.nodes.made
+    square = made("Add", images.nodes.rational(1), made("Pow", f, fmpq(2)))
+    turned = images.image(made("I")) * images.image(f)
+    return (images.one + turned) / images.image(made("Pow", square, fmpq(1, 2)))
+
+
 def logarithm(images: Images, node: int, inner: int) -> Element:
     """log of a product of powers of positive factors."""
-    if node not in images.hints.logs:
+    factors = images.hinted(images.hints.logs, node)
+    if factors is None:
         raise CertificateError("there is no generator for a log")
     product, total = images.one, images.zero
-    for q, factor in images.hints.logs[node]:
+    for q, factor in factors:
         # It is not 0 where the logarithm is smooth.
         if not images.signs.not_negative(factor):
             raise CertificateError("a factor in a logarithm is not shown to be positive")
@@ -119,14 +142,44 @@ def logarithm(images: Images, node: int, inner: int) -> Element:
     return total
 
 
-def arctangent(images: Images, node: int, inner: int) -> Element:
-    """The number between -pi/2 and pi/2 with a given tangent."""
+PRINCIPAL: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
+    "asin": (-HALF_PI, HALF_PI),
+    "acos": (fmpq(0), 2 * HALF_PI),
+    "atan": (-HALF_PI, HALF_PI),
+    "asinh": (None, None),
+    "acosh": (fmpq(0), None),
+    "atanh": (None, None),
+}
+"""Between which real numbers the values of inverse functions lie."""
+
+
+def inverse_function(images: Images, node: int, name: str, inner: int) -> Element:
+    """By definition, or the principal one of the numbers of which the function is ``inner``."""
+    value = images.hinted(images.hints.values, node)
+    if value is None and name != "atan":
+        return images.image(axioms.inverse(name, inner, images.nodes.made))
     value = images.named(node)
-    if not images.signs.is_between(value, -HALF_PI, HALF_PI):
-        raise CertificateError("what an atan is said to be is not shown to be within pi/2 of 0")
-    if not (images.made("tan", value) - images.image(inner)).is_zero:
-        raise CertificateError("what an atan is said to be has another tangent")
+    if not images.signs.is_between(value, *PRINCIPAL[name]):
+        raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
+    if not (images.made(axioms.INVERSE_OF[name], value) - images.image(inner)).is_zero:
+        raise CertificateError(f"what an {name} is said to be is that of another argument")
     return images.image(value)
+
+
+def parity(images: Images, z: int) -> Element:
+    """(-1)**z of a sum of integer symbols times integers, and of an integer."""
+    nodes = images.nodes
+    match nodes.all[z]:
+        case ("number", value):
+            return images.one if integer_of(value) % 2 == 0 else -images.one
+        case ("Add", *terms):
+            return images.product([images.made("parity", term) for term in terms])
+        case ("Mul", *factors):
+            numbers = [f for f in factors if nodes.value(f) is not None]
+            rest = [f for f in factors if f not in numbers]
+            if len(numbers) == len(rest) == 1:
+                return images.made("parity", *rest) ** integer_of(nodes.all[numbers[0]][1])
+    raise CertificateError("a power of -1 must be to a sum of integers")
 
 
 class Functions:
@@ -160,8 +213,8 @@ class Functions:
                 return exponential(images, z)
             case ("log", f):
                 return logarithm(images, node, f)
-            case ("atan", f):
-                return arctangent(images, node, f)
+            case (str(name), f) if name in PRINCIPAL:
+                return inverse_function(images, node, name, f)
             case ("Abs", f):
                 return absolute_value(images, node, f)
             case ("sign", f):
@@ -173,6 +226,15 @@ class Functions:
             case ("im", f):
                 other = images.image(images.signs.conjugate(f))
                 return (images.image(f) - other) / images.made("I") * half
+            case ("diff", _, *variables):
+                inner = images.nodes.made("diff", *images.nodes.all[node][1:-1])
+                lower = images.image(inner if variables[1:] else images.nodes.all[node][1])
+                return images.derivative(lower, variables[-1])
+            case ("power", base, exponent):
+                total = images.nodes.made("Mul", exponent, images.nodes.made("log", base))
+                return images.made("exp", total)
+            case ("parity", z):
+                return parity(images, z)
             case (name, z) if name in axioms.HYPERBOLIC:
                 return axioms.HYPERBOLIC[name](images.made("exp", z), images.one)
             case (name, z) if name in axioms.TRIGONOMETRIC:

@@ -17,11 +17,11 @@ from math import comb, lcm
 
 from flint import fmpq, fmpq_mpoly, fmpz, fmpz_poly
 
-from .derivations import Derivation
 from .images import Images
 from .limits import CertificateError
 from .ring import Element, total
-from .statement import Jet, Statement, Term
+from .statement import Equation, Jet, Statement, Term
+from .substitution import Substitution
 
 Rows = list[fmpz_poly]
 """Polynomials in x, the factors of the powers of t."""
@@ -153,15 +153,20 @@ class Residual:
 
     def __init__(self, field: Images, statement: Statement) -> None:
         self._field, self._statement = field, statement
-        self._derivations: dict[int, Derivation] = {}
         self._jets: dict[Jet, Element] = {}
+        own = statement.nodes, statement.variables, statement.formulas
+        self.substituted = Substitution(*own)
 
-    def vanishes(self, terms: Sequence[Term]) -> bool:
+    def vanishes(self, equation: Equation) -> bool:
         """Whether the numerator of an equation reduces to 0."""
-        quotient = self.quotient(terms)
+        if isinstance(equation, int):
+            residual = self.substituted(equation)
+            self._field.walk([residual])
+            return self._field.image(residual).is_zero
+        quotient = self.quotient(equation)
         if quotient is not None:
-            return quotient[0].vanishes(terms, quotient[1])
-        parts = [self._term(term) for term in terms]
+            return quotient[0].vanishes(equation, quotient[1])
+        parts = [self._term(term) for term in equation]
         return total(self._field.ring, parts).is_zero
 
     def quotient(self, terms: Sequence[Term]) -> tuple[Quotient, Rates] | None:
@@ -195,16 +200,6 @@ class Residual:
                 self._jets[jet] = self._field.image(self._statement.formulas[unknown])
             else:
                 lower = (*orders[:place], orders[place] - 1, *orders[place + 1 :])
-                derivation = self._derivation(self._statement.variables[place])
-                self._jets[jet] = derivation(self.jet((unknown, lower)))
+                variable = self._statement.variables[place]
+                self._jets[jet] = self._field.derivative(self.jet((unknown, lower)), variable)
         return self._jets[jet]
-
-    def _derivation(self, variable: int) -> Derivation:
-        if variable not in self._derivations:
-            slopes: dict[int, Element] = {}
-            images = [self._field.image(formula) for formula in self._statement.formulas]
-            while new := {place for image in images for place in image.places} - slopes.keys():
-                slopes |= {place: self._field.slope(place, variable) for place in new}
-                images = [slopes[place] for place in new]
-            self._derivations[variable] = Derivation(self._field.ring, slopes)
-        return self._derivations[variable]

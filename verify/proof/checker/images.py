@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 from flint import fmpq, fmpq_mpoly
 
@@ -20,6 +20,8 @@ from .signs import Signs
 
 Sum = tuple[tuple[fmpq, int], ...]
 """Coefficients and nodes."""
+
+Hint = TypeVar("Hint")
 
 Form = tuple[tuple[int, ...], int]
 """The factors of some primitives, and what is added."""
@@ -82,6 +84,7 @@ class Images(ABC):
         self.one = self.ring.number(1)
         self.zero = self.ring.number(0)
         self._images: dict[int, Element] = {}
+        self._underway: set[int] = set()
         self._atoms: dict[str, list[int]] = {}
 
     def walk(self, nodes: Sequence[int]) -> None:
@@ -89,14 +92,28 @@ class Images(ABC):
         wanted = set(nodes)
         for node in range(max(nodes, default=-1), -1, -1):
             if node in wanted and node not in self._images:
-                wanted.update(children(self.nodes.all[node]))
+                wanted.update(self._used(node))
         for node in sorted(wanted):
             self.image(node)
+
+    def _used(self, node: int) -> tuple[int, ...]:
+        """The nodes whose images make that of a node: abs(f)**2 is f conj(f)."""
+        match self.nodes.all[node]:
+            case ("Pow", base, exponent) if exponent.q == 1 and exponent.p % 2 == 0:
+                inner = self.nodes.all[base]
+                return (inner[1],) if inner[0] == "Abs" else (base,)
+        return children(self.nodes.all[node])
 
     def image(self, node: int) -> Element:
         """The image of a node; raises CertificateError where it does not follow from generators."""
         if node not in self._images:
-            self._images[node] = self._image(node)
+            if node in self._underway:
+                raise CertificateError("an image must not be made of itself")
+            self._underway.add(node)
+            try:
+                self._images[node] = self._image(node)
+            finally:
+                self._underway.remove(node)
         return self._images[node]
 
     def equal(self, left: int, right: int) -> bool:
@@ -150,7 +167,8 @@ class Images(ABC):
 
     def sum_of(self, function: int) -> Sum:
         """The combination that a hint gives for a function's argument, checked."""
-        found, z = self.hints.sums.get(function), self.nodes.all[function][1]
+        found, z = self.hinted(self.hints.sums, function), self.nodes.all[function][1]
+        found = self._turned_sum(function) if found is None else found
         if found is None:
             raise CertificateError("there is no generator for a function of a sum")
         parts = [self.ring.number(n) * self.image(u) for n, u in found]
@@ -158,11 +176,39 @@ class Images(ABC):
             raise CertificateError("an argument is not the sum that it is said to be")
         return found
 
+    def _turned_sum(self, function: int) -> Sum | None:
+        """The combination that a hint gives for the opposite argument, turned round."""
+        name, z, *rest = self.nodes.all[function]
+        opposite = self.nodes.made(name, self.nodes.made("Mul", self.nodes.rational(-1), z), *rest)
+        found = self.hinted(self.hints.sums, opposite)
+        return None if found is None else tuple((-n, u) for n, u in found)
+
     def named(self, node: int) -> int:
         """The node that a hint says is the value of ``node``."""
-        if node not in self.hints.values:
+        found = self.hinted(self.hints.values, node)
+        if found is None:
             raise CertificateError(f"there is no generator for a {self.nodes.all[node][0]}")
-        return self.hints.values[node]
+        return found
+
+    def hinted(self, table: Mapping[int, Hint], node: int) -> Hint | None:
+        """What a table of hints has of a node, or of the same function of equal arguments."""
+        if node in table:
+            return table[node]
+        name = self.nodes.all[node][0]
+        for other, found in table.items():
+            if self.nodes.all[other][0] == name and self._alike(node, other):
+                return found
+        return None
+
+    def _alike(self, node: int, other: int) -> bool:
+        """Whether two nodes of a name have the same exponent, and arguments of equal images."""
+        if self.nodes.all[node][0] == "Pow" and self.nodes.all[node][2] != self.nodes.all[other][2]:
+            return False
+        inner = (children(self.nodes.all[each]) for each in (node, other))
+        try:
+            return all(self.equal(a, b) for a, b in zip(*inner, strict=True))
+        except CertificateError:  # a hint for a node that the proof has no generator for
+            return False
 
     def squared(self, inner: int) -> Element:
         """abs(f)**2 = f conj(f)."""
@@ -208,6 +254,10 @@ class Images(ABC):
     @abstractmethod
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator."""
+
+    @abstractmethod
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, of which all generators' slopes follow from the axioms."""
 
     @abstractmethod
     def _function(self, node: int) -> Element:

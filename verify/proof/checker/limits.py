@@ -14,7 +14,7 @@ FILE_BYTES = 8_000_000
 
 NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
 GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
-DIGITS, EXPONENT, NAME = 2_000, 1_000, 60
+DIGITS, EXPONENT, NAME, SHIFT = 2_000, 1_000, 60, 1_000
 
 FORMS, PARTS = 4, 8
 """Most linear forms that belong together, and most equal parts that a proof may rest on."""

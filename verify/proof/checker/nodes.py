@@ -1,9 +1,11 @@
 """Formulas as a table of nodes: plain tuples, equal ones shared, none evaluated but by balls.
 
 A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol", name, kind)`` with
-the kind ``real`` or ``complex``, ``("I",)`` and ``("pi",)``; ``("poly", terms, *arguments)`` is a
-polynomial in its arguments; all others are functions of nodes that stand earlier.  `Balls` encloses
-their values at a rational point (FLINT's arb and acb).
+the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
+``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("poly", terms,
+*arguments)`` is a polynomial in its arguments, ``("diff", node, *variables)`` a derivative; all
+others are functions of nodes that stand earlier.  `Balls` encloses their values at a rational point
+(FLINT's arb and acb).
 """
 
 from __future__ import annotations
@@ -25,20 +27,24 @@ from .limits import (
     EXPONENT,
     NAME,
     NODES,
+    ORDER,
+    SHIFT,
     CertificateError,
     within,
 )
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 SYMBOL = re.compile(r"[^\W\d]\w*")
-KINDS = ("real", "complex")
+KINDS = ("real", "integer", "complex")
 
 ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
 ARITY = {
     **dict.fromkeys(("sinh", "cosh", "tanh", "coth", "sech", "csch"), 1),
     **dict.fromkeys(("sin", "cos", "tan", "cot", "sec", "csc"), 1),
     **dict.fromkeys(("exp", "log", "atan", "conjugate", "re", "im", "Abs", "sign"), 1),
-    **dict.fromkeys(("elliptic_k", "elliptic_e"), 1),
+    **dict.fromkeys(("asin", "acos", "asinh", "acosh", "atanh"), 1),
+    **dict.fromkeys(("elliptic_k", "elliptic_e", "parity"), 1),
+    "power": 2,
     **{f"jacobi_{name}": 2 for name in ELLIPTIC},
 }
 
@@ -130,6 +136,17 @@ class Nodes:
         found = self.all[node]
         return found[1] if found[0] == "number" else None
 
+    def rebuilt(self, node: int, images: Callable[[int], int]) -> int:
+        """The node with the images of its children in their places."""
+        name, *rest = self.all[node]
+        inner = children(self.all[node])
+        if not inner:
+            return node
+        moved = map(images, inner)
+        if name == "poly":
+            return self.made(name, rest[0], *moved)
+        return self.made(name, *moved, *(rest[1:] if name in ("Pow", "diff") else ()))
+
     def below(self, roots: Sequence[int]) -> Iterator[int]:
         """The nodes in ``roots``, each once, arguments first."""
         wanted = set(roots)
@@ -155,6 +172,15 @@ class Nodes:
                 return self._power(self.place(base), number(exponent))
             case ["poly", terms, *places] if places:
                 return self._polynomial(terms, [self.place(place) for place in places])
+            case ["unknown", place, shifts]:
+                steps = listed(shifts, 8, "the shifts of an unknown")
+                moved = (integer(n, -SHIFT, SHIFT, "a shift") for n in steps)
+                return self.made("unknown", integer(place, 0, 7, "an unknown"), tuple(moved))
+            case ["diff", place, *places] if 0 < len(places) <= ORDER:
+                variables = sorted(map(self.place, places))
+                if any(self.all[variable][0] != "symbol" for variable in variables):
+                    raise CertificateError("derivatives must be in symbols")
+                return self.made("diff", self.place(place), *variables)
             case [str(name), *places] if ARITY.get(name) == len(places):
                 return self.made(name, *map(self.place, places))
         raise CertificateError(f"nodes must be such as the prover writes, got {ascii(entry)[:60]}")
@@ -178,9 +204,9 @@ class Nodes:
 def children(node: Node) -> tuple[int, ...]:
     """The nodes that a node is made of."""
     match node[0]:
-        case "number" | "symbol" | "I" | "pi":
+        case "number" | "symbol" | "I" | "pi" | "unknown":
             return ()
-        case "Pow":
+        case "Pow" | "diff":
             return (node[1],)
         case "poly":
             return node[2:]
@@ -194,6 +220,7 @@ BALL_FUNCTIONS: Mapping[str, Callable[[acb], acb]] = {
     **{name: getattr(acb, name) for name in ("exp", "log", "atan", "sinh", "cosh", "tanh")},
     **{name: getattr(acb, name) for name in ("coth", "sech", "csch", "sin", "cos", "tan", "cot")},
     **{name: getattr(acb, name) for name in ("sec", "csc", "elliptic_k", "elliptic_e")},
+    **{name: getattr(acb, name) for name in ("asin", "acos", "asinh", "acosh", "atanh")},
     "conjugate": lambda z: acb(z.real, -z.imag),
     "re": lambda z: acb(z.real),
     "im": lambda z: acb(z.imag),
@@ -235,11 +262,15 @@ class Balls:
                 return root ** int(exponent.p)
             case ("poly", terms, *inner):
                 return polynomial([known[place] for place in inner], terms)
+            case ("power", base, exponent):
+                return (known[exponent] * known[base].log()).exp()
+            case ("parity", _):
+                return acb(1)  # the other value is tried as another branch
             case (str(name), z, m) if name.startswith("jacobi_"):
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z], 0)[0]
             case ("sign", inner):
                 return known[inner] / acb(abs(known[inner]))
-            case (str(name), inner):
+            case (str(name), inner) if name in BALL_FUNCTIONS:
                 return BALL_FUNCTIONS[name](known[inner])
         raise CertificateError("a node has no value")
 

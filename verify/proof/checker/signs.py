@@ -8,11 +8,14 @@ decided by a witness: a formula with the same image, (1 - k)(1 + k), whose struc
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import reduce
 from itertools import product
+from operator import add, mul
 
 from flint import fmpq
 
 from . import axioms
+from .bounds import OF_REAL, Interval, of_constant, stated
 from .limits import CertificateError
 from .nodes import Balls, Nodes
 from .ring import Element
@@ -36,11 +39,25 @@ REAL = (
     *ODD,
     *("sin", "cos", "tan", "cot", "sec", "csc"),
     *("jacobi_sn", "jacobi_cn", "jacobi_epsilon", "jacobi_zeta"),
+    *("diff", "parity"),
 )
 """Real where their arguments are real."""
 
-UNBOUNDED = ("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", *BELOW_ONE)
-"""Functions with poles or jumps at real arguments, or for m > 1."""
+INVERSE: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
+    "asin": (fmpq(-1), fmpq(1)),
+    "acos": (fmpq(-1), fmpq(1)),
+    "atanh": (fmpq(-1), fmpq(1)),
+    "acosh": (fmpq(1), None),
+    "asinh": (None, None),
+}
+"""Between which real arguments an inverse function is real."""
+
+UNBOUNDED = (
+    *INVERSE,
+    *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
+    *BELOW_ONE,
+)
+"""Functions that may have poles or jumps at real arguments, or for m > 1."""
 
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
 """Analytic functions, besides those of Jacobi."""
@@ -70,6 +87,9 @@ class Signs:
         self._positive, self._witnesses = positive, witnesses
         self._signs: dict[int, Sign] = {}
         self._real: dict[int, bool] = {}
+        self._intervals: dict[int, Interval] = {}
+        pairs = (stated(nodes, node, weak) for node, weak in positive.items())
+        self._known = [pair for pair in pairs if pair is not None]
 
     def is_real(self, node: int) -> bool:
         """Whether ``node`` is shown to be real."""
@@ -98,19 +118,65 @@ class Signs:
         """Whether ``node`` is shown to be real and at least 0."""
         return self.is_real(node) and self.sign(node) <= NOT_NEGATIVE
 
+    def interval(self, node: int) -> Interval:
+        """Where the values of a node are that is shown to be real."""
+        if node not in self._intervals:
+            self._intervals[node] = Interval()  # no rule asks for its own node
+            found = self._interval(node)
+            for other, known in self._known:
+                if other == node:
+                    found = found & known
+            if self.sign(node) <= NOT_NEGATIVE:
+                found = found & Interval(fmpq(0), None, self.sign(node) <= POSITIVE)
+            self._intervals[node] = found
+        return self._intervals[node]
+
+    def _interval(self, node: int) -> Interval:
+        if not self.is_real(node):
+            return Interval()
+        match self._nodes.all[node]:
+            case ("number", value):
+                return Interval(value, value)
+            case ("Add", *terms):
+                return reduce(add, map(self.interval, terms))
+            case ("Mul", *factors):
+                return reduce(mul, map(self.interval, factors))
+            case ("Pow", base, exponent):
+                if exponent.q == 1:
+                    return self.interval(base).power(int(exponent.p))
+                root = self.interval(base).root()
+                return root.power(int(exponent.p))
+            case ("Abs", inner):
+                return self.interval(inner).absolute()
+            case ("jacobi_dn", _, m) if self.below_one(m) and self.not_negative(m):
+                return Interval(fmpq(0), fmpq(1), True)
+            case ("symbol", *_):
+                return Interval()
+            case (str(name), *inner) if name in OF_REAL and all(map(self.is_real, inner)):
+                return OF_REAL[name]
+        if self._is_constant(node):
+            return of_constant(Balls(self._nodes, {}).ball(node).real)
+        return Interval()
+
+    def _is_constant(self, node: int) -> bool:
+        return all(self._nodes.all[inner][0] != "symbol" for inner in self._nodes.below([node]))
+
     def below_one(self, m: int) -> bool:
         """Whether ``m`` is shown to be real and less than 1."""
         made = self._nodes.made
         negative = made("Mul", self._nodes.rational(-1), m)
         return self.positive(made("Add", self._nodes.rational(1), negative))
 
-    def is_between(self, node: int, low: fmpq, high: fmpq) -> bool:
-        """Whether ``node`` is shown to be real and not outside two rational numbers."""
+    def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
         made, number = self._nodes.made, self._nodes.rational
-        negative = made("Mul", number(-1), node)
-        above = made("Add", node, number(-int(low.p), int(low.q)))
-        below = made("Add", negative, number(int(high.p), int(high.q)))
-        return self.not_negative(above) and self.not_negative(below)
+        gaps = []
+        if low is not None:
+            gaps.append(made("Add", node, number(-int(low.p), int(low.q))))
+        if high is not None:
+            negative = made("Mul", number(-1), node)
+            gaps.append(made("Add", negative, number(int(high.p), int(high.q))))
+        return self.is_real(node) and all(map(self.not_negative, gaps))
 
     def conjugate(self, node: int) -> int:
         """The complex conjugate of a node as a node."""
@@ -128,6 +194,8 @@ class Signs:
                 return made("poly", terms, *map(inside, parts))
             case ("conjugate", inner):
                 return int(inner)
+            case ("diff", inner, *variables):
+                return made("diff", inside(inner), *variables)
             case (str(name), inner) if name in THROUGH:
                 return made(name, inside(inner))
             case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.is_real(m):
@@ -176,13 +244,17 @@ class Signs:
             case ("number", _) | ("pi",):
                 return True
             case ("symbol", _, kind):
-                return bool(kind == "real")
+                return bool(kind != "complex")
             case ("Abs" | "re" | "im", _):
                 return True
             case ("Pow", base, exponent):
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("log", inner):
                 return self.positive(inner)
+            case ("power", base, exponent):
+                return self.not_negative(base) and self.is_real(exponent)
+            case (str(name), inner) if name in INVERSE:
+                return self.is_between(inner, *INVERSE[name])
             case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
                 return False
             case ("elliptic_k" | "elliptic_e", _):
@@ -204,18 +276,29 @@ class Signs:
             case (("elliptic_k" | "elliptic_e"), m) if self.below_one(m):
                 return POSITIVE
             case ("Add", *terms):
-                return _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
+                found = _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
+                return found if found != ANY else self._of_interval(self._interval(node))
             case ("Mul", *factors):
                 return _combined(lambda a, b: a * b, [self.sign(factor) for factor in factors])
             case ("Pow", base, exponent):
                 return self._of_power(self.sign(base), exponent.p, exponent.q)
+            case ("power", base, _):
+                return self.sign(base) & NOT_NEGATIVE
             case ("Abs", inner):
                 found = self.sign(inner) if self.is_real(inner) else ANY
                 return Sign(abs(s) for s in found)
             case (str(name), *inner) if name in EVERYWHERE_POSITIVE and self.is_real(node):
                 return POSITIVE if len(inner) == 1 or self.below_one(inner[1]) else ANY
-            case (str(name), inner) if name in ODD and self.is_real(inner):
+            case (("acos" | "acosh"), _):
+                return NOT_NEGATIVE
+            case (str(name), inner) if name in (*ODD, *INVERSE) and self.is_real(inner):
                 return self.sign(inner)
+        return ANY
+
+    def _of_interval(self, found: Interval) -> Sign:
+        for side, values in ((1, found), (-1, -found)):
+            if values.is_not_negative:
+                return Sign((side,)) if values.is_positive else Sign((0, side))
         return ANY
 
     def _of_power(self, base: Sign, p: int, q: int) -> Sign:
@@ -234,7 +317,7 @@ class Signs:
                 return POSITIVE if self.positive(z) else NOT_NEGATIVE
         if self._nodes.all[node][0] not in ("Add", "Mul", "symbol"):
             return ANY
-        if all(self._nodes.all[inner][0] != "symbol" for inner in self._nodes.below([node])):
+        if self._is_constant(node):
             value = Balls(self._nodes, {}).ball(node).real
             return Sign((1 if value > 0 else -1,)) if value > 0 or value < 0 else ANY
         for bound, weak in self._positive.items():

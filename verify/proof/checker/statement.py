@@ -19,7 +19,10 @@ Jet = tuple[int, tuple[int, ...]]
 Term = tuple[fmpq, tuple[int, ...], tuple[Jet, ...]]
 """A number, known factors (nodes), and jets."""
 
-RESERVED = {"I", "pi", "poly", *ARITY}
+Equation = tuple[Term, ...] | int
+"""A polynomial in jets, or the node of any left-hand side."""
+
+RESERVED = {"I", "pi", "poly", "diff", *ARITY}
 """Names of constants and functions."""
 
 LONG = 40
@@ -37,19 +40,31 @@ class Statement:
     variables: tuple[int, ...]
     unknowns: tuple[str, ...]
     formulas: tuple[int, ...]
-    equations: tuple[tuple[Term, ...], ...]
+    equations: tuple[Equation, ...]
     domain: tuple[tuple[bool, int, int], ...]
 
     @property
+    def polynomials(self) -> list[tuple[Term, ...]]:
+        """The equations that are written as polynomials in jets."""
+        return [equation for equation in self.equations if not isinstance(equation, int)]
+
+    @property
+    def left_sides(self) -> list[int]:
+        """The nodes of the other equations."""
+        return [equation for equation in self.equations if isinstance(equation, int)]
+
+    @property
     def roots(self) -> list[int]:
-        """The nodes that the statement is made of."""
-        known = [node for terms in self.equations for _, factors, _ in terms for node in factors]
+        """The nodes that the statement is made of, but for those of left-hand sides."""
+        known = [node for terms in self.polynomials for _, factors, _ in terms for node in factors]
         return [*self.formulas, *known]
 
     def content(self) -> object:
         """What two statements have in common if and only if they say the same in the same words."""
         terms = [
-            sorted((str(c), sorted(known), sorted(jets)) for c, known, jets in equation)
+            equation
+            if isinstance(equation, int)
+            else sorted((str(c), sorted(known), sorted(jets)) for c, known, jets in equation)
             for equation in self.equations
         ]
         domain = sorted(self.domain)
@@ -76,16 +91,20 @@ def read_statement(nodes: Nodes, data: object) -> Statement:
     if len({*names, *symbols}) != len(names) + len(symbols):
         raise CertificateError("unknowns must differ in name from each other and from symbols")
     equations = tuple(
-        _equation(nodes, terms, len(variables), len(names))
-        for terms in listed(data["equations"], 8, "equations")
+        _equation(nodes, entry, len(variables), len(names))
+        for entry in listed(data["equations"], 8, "equations")
     )
-    _check_unknowns(equations, names)
-    _check_names(equations, names, symbols, [nodes.all[v][1] for v in variables])
     domain = tuple(_inequality(nodes, entry) for entry in listed(data["domain"], 100, "domain"))
-    return Statement(nodes, tuple(variables), tuple(names), tuple(formulas), equations, domain)
+    found = Statement(nodes, tuple(variables), tuple(names), tuple(formulas), equations, domain)
+    _check_unknowns(found)
+    _check_derivatives(found)
+    _check_names(found.polynomials, names, symbols, [nodes.all[v][1] for v in variables])
+    return found
 
 
-def _equation(nodes: Nodes, data: object, variables: int, unknowns: int) -> tuple[Term, ...]:
+def _equation(nodes: Nodes, data: object, variables: int, unknowns: int) -> Equation:
+    if isinstance(data, int):
+        return nodes.place(data)
     found = []
     for entry in listed(data, TERMS, "the terms of an equation"):
         text, known, jets = listed(entry, 3, "a term of an equation", 3)
@@ -104,21 +123,58 @@ def _equation(nodes: Nodes, data: object, variables: int, unknowns: int) -> tupl
     return tuple(found)
 
 
-def _check_unknowns(equations: Sequence[Sequence[Term]], names: Sequence[str]) -> None:
+def _check_unknowns(statement: Statement) -> None:
     """Every equation must contain an unknown, every unknown must be in an equation."""
-    if not equations:
+    if not statement.equations:
         raise CertificateError("the statement has no equation")
     seen: set[int] = set()
-    for terms in equations:
-        products = {(tuple(sorted(known)), tuple(sorted(jets))) for _, known, jets in terms}
-        if len(products) < len(terms) or any(value == 0 for value, _, _ in terms):
-            raise CertificateError("the terms of an equation must differ and not be 0")
-        found = {jet[0] for _, _, jets in terms for jet in jets}
+    for equation in statement.equations:
+        if isinstance(equation, int):
+            found = _unknowns_in(statement, equation)
+        else:
+            found = _unknowns_in_terms(equation)
         if not found:
             raise CertificateError("an equation does not contain the unknown")
         seen |= found
-    if len(seen) != len(names):
+    if len(seen) != len(statement.unknowns):
         raise CertificateError("an unknown is in none of the equations")
+
+
+def _unknowns_in_terms(terms: Sequence[Term]) -> set[int]:
+    products = {(tuple(sorted(known)), tuple(sorted(jets))) for _, known, jets in terms}
+    if len(products) < len(terms) or any(value == 0 for value, _, _ in terms):
+        raise CertificateError("the terms of an equation must differ and not be 0")
+    return {jet[0] for _, _, jets in terms for jet in jets}
+
+
+def _unknowns_in(statement: Statement, equation: int) -> set[int]:
+    """The unknowns in a left-hand side, each at as many shifts as there are variables."""
+    found: set[int] = set()
+    for node in statement.nodes.below([equation]):
+        match statement.nodes.all[node]:
+            case ("unknown", place, shifts):
+                if place >= len(statement.unknowns) or len(shifts) != len(statement.variables):
+                    raise CertificateError("an unknown must be one of the statement's")
+                found.add(place)
+            case ("diff", _, *variables) if not {*variables} <= {*statement.variables}:
+                raise CertificateError("derivatives must be in the statement's variables")
+    return found
+
+
+def _check_derivatives(statement: Statement) -> None:
+    """Only equations have derivatives and unknowns, and none of them is along an integer."""
+    nodes, ends = statement.nodes, [end for _, *both in statement.domain for end in both]
+    for node in nodes.below([*statement.roots, *ends]):
+        if nodes.all[node][0] in ("diff", "unknown"):
+            raise CertificateError("formulas must be without derivatives and unknowns")
+    whole = {v for v in statement.variables if nodes.all[v][2] == "integer"}
+    along = {v for node in nodes.all if node[0] == "diff" for v in node[2:]}
+    for terms in statement.polynomials:
+        for _, _, jets in terms:
+            for _, orders in jets:
+                along |= {v for v, n in zip(statement.variables, orders, strict=True) if n}
+    if along & whole:
+        raise CertificateError("derivatives must be in real variables")
 
 
 def _check_names(
@@ -152,11 +208,14 @@ def _inequality(nodes: Nodes, data: object) -> tuple[bool, int, int]:
 def statement_text(statement: Statement) -> str:
     """The statement in words, formulas in full; what occurs twice is named once."""
     ends = [node for _, *both in statement.domain for node in both]
-    writer = _Writer(statement.nodes, statement.roots + ends, statement.unknowns)
+    roots = [*statement.roots, *statement.left_sides, *ends]
+    writer = _Writer(statement, roots)
     variables = [writer.text(v) for v in statement.variables]
     equations = [
-        " + ".join(_term_text(term, statement, variables, writer) for term in terms) + " = 0"
-        for terms in statement.equations
+        writer.text(left)
+        if isinstance(left, int)
+        else " + ".join(_term_text(term, statement, variables, writer) for term in left)
+        for left in statement.equations
     ]
     formulas = [
         f"{name}({', '.join(variables)}) = {writer.text(formula)}"
@@ -170,12 +229,12 @@ def statement_text(statement: Statement) -> str:
         kind: sorted(
             node[1] for node in statement.nodes.all if node[0] == "symbol" and node[2] == kind
         )
-        for kind in ("real", "complex")
+        for kind in ("real", "integer", "complex")
     }
     symbols = [f"{kind} {', '.join(names)}" for kind, names in kinds.items() if names]
     where = [f"{name} = {text}" for name, text in writer.named.items()]
     lines = [
-        f"equation: {'; '.join(equations)}",
+        f"equation: {'; '.join(f'{left} = 0' for left in equations)}",
         f"solution: {'; '.join(formulas)}",
         *([f"where {'; '.join(where)}"] if where else []),
         f"for all {'; '.join(symbols)}"
@@ -203,11 +262,12 @@ def _jet_text(unknown: str, orders: Sequence[int], variables: Sequence[str]) -> 
 class _Writer:
     """Formulas as text of a length that grows with the number of nodes only."""
 
-    def __init__(self, nodes: Nodes, roots: Sequence[int], names: Sequence[str]) -> None:
-        self._nodes = nodes
+    def __init__(self, statement: Statement, roots: Sequence[int]) -> None:
+        self._nodes = nodes = statement.nodes
+        self._statement = statement
         self.named: dict[str, str] = {}
         self._texts: dict[int, str] = {}
-        taken = {*names, *(node[1] for node in nodes.all if node[0] == "symbol")}
+        taken = {*statement.unknowns, *(node[1] for node in nodes.all if node[0] == "symbol")}
         uses = Counter(c for node in nodes.below(roots) for c in set(children(nodes.all[node])))
         uses.update(roots)
         for node in nodes.below(roots):
@@ -248,15 +308,32 @@ class _Writer:
             case ("poly", terms, *parts):
                 texts = [self._texts[part] for part in parts]
                 return "(" + " + ".join(_monomial(c, e, texts) for c, e in terms) + ")"
+            case ("unknown", place, shifts):
+                return self._unknown(place, shifts)
+            case ("diff", inner, *variables):
+                steps = ", ".join(self._nodes.all[v][1] for v in variables)
+                return f"diff({self._texts[inner]}, {steps})"
+            case ("power", base, exponent):
+                return f"({self._texts[base]})^({self._texts[exponent]})"
+            case ("parity", inner):
+                return f"(-1)^({self._texts[inner]})"
             case (name, *parts) if parts:
                 return f"{name}({', '.join(self._texts[part] for part in parts)})"
             case (name,):
                 return str(name)
         return "?"
 
+    def _unknown(self, place: int, shifts: Sequence[int]) -> str:
+        name = self._statement.unknowns[place]
+        if not any(shifts):
+            return name
+        names = (self._nodes.all[v][1] for v in self._statement.variables)
+        moved = (f"{v}{n:+}" if n else v for v, n in zip(names, shifts, strict=True))
+        return f"{name}[{', '.join(moved)}]"
+
 
 def _is_atomic(node: tuple[Any, ...]) -> bool:
-    return node[0] not in ("Mul", "Pow")
+    return node[0] not in ("Mul", "Pow", "power", "parity")
 
 
 def _monomial(coefficient: fmpq, exponents: Sequence[int], texts: Sequence[str]) -> str:

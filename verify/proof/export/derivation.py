@@ -257,6 +257,11 @@ class TracedField(Field):
             self._defined[node] = self.define(value, self.written(node), node)
         return self._defined[node]
 
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, for the script to take."""
+        value = super().derivative(plain(element), variable)
+        return traced(plain(value), ("slope", self.axis(variable), term_of(element)))
+
     def define(self, value: Element, comment: str, node: int) -> TracedElement:
         """Give a value a name, unless it has one."""
         term = term_of(value)
@@ -362,13 +367,19 @@ class _Equations:
         """Note what an unknown and its derivatives are, and that each equation vanishes."""
         trace = self._field.trace
         for number, equation in enumerate(self._statement.equations, 1):
-            self._long = self._residual.quotient(equation) is not None
-            parts = []
-            for value, known, jets in equation:
-                factors = [term_of(self._field.image(node)) for node in known]
-                factors += [self._jet(jet) for jet in jets]
-                parts.append(terms.multiplied([terms.number(value), *factors]))
-            trace.steps.append((Vanishing(terms.added(parts), f"equation {number}"), None))
+            if isinstance(equation, int):
+                residual = self._residual.substituted(equation)
+                self._field.walk([residual])
+                term = term_of(self._field.image(residual))
+            else:
+                self._long = self._residual.quotient(equation) is not None
+                term = terms.added([self._product(*entry) for entry in equation])
+            trace.steps.append((Vanishing(term, f"equation {number}"), None))
+
+    def _product(self, value: fmpq, known: Sequence[int], jets: Sequence[Jet]) -> Term:
+        factors = [term_of(self._field.image(node)) for node in known]
+        factors += [self._jet(jet) for jet in jets]
+        return terms.multiplied([terms.number(value), *factors])
 
     def _jet(self, jet: Jet) -> Term:
         if jet not in self._jets:
@@ -379,7 +390,6 @@ class _Equations:
             if axis is None:
                 term, comment = term_of(formula), f"the unknown {symbol}"
             else:
-                self._slopes(formula, axis, orders)
                 lower = (*orders[:axis], orders[axis] - 1, *orders[axis + 1 :])
                 term = ("slope", axis, self._jet((unknown, lower)))
                 comment = f"derivative of {symbol} of order {orders}"
@@ -388,17 +398,6 @@ class _Equations:
             self._field.trace.steps.append((Definition(name, term, None, comment), value))
             self._jets[jet] = name
         return self._jets[jet]
-
-    def _slopes(self, formula: Element, axis: int, orders: Sequence[int]) -> None:
-        """Have the slopes noted of all generators that derivatives of the formula may contain."""
-        axes = [axis, *(i for i, n in enumerate(orders) if n)]
-        variables = [self._statement.variables[i] for i in dict.fromkeys(axes)]
-        todo, seen = set(formula.places), set[int]()
-        while todo:
-            place = todo.pop()
-            seen.add(place)
-            for variable in variables:
-                todo |= self._field.slope(place, variable).places - seen
 
 
 def _over(step: Step, value: Element | None, divisors: Sequence[int]) -> Step:

@@ -138,9 +138,7 @@ def _maxima_body(steps: list[str]) -> list[str]:
     return [f"run() := (\n{body})$", last]
 
 
-PARI = Language(
-    lambda line: f"\\\\ {line}", "engine.gp", "=", ";", "derOf", _pari_head, _pari_body
-)
+PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", "=", ";", "derOf", _pari_head, _pari_body)
 MAXIMA = Language(
     lambda line: f"/* {line} */", "engine.mac", ":", "$", "der_of", _maxima_head, _maxima_body
 )

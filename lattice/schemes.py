@@ -8,10 +8,10 @@ evaluates the force half as often as Blanes and Moan's of order 6, and a quarter
 and Li's of order 8 (`benchmarks/same_lattice.py`).
 
 A table is checked for its shape and its consistency when it is declared, for the order that it
-claims by `lattice.schemes.order.check_order`.
+claims by `lattice.scheme_order.check_order`. Adding a scheme is one table here, in `SCHEMES`.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels import blocked, plain
 from lattice.model import Model
 
 Array = NDArray[np.float64]
@@ -39,7 +38,7 @@ class NystroemTable(NamedTuple):
 
 
 class Scheme:
-    """A time-stepping scheme: its table, and how a ring is advanced by it.
+    """A time-stepping scheme as a table; `lattice.stepper.advance` runs it.
 
     ``name`` is the name by which a scene asks for it, ``order`` that of convergence in the step,
     ``reference`` says where the coefficients come from. Tables are values: equal ones have equal
@@ -55,18 +54,19 @@ class Scheme:
         """The defect allowed to the conditions: what the digits that are given leave."""
         return 0.0
 
-    @property
+    @cached_property
     def stages(self) -> int:
         """Force evaluations per step."""
-        raise NotImplementedError
+        return len(self.table().weights)
 
     def table(self) -> NystroemTable:
         """The scheme as an explicit Nystroem method."""
         raise NotImplementedError
 
-    def advance(self, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
-        """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
-        raise NotImplementedError
+    @cached_property
+    def floats(self) -> tuple[Array, ...]:
+        """The parts of `table` as floats."""
+        return tuple(map(_floats, self.table()))
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
@@ -100,11 +100,6 @@ class DriftKick(Scheme):
         """Kick lengths in units of the step."""
         return _floats(self.exact[1])
 
-    @property
-    def stages(self) -> int:
-        """Force evaluations per step."""
-        return len(self.exact[1])
-
     def table(self) -> NystroemTable:
         """The scheme as an explicit Nystroem method."""
         drifts, kicks = self.exact
@@ -117,11 +112,6 @@ class DriftKick(Scheme):
             nodes, inner, [b * (1 - c) for b, c in zip(kicks, nodes, strict=True)], kicks
         )
 
-    def advance(self, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
-        """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
-        advance = _fastest(y.size, self.stages)
-        advance(y, s, self.drifts * h, self.kicks * h, steps, *model.kernel)
-
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
         step = np.tile(np.eye(2), (len(z), 1, 1))
@@ -129,13 +119,6 @@ class DriftKick(Scheme):
             step[:, 0] += drift * z[:, None] * step[:, 1]
             step[:, 1] -= kick * z[:, None] * step[:, 0]
         return step
-
-
-def _fastest(size: int, stages: int) -> Callable[..., None]:
-    """The fastest kernel that a ring's size admits."""
-    if not blocked.fits(size, stages):
-        return plain.advance_plain
-    return blocked.advance_on_two_cores if blocked.pays(size) else blocked.advance_blocked
 
 
 @dataclass(frozen=True)
@@ -239,23 +222,10 @@ class RungeKutta(Scheme):
         if sum(self.b) != 1:
             raise ValueError(f"b must sum to 1, got {sum(self.b)} in {self.name} (check the table)")
 
-    @property
-    def stages(self) -> int:
-        """Force evaluations per step."""
-        return len(self.b)
-
     def table(self) -> NystroemTable:
         """Nodes A 1, inner weights A A, position weights b A and velocity weights b."""
         A, b = np.array(self.A, dtype=object), np.array(self.b, dtype=object)
         return NystroemTable(A.sum(axis=1).tolist(), (A @ A).tolist(), (b @ A).tolist(), self.b)
-
-    @cached_property
-    def _floats(self) -> tuple[Array, ...]:
-        return tuple(map(_floats, self.table()))
-
-    def advance(self, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
-        """Advance the ring (y, s) in place by ``steps`` steps of length ``h``."""
-        plain.advance_nystroem(y, s, *self._floats, h, steps, *model.kernel)
 
     def oscillator(self, z: Array) -> Array:
         """One step of y'' = -y with the steps ``z``, as matrices of shape (len(z), 2, 2)."""
@@ -298,7 +268,7 @@ def stability_limit(scheme: Scheme) -> float:
 
     Scanned in steps of 1e-4 up to 8, then refined by bisection.
 
-    >>> from lattice.schemes.catalogue import scheme_named
+    >>> from lattice.schemes import scheme_named
     >>> round(stability_limit(scheme_named("stoermer_verlet")), 6)
     2.0
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)
@@ -331,3 +301,144 @@ def check_step(step: float, scheme: Scheme, model: Model, strain: Array) -> floa
             "take a smaller step)"
         )
     return limit
+
+
+_0, _HALF, _1 = Fraction(0), Fraction(1, 2), Fraction(1)
+
+RK4 = RungeKutta(
+    name="rk4",
+    order=4,
+    A=(
+        (_0, _0, _0, _0),
+        (_HALF, _0, _0, _0),
+        (_0, _HALF, _0, _0),
+        (_0, _0, _1, _0),
+    ),
+    b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 3), Fraction(1, 6)),
+    reference="Kutta 1901; the paper's scheme",
+)
+
+STOERMER_VERLET = Composition(
+    name="stoermer_verlet",
+    order=2,
+    half=("1",),
+    reference="Hairer, Lubich, Wanner, Acta Numerica 12 (2003) 399",
+)
+
+SUZUKI_UMENO_8 = Composition(
+    name="suzuki_umeno_8",
+    order=8,
+    half=(
+        "0.74167036435061295344822780",
+        "-0.40910082580003159399730010",
+        "0.19075471029623837995387626",
+        "-0.57386247111608226665638773",
+        "0.29906418130365592384446354",
+        "0.33462491824529818378495798",
+        "0.31529309239676659663205666",
+        "-0.79688793935291635401978884",
+    ),
+    reference="Suzuki, Umeno 1993, 15 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
+)
+
+KAHAN_LI_8 = Composition(
+    name="kahan_li_8",
+    order=8,
+    half=(
+        "0.13020248308889008087881763",
+        "0.56116298177510838456196441",
+        "-0.38947496264484728640807860",
+        "0.15884190655515560089621075",
+        "-0.39590389413323757733623154",
+        "0.18453964097831570709183254",
+        "0.25837438768632204729397911",
+        "0.29501172360931029887096624",
+        "-0.60550853383003451169892108",
+    ),
+    reference="Kahan, Li 1997, 17 stages; Hairer, Lubich, Wanner, GNI, section V.3.2",
+)
+
+MCLACHLAN_4 = Splitting(
+    name="mclachlan_4",
+    order=4,
+    drift_half=("0.40518861839525227722", "-0.28714404081652408900", "0.38195542242127181178"),
+    kick_half=("-3/73", "17/59", "2179/4307"),
+    reference="McLachlan, SIAM J. Sci. Comput. 16 (1995) 151, SB3A with 5 stages",
+)
+
+BLANES_MOAN_6 = Splitting(
+    name="blanes_moan_6",
+    order=6,
+    drift_half=(
+        "0.0378593198406116",
+        "0.102635633102435",
+        "-0.0258678882665587",
+        "0.314241403071447",
+        "-0.130144459517415",
+        "0.106417700369543",
+        "-0.00879424312851058",
+        "0.2073050690568954",
+    ),
+    kick_half=(
+        "0.09171915262446165",
+        "0.183983170005006",
+        "-0.05653436583288827",
+        "0.004914688774712854",
+        "0.143761127168358",
+        "0.328567693746804",
+        "-0.19641146648645423",
+    ),
+    reference="Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN 14a of order 6",
+)
+
+REDUCED_PHASE_6 = Splitting(
+    name="reduced_phase_6",
+    order=6,
+    drift_half=(
+        "0.02630326121015110780308557102295",
+        "0.10734879598149237352174996660561",
+        "-0.01049628716496408483660660039303",
+        "0.15961110713515186284804499147734",
+        "0.16111166525746726061905943498217",
+        "0.13881921373214868578404472817905",
+        "-0.08269775615144720573937809187409",
+    ),
+    kick_half=(
+        "0.07116838769198220445697717038840",
+        "0.27020247705620322093337665924754",
+        "-0.12586929830540811456108351644380",
+        "0.15212324113167785131370730712159",
+        "0.13664354161102701639888393821651",
+        "-0.04401448119336451822387092703190",
+        "0.07949226401576467936401873700331",
+    ),
+    reference=(
+        "13 stages, solved for here: order 6, phase-lag order 8 (van der Houwen, Sommeijer, "
+        "SIAM J. Numer. Anal. 24 (1987) 595), no unstable band at z = pi; the four weights that "
+        "are left make the errors on five lattice waves small"
+    ),
+    phase_order=8,
+)
+
+SCHEMES: tuple[Scheme, ...] = (
+    RK4,
+    STOERMER_VERLET,
+    MCLACHLAN_4,
+    BLANES_MOAN_6,
+    REDUCED_PHASE_6,
+    SUZUKI_UMENO_8,
+    KAHAN_LI_8,
+)
+
+
+def scheme_named(name: str) -> Scheme:
+    """The scheme of that name; ValueError lists the known ones.
+
+    >>> scheme_named("rk4").stages
+    4
+    """
+    for scheme in SCHEMES:
+        if scheme.name == name:
+            return scheme
+    known = ", ".join(scheme.name for scheme in SCHEMES)
+    raise ValueError(f"scheme must be a known one, got {name!r} (one of {known})")

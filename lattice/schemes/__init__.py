@@ -1,1 +1,0 @@
-"""Time-stepping schemes as tables, their order and their stability."""

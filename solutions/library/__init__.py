@@ -1,0 +1,1 @@
+"""Published solutions and wrong variants, as problem files (``longwave list --library``)."""

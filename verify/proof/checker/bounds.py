@@ -1,0 +1,176 @@
+"""Rational bounds of real formulas: intervals, by structure and the inequalities of the domain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import reduce
+from operator import mul
+
+from flint import arb, fmpq, fmpz
+
+from .nodes import Nodes
+
+MICRO = 10**6
+"""Bounds of constants are multiples of 1/MICRO."""
+
+LARGEST = 20
+"""The highest power whose bounds are taken."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The numbers between two ends (None: no end), without those that are open."""
+
+    low: fmpq | None = None
+    high: fmpq | None = None
+    low_open: bool = False
+    high_open: bool = False
+
+    @property
+    def is_positive(self) -> bool:
+        """Whether all of it is greater than 0."""
+        return self.low is not None and (self.low > 0 or (self.low == 0 and self.low_open))
+
+    @property
+    def is_not_negative(self) -> bool:
+        """Whether all of it is at least 0."""
+        return self.low is not None and self.low >= 0
+
+    def __neg__(self) -> Interval:
+        low = None if self.high is None else -self.high
+        high = None if self.low is None else -self.low
+        return Interval(low, high, self.high_open, self.low_open)
+
+    def __add__(self, other: Interval) -> Interval:
+        low = None if self.low is None or other.low is None else self.low + other.low
+        high = None if self.high is None or other.high is None else self.high + other.high
+        opens = self.low_open or other.low_open, self.high_open or other.high_open
+        return Interval(low, high, *opens)
+
+    def __mul__(self, other: Interval) -> Interval:
+        if self.is_not_negative and other.is_not_negative:
+            low, low_open = _product((self.low, self.low_open), (other.low, other.low_open))
+            high, high_open = _product((self.high, self.high_open), (other.high, other.high_open))
+            return Interval(low, high, low_open, high_open)
+        pairs = [
+            _product(left, right)
+            for left in ((self.low, self.low_open), (self.high, self.high_open))
+            for right in ((other.low, other.low_open), (other.high, other.high_open))
+        ]
+        ends = [(value, is_open) for value, is_open in pairs if value is not None]
+        if len(ends) < len(pairs):
+            return Interval()
+        least, most = (extreme(value for value, _ in ends) for extreme in (min, max))
+        return Interval(least, most, (least, False) not in ends, (most, False) not in ends)
+
+    def __and__(self, other: Interval) -> Interval:
+        low, low_open = _inner((self.low, self.low_open), (other.low, other.low_open), max)
+        high, high_open = _inner((self.high, self.high_open), (other.high, other.high_open), min)
+        return Interval(low, high, low_open, high_open)
+
+    def power(self, exponent: int) -> Interval:
+        """An integer power."""
+        if exponent < 0:
+            return self.power(-exponent).inverse()
+        if exponent == 0 or exponent > LARGEST:
+            return Interval(fmpq(1), fmpq(1)) if exponent == 0 else Interval()
+        if exponent % 2 == 0:
+            size = self.absolute()
+            return reduce(lambda a, b: a * b, [size] * exponent)
+        if self.is_not_negative:
+            return reduce(lambda a, b: a * b, [self] * exponent)
+        return -(-self).power(exponent) if (-self).is_not_negative else Interval()
+
+    def absolute(self) -> Interval:
+        """The absolute values."""
+        if self.is_not_negative:
+            return self
+        if (-self).is_not_negative:
+            return -self
+        if self.low is None or self.high is None:
+            return Interval(fmpq(0))
+        ends = [(-self.low, self.low_open), (self.high, self.high_open)]
+        high = max(end for end, _ in ends)
+        return Interval(fmpq(0), high, False, (high, False) not in ends)
+
+    def inverse(self) -> Interval:
+        """1 over positive or negative numbers; anything if 0 is among them."""
+        if (-self).is_positive:
+            return -(-self).inverse()
+        if not self.is_positive:
+            return Interval()
+        low = fmpq(0) if self.high is None else 1 / self.high
+        high = None if self.low == 0 or self.low is None else 1 / self.low
+        return Interval(low, high, self.high is None or self.high_open, self.low_open)
+
+    def root(self) -> Interval:
+        """A real root: on the same side of 1."""
+        low = fmpq(1) if self.low is not None and self.low >= 1 else fmpq(0)
+        high = fmpq(1) if self.high is not None and self.high <= 1 else None
+        return Interval(low, high, low == 0 and self.is_positive)
+
+
+End = tuple[fmpq | None, bool]
+
+
+def _product(left: End, right: End) -> End:
+    """The product of two ends, open unless it is taken."""
+    (a, a_open), (b, b_open) = left, right
+    if a is None or b is None:
+        return None, False
+    taken = (not a_open and (a == 0 or not b_open)) or (not b_open and b == 0)
+    return a * b, not taken
+
+
+def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
+    (a, a_open), (b, b_open) = left, right
+    if a is None or b is None:
+        return right if a is None else left
+    if a == b:
+        return a, a_open or b_open
+    return left if extreme(a, b) == a else right
+
+
+UNIT = Interval(fmpq(-1), fmpq(1))
+
+OF_REAL = {
+    **dict.fromkeys(("sin", "cos", "tanh", "jacobi_sn", "jacobi_cn"), UNIT),
+    "sech": Interval(fmpq(0), fmpq(1), True),
+    "cosh": Interval(fmpq(1)),
+}
+"""Where the values at real arguments lie."""
+
+
+def rational(nodes: Nodes, node: int) -> fmpq | None:
+    """The value of a number or of a product of numbers."""
+    match nodes.all[node]:
+        case ("Mul", *factors):
+            values = [nodes.value(factor) for factor in factors]
+            found = [value for value in values if value is not None]
+            return reduce(mul, found) if len(found) == len(values) else None
+    return nodes.value(node)
+
+
+def stated(nodes: Nodes, node: int, weak: bool) -> tuple[int, Interval] | None:
+    """What ``node > 0`` (``weak``: or 0) says of another node: s > r, s < r or s > 0."""
+    terms = nodes.all[node][1:] if nodes.all[node][0] == "Add" else (node,)
+    shifts = [rational(nodes, term) for term in terms]
+    rest = [term for term, shift in zip(terms, shifts, strict=True) if shift is None]
+    if len(rest) != 1:
+        return None
+    shift = sum((value for value in shifts if value is not None), fmpq(0))
+    match nodes.all[rest[0]]:
+        case ("Mul", *factors) if nodes.rational(-1) in factors:
+            others = [f for f in factors if f != nodes.rational(-1)]
+            if len(others) == 1:
+                return others[0], Interval(None, shift, False, not weak)
+    return rest[0], Interval(-shift, None, not weak, False)
+
+
+def of_constant(value: arb) -> Interval:
+    """Rational bounds of a ball."""
+    low, high = ((value * MICRO).floor().unique_fmpz(), (value * MICRO).ceil().unique_fmpz())
+    if not isinstance(low, fmpz) or not isinstance(high, fmpz):
+        return Interval()
+    return Interval(fmpq(int(low), MICRO), fmpq(int(high), MICRO))

@@ -1,0 +1,182 @@
+"""Equations of a statement that are no polynomials in one unknown: what is to be decided of each.
+
+The certificate states the equation with its unknowns, shifts, conjugates and derivatives; the
+checker puts the formulas in.  What SymPy makes of the equation serves to find the generators, and
+the points at which it fails.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+from flint import acb
+from sympy.core.function import AppliedUndef
+
+from derive.algebra.bounded_building import without_sizes
+from derive.algebra.formula_printing import formula_as_text
+
+from .balls import ball_value
+from .domain_signs import DomainSigns
+from .domains import Domains, Point, settled_domains
+from .problem import POINTS, Problem, problem_points
+from .samples import sample
+from .statement_text import Statement
+
+DIVISOR_BITS = (160, 1280)
+
+CONJUGATES = (sp.conjugate, sp.Abs, sp.re, sp.im)
+
+
+@dataclass(frozen=True, repr=False)
+class StatementProblem(Problem):
+    """Do the formulas of ``statement`` make ``left``, one of its equations, vanish?
+
+    ``unknown`` and ``formula`` are those of the first unknown in it.
+    """
+
+    statement: Statement | None = None
+
+    @property
+    def solutions(self) -> dict[AppliedUndef, sp.Expr]:
+        """The unknowns in the equation, with their formulas."""
+        assert self.statement is not None
+        return {u: f for u, f in self.statement.solutions.items() if self.left.has(u.func)}
+
+    @cached_property
+    def substituted(self) -> sp.Expr:
+        """The left-hand side as SymPy puts the formulas in and differentiates."""
+        assert self.statement is not None
+        return residual_of(self.statement, self.left)
+
+    @property
+    def expressions(self) -> list[sp.Expr]:
+        """The formulas and the functions in the equation, wherever they are taken."""
+        found = (with_exponentials(part) for part in self._parts(self.left))
+        return list(dict.fromkeys(found))
+
+    def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
+        """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
+        return ball_value(with_exponentials(self.substituted), point, bits, signs)
+
+    def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:
+        """The formulas in ``node``, conjugated where it says so, and functions of them."""
+        assert self.statement is not None
+        if not node.atoms(AppliedUndef):
+            yield node
+            return
+        if isinstance(node, AppliedUndef):
+            yield residual_of(self.statement, node)
+            return
+        inner = [node.expr] if isinstance(node, sp.Derivative) else node.args
+        size = node.is_Pow and isinstance(node.base, sp.Abs) and node.exp.is_even
+        for part in node.base.args if size else inner:
+            yield from self._parts(part)
+        if size or isinstance(node, CONJUGATES):
+            for part in node.base.args if size else inner:
+                yield from (found.xreplace({sp.I: -sp.I}) for found in self._parts(part))
+        plain = node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer)
+        if not (plain or size or isinstance(node, (sp.Derivative, sp.conjugate))):
+            arguments = (residual_of(self.statement, part) for part in node.args)
+            yield node.func(*arguments, evaluate=False)
+
+
+def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProblem:
+    """The problem that an equation of a statement poses."""
+    unknown, formula = next((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
+    domains = all_domains(statement, equation)
+    points = problem_points(domains, ())
+    said = f"{formula_as_text(equation)} = 0"
+    return StatementProblem(
+        statement.name, said, unknown, formula, equation, domains, points, statement=statement
+    )
+
+
+def all_domains(statement: Statement, *equations: sp.Expr) -> Domains:
+    """The domains of every symbol in the equations and their formulas, and of the variables."""
+    used = [f for u, f in statement.solutions.items() if any(e.has(u.func) for e in equations)]
+    symbols = {s for formula in (*equations, *used) for s in formula.free_symbols}
+    return settled_domains(symbols | set(statement.variables), statement.domains)
+
+
+def undefined(statement: Statement) -> sp.Expr | None:
+    """A divisor of the statement that is not shown to differ from 0 at any drawn point."""
+    points = sample(all_domains(statement, *statement.equations, *statement.divisors), POINTS)
+    for divisor in statement.divisors:
+        value = with_exponentials(residual_of(statement, divisor))
+        if not any(_is_nonzero(value, point) for point in points):
+            return divisor
+    return None
+
+
+def _is_nonzero(value: sp.Expr, point: Point) -> bool:
+    for bits in DIVISOR_BITS:
+        with suppress(ValueError, ZeroDivisionError):
+            ball = ball_value(value, point, bits)
+            if ball.is_finite() and not ball.contains(0):
+                return True
+    return False
+
+
+def with_exponentials(expression: sp.Expr) -> sp.Expr:
+    """The expression with x**k as exp(k*log(x)), which is what it means."""
+    if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
+        return expression
+    images: dict[sp.Expr, sp.Expr] = {}
+
+    def image(node: sp.Expr) -> sp.Expr:
+        if node not in images:
+            arguments = [image(argument) for argument in node.args]
+            if node.is_Pow and _is_symbolic(node):
+                base, exponent = arguments
+                logarithm = sp.log(base, evaluate=False)
+                images[node] = sp.exp(exponent * logarithm, evaluate=False)
+            elif not arguments or arguments == list(node.args):
+                images[node] = node
+            else:
+                options = {"evaluate": False} if node.is_Function else {}
+                images[node] = node.func(*arguments, **options)
+        return images[node]
+
+    return image(expression)
+
+
+def _is_symbolic(power: sp.Pow) -> bool:
+    """Whether a power is to no number, and neither one of e nor of -1 to an integer."""
+    whole = power.base is sp.S.NegativeOne and power.exp.is_integer
+    return not (power.exp.is_Rational or power.base is sp.E or whole)
+
+
+def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
+    """The left-hand side with the formulas in the places of the unknowns.
+
+    >>> from verify.proof.statement_text import read_statement
+    >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
+    >>> residual_of(statement, statement.equations[0])
+    0
+    """
+    formulas = {unknown.func: (unknown.args, f) for unknown, f in statement.solutions.items()}
+    images: dict[sp.Expr, sp.Expr] = {}
+
+    def image(node: sp.Expr) -> sp.Expr:
+        if node not in images:
+            images[node] = made(node)
+        return images[node]
+
+    def made(node: sp.Expr) -> sp.Expr:
+        if isinstance(node, sp.Derivative):
+            found = sp.diff(without_sizes(image(node.expr)), *node.variables)
+            if found.has(sp.Derivative, sp.Subs):
+                raise ValueError(f"derivatives must be known, got {formula_as_text(found)[:80]}")
+            return found
+        if isinstance(node, AppliedUndef):
+            arguments, formula = formulas[node.func]
+            return formula.subs(dict(zip(arguments, node.args, strict=True)), simultaneous=True)
+        if not node.args:
+            return node
+        return node.func(*map(image, node.args))
+
+    return image(equation)

@@ -1,0 +1,120 @@
+"""The search for wrong verdicts on text: systems, complex fields, compositions, shifts.
+
+The prover gets the texts alone, as a person would type them; what it answers is compared with what
+the statement is by construction, and a witness with the residual that the judge finds there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import random
+import time
+from collections.abc import Iterable
+from fractions import Fraction
+
+from derive.algebra.formula_text import FormulaError
+from verify.processes import OutOfTime, time_limit
+from verify.proof.statement_verdict import prove
+from verify.studies.statements.library import statement
+from verify.studies.statements.random_statement import RandomStatement, Truth
+from verify.studies.texts.ball_judge import Judge, Unsaid
+from verify.studies.texts.text_library import TEXT_KINDS, text_statement
+from verify.studies.texts.text_statement import TextStatement
+from verify.studies.verdict_search import LIMIT, Judgement, Mark, judge
+from verify.verdict import Outcome, ProofVerdict
+
+SEARCH_KINDS = ("real", *TEXT_KINDS)
+"""``real``: one real unknown, equations and formulas as SymPy objects."""
+
+
+def ask_text(given: TextStatement) -> ProofVerdict:
+    """The prover's verdict on the texts."""
+    return prove(
+        list(given.equations),
+        list(given.solutions),
+        parameters=given.parameters,
+        domain=given.domain,
+    )
+
+
+def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
+    """Ask the prover and compare with the truth; every error is caught and told."""
+    start = time.process_time()
+    try:
+        with time_limit(limit):
+            verdict = ask_text(given)
+        mark, words = marked_text(given, verdict)
+    except OutOfTime:
+        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
+    except FormulaError as error:
+        mark = Mark.RIGHT if given.truth is Truth.VOID else Mark.UNDECIDED
+        words = f"refused: {error}"
+    except Exception as error:  # a crash of the prover is a finding, not the end of the search
+        mark, words = Mark.ERROR, f"{type(error).__name__}: {error}"
+    seconds = time.process_time() - start
+    return Judgement(given.kind, given.truth, given.seed, given.index, mark, True, words, seconds)
+
+
+def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
+    """Whether a verdict is right, and why not."""
+    outcome, truth = verdict.outcome, given.truth
+    if outcome is Outcome.UNDECIDED:
+        return (Mark.RIGHT if truth is Truth.VOID else Mark.UNDECIDED), verdict.detail
+    if outcome is Outcome.PROVED:
+        shown = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
+        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{shown}")
+    witness = dict(verdict.witness or {})
+    if truth is Truth.VOID:
+        return Mark.WRONG, f"REFUTED at {witness}, where nothing is defined"
+    return _witnessed(given, witness)
+
+
+def point_text(given: TextStatement) -> str:
+    """The counterexample of a false statement in words."""
+    return ", ".join(f"{key} = {value}" for key, value in (given.counterexample or {}).items())
+
+
+def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str]:
+    """What a refutation is worth, by the residual at its witness.
+
+    A letter that the witness leaves out may have any value of its range.
+    """
+    point = dict(given.point(random.Random(given.index)))
+    for letter in given.letters:
+        if letter.name not in witness:
+            continue
+        value = point[letter.name] = Fraction(witness[letter.name])
+        if not letter.holds(value):
+            return Mark.WRONG, f"REFUTED at {witness}, where {letter.name} is not in its range"
+    try:
+        fails = Judge(given).fails_at(point)
+    except Unsaid as reason:
+        return Mark.UNJUDGED, f"REFUTED at {witness}; the judge cannot say: {reason}"
+    if not fails:
+        return Mark.WRONG, f"REFUTED at {witness}, where the residual is 0 as far as can be seen"
+    if given.truth is Truth.TRUE:
+        return Mark.ERROR, f"called true, but it fails at {witness}"
+    return Mark.RIGHT, ""
+
+
+def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextStatement:
+    """The statement of a kind of `SEARCH_KINDS`."""
+    return statement(seed, index) if kind == "real" else text_statement(kind, seed, index)
+
+
+def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
+    """The judgement of that statement."""
+    given = any_statement(kind, seed, index)
+    return judge(given, limit) if isinstance(given, RandomStatement) else judge_text(given, limit)
+
+
+def kind_of(judgement: Judgement) -> str:
+    """The kind of `SEARCH_KINDS` that a judged statement is of."""
+    top = judgement.kind.partition(":")[0]
+    return top if top in TEXT_KINDS else "real"
+
+
+def digest(found: Iterable[Judgement]) -> str:
+    """A number of what became of each statement; in another order it is the same."""
+    lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
