@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq
 
 from verify.proof.checker.check import registered
 from verify.proof.checker.derivations import Slopes
@@ -31,7 +31,7 @@ from .terms import Definition, Rate, Relation, SlopeAxiom, Step, Term, Vanishing
 class TracedElement(Element):
     """A fraction of the checker's ring with the term that it was made by."""
 
-    term: Term = terms.number(0)
+    term: Term = ("number", fmpq(0))
 
     @property
     def plain(self) -> Element:
@@ -203,7 +203,7 @@ class TracedSlopes(Slopes):
         return self._left(super()._rate(node, variable), self._field.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
-        """The derivative of ``element`` that the script takes itself; its known ``value`` if not."""
+        """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
         if not element.places:
             return self._field.zero
         axis, term = self._field.axis(variable), term_of(element)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from .terms import (
-    NAMES,
     Definition,
     Powers,
     Rate,
@@ -14,6 +13,7 @@ from .terms import (
     SlopeAxiom,
     Step,
     Term,
+    Vanishing,
     WrittenProof,
     engine_text,
     name_of,
@@ -29,43 +29,37 @@ class Language:
 
     comment: Callable[[str], str]
     engine: str
-    assign: str
-    end: str
-    derivative: str
     head: Callable[[WrittenProof], list[str]]
     body: Callable[[list[str]], list[str]]
 
 
 def script(proof: WrittenProof, language: Language) -> str:
     """A self-contained script that prints "accepted" or "rejected"."""
-    comments = plain_lines(proof)
     lines = [
-        *(language.comment(line) for line in comments),
+        *(language.comment(line) for line in plain_lines(proof)),
         *language.head(proof),
         engine_text(language.engine),
-        *language.body([_step(step, language) for step in proof.steps]),
+        *language.body([_step(step) for step in proof.steps]),
     ]
     return "\n".join(lines) + "\n"
 
 
-def call(term: Term, language: Language) -> str:
+def call(term: Term) -> str:
     """A term as nested calls."""
     match term:
         case ("number", value):
             return f"num({value})"
         case ("generator", place):
-            return f"num(g{place})"
+            return f"gen({place})"
         case (("node" | "jet"), _):
-            return name_of(term)
+            return f'get("{name_of(term)}")'
         case ("power", base, exponent):
-            return f"pow({call(base, language)}, {exponent})"
+            return f"pow({call(base)}, {exponent})"
+        case ("slope", axis, (("node" | "jet"), _) as inner):
+            return f'derOf({axis + 1}, "{name_of(inner)}")'
         case ("slope", axis, inner):
-            if inner[0] in NAMES and inner[0] != "generator":
-                name = name_of(inner)
-                return f'{language.derivative}({axis + 1}, "{name}", {name})'
-            return f"der({axis + 1}, {call(inner, language)})"
-    inner_calls = ", ".join(call(part, language) for part in term[1:])
-    return f"{CALLS[term[0]]}({inner_calls})"
+            return f"der({axis + 1}, {call(inner)})"
+    return f"{CALLS[term[0]]}({', '.join(map(call, term[1:]))})"
 
 
 def infix(term: Term) -> str:
@@ -84,19 +78,19 @@ def infix(term: Term) -> str:
     raise AssertionError(term[0])
 
 
-def _step(step: Step, language: Language) -> str:
-    written = _cut(call(step.term, language), getattr(step, "below", None))
+def _step(step: Step) -> str:
+    if isinstance(step, Vanishing):
+        return f"vanish({call(step.term)})"
+    value = _cut(call(step.term), step.below)
     match step:
         case Definition():
-            return f"{name_of(step.name)} {language.assign} {written}{language.end}"
+            return f'put("{name_of(step.name)}", {value})'
         case Relation():
-            return f"rule(g{step.generator}, {step.degree}, {written}){language.end}"
+            return f"rule({step.generator}, {step.degree}, {value})"
         case SlopeAxiom():
-            return f"slope({step.variable + 1}, {step.generator + 1}, {written}){language.end}"
+            return f"slope({step.variable + 1}, {step.generator}, {value})"
         case Rate():
-            name = name_of(step.name)
-            return f'rate({step.variable + 1}, "{name}", {name}, {written}){language.end}'
-    return f"vanish({written}){language.end}"
+            return f'rate({step.variable + 1}, "{name_of(step.name)}", {value})'
 
 
 def _cut(text: str, below: Powers) -> str:
@@ -112,13 +106,18 @@ def _pari_head(proof: WrittenProof) -> list[str]:
         f"[{', '.join(f'g{i}' for i in order)}];",
         f"G = [{', '.join(f'g{i}' for i in range(count))}];",
         f"F = [{', '.join(map(infix, proof.denominators))}];",
-        f"R = []; N = Map(); S = matrix({size}, #G); W = matrix({size}, max(#F, 1));",
+        f"R = []; V = Map(); N = Map(); S = matrix({size}, #G); W = matrix({size}, max(#F, 1));",
     ]
 
 
 def _pari_body(steps: list[str]) -> list[str]:
-    last = 'iferr(run(); print("accepted"), err, print("rejected"))'
-    return ["run() = {", *steps, "}", last]
+    return [
+        "run() = {",
+        *(f"{step};" for step in steps),
+        "}",
+        'answer(e) = if(setsearch(["e_MEM", "e_STACK"], errname(e)), "no answer", "rejected");',
+        'iferr(run(); print("accepted"), e, print(answer(e)))',
+    ]
 
 
 def _maxima_head(proof: WrittenProof) -> list[str]:
@@ -133,12 +132,12 @@ def _maxima_head(proof: WrittenProof) -> list[str]:
 
 
 def _maxima_body(steps: list[str]) -> list[str]:
-    last = 'print(if errcatch(run()) = [] then "rejected" else "accepted")$'
-    body = ",\n".join(step.removesuffix("$") for step in steps)
-    return [f"run() := (\n{body})$", last]
+    body = ",\n".join(steps)
+    return [
+        f"run() := (\n{body},\ntrue)$",
+        'print(if errcatch(run()) = [true] then "accepted" else "rejected")$',
+    ]
 
 
-PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", "=", ";", "derOf", _pari_head, _pari_body)
-MAXIMA = Language(
-    lambda line: f"/* {line} */", "engine.mac", ":", "$", "der_of", _maxima_head, _maxima_body
-)
+PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", _pari_head, _pari_body)
+MAXIMA = Language(lambda line: f"/* {line} */", "engine.mac", _maxima_head, _maxima_body)

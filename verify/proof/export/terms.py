@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from textwrap import wrap
+from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
-Leaf = fmpq | int
-Term = tuple[str, *tuple["Leaf | Term", ...]]
-"""``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``, ``("product", ...)``,
-``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or ``("slope", v, a)``."""
+Term = tuple[Any, ...]
+"""``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``,
+``("product", ...)``, ``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or
+``("slope", v, a)``, the derivative of a along the variable of that place."""
 
 Powers = tuple[int, ...] | None
 """Exponents of the denominators that a value is written over, where they are known."""
@@ -21,7 +22,7 @@ Powers = tuple[int, ...] | None
 
 @dataclass(frozen=True)
 class Definition:
-    """``name``, a node or jet, is ``term``; its value is written over the ``below`` powers of denominators."""
+    """``name``, a node or jet, is ``term``; ``below`` are the denominators of its value."""
 
     name: Term
     term: Term
