@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +21,7 @@ from verify.cli.published import chosen
 from verify.cli.statements import decided
 from verify.proof import CertificateError
 from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.proof.export.systems import ACCEPTED, REJECTED, SYSTEMS, answer, exported
+from verify.proof.export.systems import ACCEPTED, NO_ANSWER, REJECTED, SYSTEMS, answer, exported
 from verify.verdict import Outcome
 
 LIMIT = 120.0
@@ -75,16 +76,15 @@ def install_systems() -> None:
     packages = [system.package for system in SYSTEMS.values() if not system.is_there]
     if not packages:
         return
-    console = table_console()
-    may = not os.environ.get(NO_APT) and shutil.which("apt-get") and os.geteuid() == 0
-    if may:
-        print_lines(console, [f"installing {' '.join(packages)} with apt-get ({NO_APT}=1 forbids)"])
+    if not os.environ.get(NO_APT) and shutil.which("apt-get") and os.geteuid() == 0:
+        said = f"installing {' '.join(packages)} with apt-get ({NO_APT}=1 forbids)"
+        print(said, file=sys.stderr)
         settings = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        for words in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
-            subprocess.run(["apt-get", "-qq", *words], env=settings, check=False)
+        for words in ("update", f"install -y --no-install-recommends {' '.join(packages)}"):
+            subprocess.run(["apt-get", "-qq", *words.split()], env=settings, check=False)
     missing = [system.package for system in SYSTEMS.values() if not system.is_there]
     if missing:
-        print_lines(console, [f"not installed: {', '.join(missing)} (Debian's packages)"])
+        print(f"not installed: {', '.join(missing)} (install these packages)", file=sys.stderr)
 
 
 Proofs = list[tuple[str, Sequence[Mapping[str, Any]]]]
@@ -121,7 +121,7 @@ def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
 
 def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Rechecked:
     found = {system: _answers(certificates, system, limit) for system in SYSTEMS}
-    worst = {system: _worst([word for word, _ in said]) for system, said in found.items()}
+    worst = {system: worst_of([word for word, _ in said]) for system, said in found.items()}
     return Rechecked(name, worst, sum(taken for said in found.values() for _, taken in said))
 
 
@@ -137,12 +137,12 @@ def _answers(
     return [answer(text, system, limit) for text in texts]
 
 
-def _worst(words: Sequence[str]) -> str:
+def worst_of(words: Sequence[str]) -> str:
     """One word for all parts of a statement: accepted only if each of them is."""
     if REJECTED in words:
         return REJECTED
     others = [word for word in words if word != ACCEPTED]
-    return others[0] if others or not words else ACCEPTED
+    return [*others, ACCEPTED][0] if words else NO_ANSWER
 
 
 def rechecked_table(found: Sequence[Rechecked]) -> Table:

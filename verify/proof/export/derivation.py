@@ -404,7 +404,10 @@ def _over(step: Step, value: Element | None, divisors: Sequence[int]) -> Step:
     """A step with the exponents of the denominators that its value is written over."""
     if value is None or isinstance(step, Vanishing):
         return step
-    return replace(step, below=tuple(value.powers.get(place, 0) for place in divisors))
+    below = [value.powers.get(place, 0) for place in divisors]
+    while below and below[-1] == 0:
+        below.pop()
+    return replace(step, below=tuple(below))
 
 
 def _wanted(steps: Sequence[Step]) -> Iterator[Step]:

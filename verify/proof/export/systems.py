@@ -84,25 +84,23 @@ def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
         file = f"proof{found.ending}"
         (Path(folder) / file).write_text(text, encoding="ascii")
         begun = time.monotonic()
-        process = subprocess.Popen(
+        with subprocess.Popen(
             found.command(file),
             cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-        )
-        try:
-            output, _ = process.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            return NO_ANSWER, seconds
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-    return _understood(output.decode(errors="replace"), process.returncode), (
-        time.monotonic() - begun
-    )
+        ) as process:
+            try:
+                output, _ = process.communicate(timeout=seconds)
+            except subprocess.TimeoutExpired:
+                return NO_ANSWER, seconds
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+        taken = time.monotonic() - begun
+    return _understood(output.decode(errors="replace"), process.returncode), taken
 
 
 def _understood(output: str, status: int) -> str:

@@ -17,7 +17,8 @@ Term = tuple[Any, ...]
 ``("slope", v, a)``, the derivative of a along the variable of that place."""
 
 Powers = tuple[int, ...] | None
-"""Exponents of the denominators that a value is written over, where they are known."""
+"""Exponents of the denominators that a value is written over, where they are known; the last are
+not 0."""
 
 
 @dataclass(frozen=True)
