@@ -23,7 +23,7 @@ _NOUNS = {
     "mkdv_normal_form reduce",
     "solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
     "verify.proof": "check_certificate prove_equal",
-    "verify.proof.statement_verdict": "prove",
+    "verify.proof.text_prover": "prove",
     "verify.verdict": "Verdict",
     "longwave.plotting": "plot",
     "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "

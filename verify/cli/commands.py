@@ -46,7 +46,7 @@ _only = click.option(
 )
 
 
-STATEMENT_OPTIONS = ("parameters", "domain", "limit", "latex")
+STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
 """What is said of a statement in text, and of no closed form."""
 
 
@@ -59,6 +59,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "limit", "latex")
 @click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
 @click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
 @click.option("--domain", metavar="TEXT", help="Of x, y, z, t and n, as t > 0.")
+@click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
 @click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
 @click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
@@ -111,6 +112,8 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
         (not library and len(files) < len(names), "FILE.toml", "names of forms"),
         (stated and options["parameters"], "--parameters", stated),
         (stated and options["domain"], "--domain", stated),
+        (stated and options["solve"], "--solve", stated),
+        (scripts and options["solve"], "--solve", "--export"),
         (options["json_wanted"] and options["latex"], "--json", "--latex"),
         (options["certificate"] and written and not scripts, "--certificate", "--output"),
     ):

@@ -6,6 +6,7 @@ equation = "u_t + 6*u*u_x + u_xxx"          # or a list
 solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
 parameters = "k: k>0"
 domain = "t > 0"
+solve = "k"                                 # parameters whose values are asked for
 source = "free text"
 expect = "PROVED"
 
@@ -37,7 +38,7 @@ NAME_LENGTH = 100
 FORMULAS = ("equation", "solution")
 """The keys of a problem with one text or a list."""
 
-TEXTS = ("name", "parameters", "domain", "source", "expect")
+TEXTS = ("name", "parameters", "domain", "solve", "source", "expect")
 """The keys of a problem with one text."""
 
 REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
@@ -74,6 +75,7 @@ class ProblemText:
     solution: tuple[str, ...]
     parameters: str = ""
     domain: str = ""
+    solve: str = ""
     source: str = ""
     expect: str = ""
     equation_name: str = ""
@@ -86,7 +88,8 @@ class ProblemText:
         """Read the formulas; raises FormulaError with the problem's place and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
-            return StatedProblem(read_statement(*texts, name=self.name), self.expect, self.source)
+            statement = read_statement(*texts, name=self.name, solve=self.solve)
+            return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
             raise error.within(f"{self.where} ({self.name})") from None
 

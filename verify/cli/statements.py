@@ -28,16 +28,17 @@ from verify.cli.problem_file import StatedProblem, read_problems
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
 from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
+from verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from verify.proof.near_misses import SECONDS as HINT_SECONDS
 from verify.proof.near_misses import with_hint
 from verify.proof.statement_text import Statement, read_statement
 from verify.proof.statement_verdict import (
-    NOTES,
+    NOTE,
     StatementVerdict,
-    decide_statement,
     undecided,
     verified_sentence,
 )
+from verify.proof.text_prover import answer
 from verify.verdict import Outcome
 
 LIMIT = 60.0
@@ -80,6 +81,7 @@ class Options:
     limit: float | None = None
     system: str | None = None
     scripts: str | None = None
+    solve: str | None = None
 
 
 def print_statement_verdicts(options: Options, program: str) -> int:
@@ -126,7 +128,11 @@ def _problems(options: Options) -> list[StatedProblem]:
     if options.files:
         return [problem for path in options.files for problem in read_problems(Path(path))]
     statement = read_statement(
-        options.equations, options.solutions, options.parameters or "", options.domain or ""
+        options.equations,
+        options.solutions,
+        options.parameters or "",
+        options.domain or "",
+        solve=options.solve or "",
     )
     return [StatedProblem(statement)]
 
@@ -161,7 +167,7 @@ def decided(
     """
     if not hasattr(os, "fork"):
         for place, problem in enumerate(problems):
-            yield place, with_hint(problem.statement, decide_statement(problem.statement))
+            yield place, with_hint(problem.statement, answer(problem.statement))
         return
     waiting = iter(enumerate(problems))
     running: dict[Connection, _Running] = {}
@@ -238,7 +244,7 @@ def _decide(statement: Statement, limit: float, writing: Connection) -> None:
 
     try:
         with time_limit(limit, passing=True):
-            verdict = decide_statement(statement, tell)
+            verdict = answer(statement, tell)
     except OutOfTime as error:
         words = f"no verdict within {limit:g} s (it had come to {stage[0]}"
         verdict = undecided(statement, f"{words}{_doing(error.__traceback__)})", limit)
@@ -286,8 +292,7 @@ def _print(found: Sequence[tuple[StatedProblem, StatementVerdict]], options: Opt
         print(json.dumps(records, indent=2))
         return
     if options.latex:
-        sentences = [verified_sentence(problem.statement, verdict) for problem, verdict in found]
-        print("\n\n".join(sentences))
+        print("\n\n".join(_sentence(problem.statement, verdict) for problem, verdict in found))
         return
     console = table_console()
     for problem, verdict in found:
@@ -296,6 +301,12 @@ def _print(found: Sequence[tuple[StatedProblem, StatementVerdict]], options: Opt
         print_lines(console, _lines(problem, verdict))
     if len(found) != 1:
         print_lines(console, [summary([verdict for _, verdict in found], "statement")])
+
+
+def _sentence(statement: Statement, verdict: StatementVerdict) -> str:
+    if isinstance(verdict, ConditionalVerdict):
+        return conditional_sentence(verdict)
+    return verified_sentence(statement, verdict)
 
 
 def _record(problem: StatedProblem, verdict: StatementVerdict) -> dict[str, Any]:
@@ -309,15 +320,17 @@ def _record(problem: StatedProblem, verdict: StatementVerdict) -> dict[str, Any]
 
 def _lines(problem: StatedProblem, verdict: StatementVerdict) -> list[str]:
     """The verdict in words: where it holds or fails, and what else there is to say."""
-    first = verdict.detail
-    if verdict.outcome is Outcome.PROVED:
+    first, *more = [verdict.detail]
+    if isinstance(verdict, ConditionalVerdict):
+        first, *more = verdict.lines()
+    elif verdict.outcome is Outcome.PROVED:
         first = verdict.assumptions[0]
     expected = "" if _is_met(problem, verdict) or not problem.expect else problem.expect
-    lines = [f"{verdict.name}: {first}"]
+    lines = [f"{verdict.name}: {first}", *more]
     if verdict.witness:
         lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
-    lines += [line for line in verdict.assumptions if line in NOTES]
+    lines += [line for line in verdict.assumptions if line == NOTE]
     lines += [verdict.hint] if verdict.hint else []
     lines += [f"expected was {expected}"] if expected else []
     return [lines[0], *(f"    {line}" for line in lines[1:])]

@@ -13,6 +13,7 @@ from math import lcm
 import sympy as sp
 from flint import fmpz_mat
 
+from solutions.functions import jacobi_eta, jacobi_theta
 from solutions.functions.jacobi import JacobiFunction
 
 
@@ -55,6 +56,9 @@ Vector = dict[sp.Expr, sp.Rational]
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 KEPT = (sp.log, sp.atan, *INVERSE)
 """Functions that stay as they are written, as their exponentials are known."""
+
+TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
+"""Half a turn, and the shares of it whose exponentials are known."""
 
 LONGEST = 60
 """Operations of a quotient that common factors are looked for in."""
@@ -138,10 +142,10 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 
 
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
-    """Whether the exponential of ``value * term`` is algebraic: of log f, or of 2 i atan f."""
+    """Whether the exponential of ``value * term`` is algebraic: of log f, i atan f or i pi."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
     turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
-    return bool(isinstance(term, sp.log) or turned)
+    return bool(isinstance(term, sp.log) or turned or (term == TURN and value.q in UNITY))
 
 
 def _nesting(expression: sp.Expr) -> int:
@@ -243,11 +247,13 @@ class Arguments:
         self._exponents: dict[sp.Expr, None] = {}
         self._parts: defaultdict[tuple[bool, sp.Expr], dict[sp.Expr, None]] = defaultdict(dict)
         self._radicands: dict[sp.Expr, None] = {}
+        self._shifts: defaultdict[sp.Expr, dict[sp.Expr, None]] = defaultdict(dict)
         seen: set[sp.Basic] = set()
         for expression in expressions:
             self._visit(expression, seen)
         self.exponents = IntegerCombinations(self._exponents)
         self._combined = {key: IntegerCombinations(parts) for key, parts in self._parts.items()}
+        self._steps = {m: IntegerCombinations(shifts) for m, shifts in self._shifts.items()}
         self.circles = {base.free_symbols.pop() for base in self._radicands if self._closes(base)}
 
     def moving(self, m: sp.Expr) -> IntegerCombinations:
@@ -262,6 +268,13 @@ class Arguments:
         """``argument`` as a sum of a variable and a constant part."""
         constant, variable = self.dependence.summands(sp.expand(argument))
         return variable, constant
+
+    def steps(self, shift: sp.Expr, m: sp.Expr) -> tuple[sp.Expr, int]:
+        """The step and its multiple that a constant shift of theta's argument is."""
+        combinations = self._steps[m]
+        pairs = zip(combinations.basis, combinations.coordinates(shift), strict=True)
+        found = [(step, times) for step, times in pairs if times]
+        return found[0] if len(found) == 1 else (shift, int(shift != 0))
 
     def exponent(self, z: sp.Expr) -> tuple[sp.Expr, Vector]:
         """An exponent without logarithms, and those with their factors."""
@@ -282,6 +295,8 @@ class Arguments:
             self._exponents[self.exponent(sp.I * node.args[0])[0]] = None
         elif isinstance(node, JacobiFunction):
             argument, m = node.args
+            if isinstance(node, jacobi_theta | jacobi_eta):
+                self._shifts[m][self.parts(argument)[1]] = None
             for moves, part in zip((True, False), self.parts(argument), strict=True):
                 if part != 0:
                     self._parts[moves, m][part] = None

@@ -76,6 +76,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
 def statement_data(problem: Problem, table: NodeTable) -> Data:
     """What a certificate states, as places in ``table``."""
     taken = {symbol.name for symbol in problem.domains}
+    variables = [table.place(variable) for variable in problem.variables]
     unknowns = []
     for unknown, formula in problem.solutions.items():
         name = unknown.func.__name__
@@ -83,7 +84,7 @@ def statement_data(problem: Problem, table: NodeTable) -> Data:
             name += "_"
         unknowns.append([name, table.place(formula)])
     return {
-        "variables": [table.place(variable) for variable in problem.variables],
+        "variables": variables,
         "unknowns": unknowns,
         "equations": [_equation_data(problem, table)],
         "domain": _domain_data(problem.domains, table),

@@ -131,35 +131,38 @@ class EllipticSearch:
         return self._moving and self._arguments.dependence.moves(node)
 
     def _theta(self, z: sp.Expr, m: sp.Expr) -> None:
+        """Theta here and one step on, and from there step by step by the product theorem."""
         variable, constant = self._arguments.parts(z)
-        if variable == 0:
-            self._writer.atom(self._place(jacobi_theta(constant, m)))
-            return
         basis = self._arguments.moving(m).basis
         if -variable in basis:
             variable, constant = -variable, -constant
-        if variable not in basis:
+        if variable != 0 and variable not in basis:
             raise ValueError(f"theta of a multiple of another argument: theta({z})")
+        step, times = self._arguments.steps(constant, m)
+        if variable == 0 and times < 0:
+            times = -times
         here = self._place(jacobi_theta(variable, m))
         if self._moves(variable):
             self._need(jacobi_zeta(variable, m))
         self._writer.atom(here)
-        if constant == 0:
-            return
-        shift = -constant if constant.could_extract_minus_sign() else constant
-        self._quotient(variable, shift, m, here)
-        if shift != constant:
-            for part in (jacobi_theta(shift, m), jacobi_theta(0, m)):
+        if times and variable != 0:
+            self._quotient(variable, step, m, here)
+        if times not in (0, 1) or (times and variable == 0):
+            for part in (jacobi_theta(step, m), jacobi_theta(0, m)):
                 self._writer.atom(self._place(part))
-            for argument in (variable, shift):
-                self._need(argument)
-                self._station(argument, m, None)
-            ends = [self._place(variable), self._place(shift)]
-            if sp.expand(z - variable + shift) != 0:
-                ends.reverse()
-            pair = [["1", ends[0]], ["-1", ends[1]]]
-            node = self._made("jacobi_theta", self._place(z), self._place(m))
-            self._writer.hints["sums"][node] = pair
+        side = 1 if times > 0 else -1
+        for j in range(2 if side > 0 else -1, times + side, side):
+            self._next_theta(variable + (j - side) * step, side * step, m)
+
+    def _next_theta(self, u: sp.Expr, step: sp.Expr, m: sp.Expr) -> None:
+        """Theta one step on from ``u``, given here and one step back."""
+        back, total = -step, sp.expand(u + step)
+        for argument in (u, step, back):
+            self._need(argument)
+            self._station(argument, m, None)
+        pair = [["1", self._place(u)], ["-1", self._place(back)]]
+        node = self._made("jacobi_theta", self._place(total), self._place(m))
+        self._writer.hints["sums"][node] = pair
 
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
         total = self._made("Add", self._place(u), self._place(d))

@@ -13,7 +13,7 @@ from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, Arguments, definition
+from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, TURN, Arguments, definition
 from .certificate_writer import Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
@@ -238,6 +238,8 @@ class GeneratorSearch:
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
+            elif logarithm == TURN:
+                self.need(sp.exp(q * TURN) if q.q < 3 else sp.cos(q * sp.pi) + sp.sin(q * sp.pi))
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)

@@ -57,7 +57,7 @@ def with_hint(
     >>> with_hint(wrong, decide_statement(wrong)).hint
     'it holds with -t in the place of t'
     """
-    if verdict.outcome is not Outcome.REFUTED:
+    if verdict.outcome is not Outcome.REFUTED or statement.wanted:
         return verdict
     end = time.perf_counter() + seconds
     for miss in islice(near_misses(statement), VARIANTS):

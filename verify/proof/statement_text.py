@@ -68,7 +68,8 @@ class Statement:
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
     its formula.  ``domains`` has every variable and parameter that is not all real numbers;
-    ``divisors`` is what the texts divide by or take the logarithm of.
+    ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
+    which the values are asked for, rather than taken as any.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Statement:
     solutions: Mapping[AppliedUndef, sp.Expr]
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
+    wanted: tuple[sp.Symbol, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -93,8 +95,9 @@ def read_statement(
     domain: str = "",
     *,
     name: str = "statement",
+    solve: str = "",
 ) -> Statement:
-    """The statement that the texts make.
+    """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
 
     Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
     declared twice, misread or not used, an unknown without a solution, a solution with an unknown
@@ -110,7 +113,8 @@ def read_statement(
     solutions = [p for t in _texts(solution, "solution") for p in text_parts(t, "solution")]
     entries = list(text_parts(parameters, "parameters", ";"))
     limits = list(text_parts(domain, "domain", ";", ","))
-    return _Reading(name, equations, solutions, entries, limits).statement()
+    wanted = list(text_parts(solve, "solve", ","))
+    return _Reading(name, equations, solutions, entries, limits, wanted).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -130,6 +134,7 @@ class _Reading:
     solutions: list[TextPart]
     entries: list[TextPart]
     limits: list[TextPart]
+    asked: list[TextPart]
     names: dict[str, sp.Expr] = field(default_factory=dict)
     declared: dict[str, TextPart] = field(default_factory=dict)
     variables: dict[str, sp.Symbol] = field(default_factory=dict)
@@ -155,7 +160,12 @@ class _Reading:
         equations = tuple(self._equation(part) for part in self.equations)
         self._check_use()
         self._check_domains()
-        return Statement(self.name, equations, solutions, self.domains, tuple(self.divisors))
+        wanted = tuple(self._wanted(part) for part in self.asked)
+        for place, symbol in enumerate(wanted):
+            if symbol in wanted[:place]:
+                raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
+        divisors = tuple(self.divisors)
+        return Statement(self.name, equations, solutions, self.domains, divisors, wanted)
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""
@@ -377,6 +387,14 @@ class _Reading:
             raise ValueError(f"expected '(' behind the function {name}")
         self.names[name] = sp.Symbol(name, real=True)
         return self.names[name]
+
+    def _wanted(self, part: TextPart) -> sp.Symbol:
+        """The parameter that is to be solved for."""
+        found = self.names.get(part.words[0].text)
+        if len(part.words) > 2 or not isinstance(found, sp.Symbol):
+            known = ", ".join(n for n, value in self.names.items() if value.is_Symbol) or "none"
+            raise part.error(f"expected a parameter ({known}), got {part.words[0]}")
+        return found
 
     def _check_use(self) -> None:
         for name, entry in self.declared.items():

@@ -32,7 +32,7 @@ from .statement_problem import (
     undefined,
     with_exponentials,
 )
-from .statement_text import Statement, read_statement
+from .statement_text import Statement
 
 Progress = Callable[[str], None]
 
@@ -41,19 +41,10 @@ SMOOTH = "wherever the formulas are smooth"
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
-NOTES = (
-    "the formulas were put into the equation and differentiated by SymPy",
-    "the formulas were put in and differentiated, and multiple angles expanded, by SymPy",
-)
+NOTE = "the formulas were put into the equation and differentiated by SymPy"
 """What a certificate of residual = 0 does not hold."""
 
 WITNESS_BITS = (160, 640)
-
-LARGEST_MULTIPLE = 12
-"""Of an angle that is expanded."""
-
-ANGULAR = (sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh)
-INVERSE = (sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 
 
 @dataclass(frozen=True)
@@ -82,49 +73,6 @@ class StatementVerdict(ProofVerdict):
             "statement": self.statement,
             "certificates": [certificate["digest"] for certificate in self.certificates],
         }
-
-
-def prove(
-    equation: Any, solution: Any, *, parameters: str = "", domain: str = "", **options: Any
-) -> ProofVerdict:
-    """Decide whether a formula solves an equation, both in text or both as SymPy objects.
-
-    Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
-    SymPy objects and their options are those of `verify.proof.prover.prove`.
-
-    Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
-
-    >>> prove("u_t + c*u_x", "u = sin(x - c*t)").outcome
-    <Outcome.PROVED: 'PROVED'>
-    >>> prove("u_x - 1", "u = sqrt(x**2)").outcome, prove("u_x - 1", "u = x").outcome
-    (<Outcome.REFUTED: 'REFUTED'>, <Outcome.PROVED: 'PROVED'>)
-    """
-    textual = [_is_text(equation), _is_text(solution)]
-    if not any(textual):
-        if parameters or domain:
-            raise ValueError(
-                "parameters and domain must be left out with SymPy objects, got "
-                f"{parameters or domain!r} (give domains={{symbol: sympy.Interval(...)}})"
-            )
-        return prover.prove(equation, solution, **options)
-    if not all(textual):
-        raise TypeError(
-            "equation and solution must be of one kind, got text and a SymPy object "
-            "(write both as text)"
-        )
-    wrong = sorted(options.keys() - {"name"})
-    if wrong:
-        raise TypeError(
-            f"options beside texts must be parameters, domain and name, got {wrong[0]} "
-            "(say it in parameters)"
-        )
-    return decide_statement(read_statement(equation, solution, parameters, domain, **options))
-
-
-def _is_text(given: object) -> bool:
-    return isinstance(given, str) or (
-        isinstance(given, (list, tuple)) and all(isinstance(part, str) for part in given)
-    )
 
 
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
@@ -196,7 +144,7 @@ def equation_text(equation: sp.Expr) -> str:
 def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     """The verdict on one equation, in the first way that decides."""
     reasons: list[str] = []
-    for way in (_as_it_is, _by_substitution, _by_residual, _by_angles):
+    for way in (_as_it_is, _by_substitution, _by_residual):
         try:
             verdict = way(statement, equation)
         except (ValueError, TypeError, RecursionError, NotImplementedError) as error:
@@ -256,35 +204,15 @@ def _by_substitution(statement: Statement, equation: sp.Expr) -> ProofVerdict:
 
 
 def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    return _as_equality(statement, equation, lambda formula: formula, NOTES[0])
+    """The verdict on residual = 0.
 
-
-def _by_angles(statement: Statement, equation: sp.Expr) -> ProofVerdict:
-    """By the residual with ``sin(4*atan(w))`` as an algebraic function of w."""
-    residual = residual_of(statement, equation)
-    angles = [f for f in residual.atoms(*ANGULAR) if f.args[0].has(*INVERSE)]
-    largest = max((abs(n) for f in angles for n in f.args[0].atoms(sp.Integer)), default=0)
-    if not angles or largest > LARGEST_MULTIPLE:
-        raise ValueError("there is no function of a multiple angle")
-    expanded = {f: sp.expand_trig(f) for f in angles}
-    return _as_equality(statement, equation, lambda formula: formula.xreplace(expanded), NOTES[1])
-
-
-def _as_equality(
-    statement: Statement, equation: sp.Expr, written: Callable[[sp.Expr], sp.Expr], note: str
-) -> ProofVerdict:
-    """The verdict on residual = 0, all ``written`` as it says.
-
-    ``note`` tells what the certificate does not hold.  Raises ValueError where the formulas, or the
-    powers and functions of the equation, are not shown to be defined: what is not may have
-    cancelled in the residual.
+    Raises ValueError where the formulas, or the powers and functions of the equation, are not shown
+    to be defined: what is not may have cancelled in the residual.
     """
     nodes = [n for n in distinct_nodes(equation) if n.is_Pow or n.is_Function]
     parts = [f for u, f in statement.solutions.items() if equation.has(u.func)]
     parts += [residual_of(statement, node) for node in nodes]
-    residual, *parts = (
-        with_exponentials(written(part)) for part in (residual_of(statement, equation), *parts)
-    )
+    residual, *parts = map(with_exponentials, (residual_of(statement, equation), *parts))
     parts = [part for part in dict.fromkeys(parts) if not part.is_polynomial()]
     verdict = _equal(statement, residual, sp.S.Zero, equation_text(equation))
     verdict = _completed(statement, equation, verdict)
@@ -300,7 +228,7 @@ def _as_equality(
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
-        assumptions=(*verdict.assumptions, note),
+        assumptions=(*verdict.assumptions, NOTE),
     )
 
 
@@ -335,6 +263,7 @@ def statement_latex(statement: Statement) -> str:
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
+    >>> from verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
     >>> print(verified_sentence(statement, decide_statement(statement)))
     We verified (certificate \texttt{...}) that

@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from derive.algebra.formula_text import FormulaError
 from verify.processes import OutOfTime, time_limit
-from verify.proof.statement_verdict import prove
+from verify.proof.text_prover import prove
 from verify.studies.statements.library import statement
 from verify.studies.statements.random_statement import RandomStatement, Truth
 from verify.studies.texts.ball_judge import Judge, Unsaid

@@ -13,11 +13,11 @@ from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import (
     StatementVerdict,
     decide_statement,
-    prove,
     residual_of,
     statement_latex,
     verified_sentence,
 )
+from verify.proof.text_prover import prove
 
 KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
 SOLITON = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
@@ -29,6 +29,12 @@ GENERAL = "u = (c/2)**(1/g)*sech(g*sqrt(c)/2*(x - c*t))**(2/g)"
 ZERO = "(sin(x)**2 + cos(x)**2 - 1)"
 ZAKHAROV = "I*u_t + u_xx - u*v ;; v_tt - v_xx - diff(abs(u)**2, x, x)"
 WAVE = "b*sech(b*x)*exp(I*b**2*t)"
+THETA = "u[n+2]*u[n-2]*jacobi_theta(0, m)**2 - (u[n]*jacobi_theta(2*b, m))**2"
+SHIFTED, BM = "u[n] = jacobi_theta(b*n, m)", "b: real; m: 0<m<1"
+VOLTERRA = (
+    "u[n] = b*jacobi_theta(0,m)/(jacobi_sn(2*d,m)*jacobi_theta(2*d,m))*jacobi_theta(d*(n+2)+b*t,m)"
+    "*jacobi_theta(d*(n-1)+b*t,m)/(jacobi_theta(d*(n+1)+b*t,m)*jacobi_theta(d*n+b*t,m))"
+)
 CM = "c: -1<c<1; m: 0<m<1"
 SYSTEM = "u_t + u*u_x + v_x ;; v_t + diff(u*v, x)"
 
@@ -83,6 +89,9 @@ EXAMPLES = [
     ("u_xx = diff(sqrt(1 + x**2), x, x)", "u = abs(1 + I*x)", "", "", "PROVED"),
     ("diff(re(u), x) = -sin(x)", "u = exp(I*x)", "", "", "PROVED"),
     ("u_x - 0.12345*u", "u = exp(0.12345*x)", "", "", "PROVED"),
+    (f"{THETA}*(1 - m*jacobi_sn(b*n,m)**2*jacobi_sn(2*b,m)**2)", SHIFTED, BM, "", "PROVED"),
+    (f"{THETA}*(1 - m*jacobi_sn(b*n,m)**2*jacobi_sn(b,m)**2)", SHIFTED, BM, "", "REFUTED"),
+    ("diff(u[n],t) - u[n]*(u[n+1] - u[n-1])", VOLTERRA, "m: 0<m<1; d: d>0; b: real", "", "PROVED"),
     # what cancels while it is read must be defined
     (f"u - x*{ZERO}/{ZERO}", f"u = x*{ZERO}/{ZERO}", "", "", "UNDECIDED"),
     ("u_x - 1", f"u = x + log({ZERO}) - log({ZERO})", "", "", "UNDECIDED"),
@@ -240,11 +249,11 @@ def test_the_face_takes_texts_and_sympy_objects() -> None:
     direct = prove_expression(equation, formula)
     assert longwave.prove(equation, formula).certificate == direct.certificate
     assert longwave.prove(["u_x - 1"], ["u = x"]).outcome == "PROVED"
-    with pytest.raises(ValueError, match="parameters and domain must be left out"):
+    with pytest.raises(ValueError, match="parameters, domain and solve must be left out"):
         longwave.prove(equation, formula, domain="x > 0")
     with pytest.raises(TypeError, match="equation and solution must be of one kind"):
         longwave.prove("u_x - 1", formula)
-    with pytest.raises(TypeError, match="must be parameters, domain and name, got points"):
+    with pytest.raises(TypeError, match="must be parameters, domain, solve and name, got points"):
         longwave.prove("u_x - 1", "u = x", points=[])
 
 

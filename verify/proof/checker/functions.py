@@ -99,6 +99,8 @@ def exponential(images: Images, z: int) -> Element:
         if inner[0] == "log":
             power = images.nodes.made("Pow", inner[1], coefficient)
             result = result * images.image(power)
+        elif angle is not None and images.nodes.all[angle] == ("pi",) and coefficient.q in UNITY:
+            result = result * _root_of_unity(images, coefficient)
         elif angle is not None and images.nodes.all[angle][0] == "atan":
             times, f = integer_of(coefficient), images.nodes.all[angle][1]
             result = result * _phase(images, f) ** (times // 2)
@@ -113,6 +115,27 @@ def _phase(images: Images, f: int) -> Element:
     """exp(2 i atan f) = (1 + i f)/(1 - i f)."""
     turned = images.image(images.nodes.made("I")) * images.image(f)
     return (images.one + turned) / (images.one - turned)
+
+
+UNITY = (1, 2, 3, 4, 6)
+"""Denominators of the multiples of i pi whose exponentials are known."""
+
+
+def _root_of_unity(images: Images, q: fmpq) -> Element:
+    """exp(i pi q), by cos and sin of pi/2, pi/3, pi/4 and pi/6."""
+    i, half = images.image(images.nodes.made("I")), images.ring.number(fmpq(1, 2))
+
+    def root(n: int) -> Element:
+        return images.made("Pow", images.nodes.rational(n), fmpq(1, 2))
+
+    first = {
+        1: lambda: -images.one,
+        2: lambda: i,
+        3: lambda: (images.one + i * root(3)) * half,
+        4: lambda: (images.one + i) * root(2) * half,
+        6: lambda: (root(3) + i) * half,
+    }[int(q.q)]()
+    return first ** (int(q.p) % (2 * int(q.q)))
 
 
 def _half_phase(images: Images, f: int) -> Element:

@@ -120,7 +120,7 @@ class Images(ABC):
         """Whether two nodes have the same image."""
         return left == right or (self.image(left) - self.image(right)).is_zero
 
-    def made(self, name: str, *arguments: int) -> Element:
+    def made(self, name: str, *arguments: int | fmpq) -> Element:
         """The image of the node ``(name, *arguments)``."""
         return self.image(self.nodes.made(name, *arguments))
 

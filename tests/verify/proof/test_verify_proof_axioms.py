@@ -1,0 +1,162 @@
+"""The axioms in numbers: what the checker derives lies in the balls of what it stands for."""
+
+import random
+from collections.abc import Iterator
+
+import pytest
+from flint import acb, arb, ctx, fmpq
+
+from verify.proof.checker import axioms
+from verify.proof.checker.bounds import Interval, stated
+from verify.proof.checker.limits import CertificateError
+from verify.proof.checker.nodes import BITS, Balls, Nodes
+from verify.proof.checker.ring import Element
+from verify.proof.checker.signs import INVERSE, Signs
+from verify.proof.checker.substitution import Substitution
+
+UNARY = ("sin", "cos", "tanh", "sech", "cosh", "exp", "Abs", "sinh", "atan")
+
+
+def numbers(draw: random.Random) -> fmpq:
+    return fmpq(draw.randint(-40, 40), draw.randint(1, 9))
+
+
+@pytest.mark.parametrize("name", INVERSE)
+def test_an_inverse_function_is_its_definition_off_the_cuts(name: str) -> None:
+    draw = random.Random(1)
+    for _ in range(60):
+        nodes = Nodes([])
+        x, y = (nodes.made("symbol", letter, "real") for letter in "xy")
+        f = nodes.made("Add", x, nodes.made("Mul", nodes.made("I"), y))
+        point = {x: numbers(draw) / 4, y: numbers(draw) / 7}
+        if point[y] == 0:
+            continue
+        own, defined = nodes.made(name, f), axioms.inverse(name, f, nodes.made)
+        with ctx.workprec(BITS):
+            balls = Balls(nodes, point)
+            gap = balls.ball(own) - balls.ball(defined)
+            assert gap.contains(0)
+            assert gap.rad() < 1e-60
+
+
+@pytest.mark.parametrize("name", INVERSE)
+def test_an_inverse_function_is_its_definition_where_it_is_real(name: str) -> None:
+    low, high = INVERSE[name]
+    for share in (fmpq(1, 7), fmpq(1, 2), fmpq(8, 9)):
+        nodes = Nodes([])
+        x = nodes.made("symbol", "x", "real")
+        end = fmpq(9) if high is None else high
+        value = share * end + (1 - share) * (fmpq(-9) if low is None else low)
+        balls = Balls(nodes, {x: value})
+        own, defined = nodes.made(name, x), axioms.inverse(name, x, nodes.made)
+        with ctx.workprec(BITS):
+            assert (balls.ball(own) - balls.ball(defined)).contains(0)
+            assert balls.ball(own).imag.contains(0)
+
+
+def grown(nodes: Nodes, leaves: list[int], draw: random.Random, depth: int) -> int:
+    """A random real formula."""
+    if depth == 0:
+        return draw.choice([*leaves, nodes.made("number", numbers(draw))])
+    kind = draw.randrange(5)
+    parts = [grown(nodes, leaves, draw, depth - 1) for _ in range(2)]
+    if kind == 0:
+        return nodes.made("Add", *parts)
+    if kind == 1:
+        return nodes.made("Mul", *parts)
+    if kind == 2:
+        return nodes.made("Pow", parts[0], fmpq(draw.choice((2, 3, 4, -1, -2))))
+    if kind == 3:
+        half = draw.choice((fmpq(1, 2), fmpq(-1, 2), fmpq(3, 2)))
+        return nodes.made("Pow", nodes.made("Pow", parts[0], fmpq(2)), half)
+    return nodes.made(draw.choice(UNARY), parts[0])
+
+
+def no_image(node: int) -> Element:
+    raise CertificateError("there is no generator")
+
+
+def domains(nodes: Nodes, draw: random.Random) -> Iterator[tuple[int, fmpq, fmpq, bool]]:
+    for letter in "xyz":
+        low = numbers(draw)
+        high = low + fmpq(draw.randint(1, 30), draw.randint(1, 9))
+        yield nodes.made("symbol", letter, "real"), low, high, draw.random() < 0.5
+
+
+def test_bounds_hold_at_random_points_of_random_formulas() -> None:
+    draw, narrow = random.Random(5), 0
+    for _ in range(400):
+        nodes, positive, ends = Nodes([]), {}, []
+        for symbol, low, high, weak in domains(nodes, draw):
+            minus = nodes.made("Mul", nodes.rational(-1), symbol)
+            above = nodes.made("Add", symbol, nodes.made("number", -low))
+            below = nodes.made("Add", minus, nodes.made("number", high))
+            positive |= {above: weak, below: weak}
+            ends.append((symbol, low, high))
+        signs = Signs(
+            nodes, lambda _: (_ for _ in ()).throw(CertificateError("none")), positive, {}
+        )
+        formula = grown(nodes, [symbol for symbol, _, _ in ends], draw, 3)
+        found, sign = signs.interval(formula), signs.sign(formula)
+        narrow += found != Interval()
+        for share in (fmpq(1, 10**9), fmpq(1, 3), fmpq(1, 2), 1 - fmpq(1, 10**9)):
+            shares = [share if draw.random() < 0.7 else 1 - share for _ in ends]
+            point = {s: a + r * (b - a) for (s, a, b), r in zip(ends, shares, strict=True)}
+            ball = Balls(nodes, point).ball(formula)
+            if not ball.is_finite():
+                continue
+            with ctx.workprec(BITS):
+                assert not contradicted(found, ball.real), (nodes.all[formula], found, ball)
+                assert 1 in sign or not ball.real > 0
+                assert -1 in sign or not ball.real < 0
+    assert narrow > 150
+
+
+def contradicted(found: Interval, value: arb) -> bool:
+    """Whether a ball lies outside of an interval."""
+    below = found.low is not None and (value < arb(found.low))
+    above = found.high is not None and (value > arb(found.high))
+    return bool(below or above)
+
+
+def test_open_ends_are_kept_through_products_and_powers() -> None:
+    one, half = Interval(fmpq(0), fmpq(1), True, True), Interval(fmpq(-1), fmpq(1), False, True)
+    assert one * one == one
+    assert half.power(2) == Interval(fmpq(0), fmpq(1))
+    assert (one.inverse().low, one.inverse().low_open, one.inverse().high) == (1, True, None)
+    assert (one + Interval(fmpq(-1), fmpq(-1))).is_positive is False
+    assert Interval(fmpq(0), fmpq(1)) * one == Interval(fmpq(0), fmpq(1), False, True)
+    assert half.inverse() == Interval()
+    assert (one * half) == Interval(fmpq(-1), fmpq(1), True, True)
+
+
+def test_what_an_inequality_says_of_a_symbol() -> None:
+    nodes = Nodes([])
+    s, three = nodes.made("symbol", "s", "real"), nodes.made("number", fmpq(3))
+    minus = nodes.made("Mul", nodes.rational(-1), s)
+    assert stated(nodes, s, False) == (s, Interval(fmpq(0), None, True))
+    assert stated(nodes, minus, True) == (s, Interval(None, fmpq(0)))
+    assert stated(nodes, nodes.made("Add", s, three), False) == (s, Interval(fmpq(-3), None, True))
+    assert stated(nodes, nodes.made("Add", minus, three), False) == (
+        s,
+        Interval(None, fmpq(3), False, True),
+    )
+    assert stated(nodes, nodes.made("Add", s, minus), False) is None
+
+
+def test_a_shifted_formula_has_the_values_of_the_formula_at_the_shifted_place() -> None:
+    draw = random.Random(3)
+    for _ in range(60):
+        nodes = Nodes([])
+        n, t = nodes.made("symbol", "n", "integer"), nodes.made("symbol", "t", "real")
+        formula = grown(nodes, [n, t], draw, 3)
+        put = Substitution(nodes, [n, t], [formula])
+        for step in (-2, 0, 1, 3):
+            node = put(nodes.made("sin", nodes.made("unknown", 0, (step, 0))))
+            here = {n: fmpq(2), t: fmpq(5, 7)}
+            there = {n: fmpq(2 + step), t: fmpq(5, 7)}
+            value = Balls(nodes, here).ball(node)
+            expected = Balls(nodes, there).ball(formula)
+            if expected.is_finite():
+                assert (value - expected.sin()).contains(0)
+                assert value.overlaps(acb(expected.sin()))

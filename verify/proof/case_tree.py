@@ -1,0 +1,397 @@
+"""Polynomial systems in constants, solved by cases: factors, linear symbols, pseudo-division.
+
+Every step is exhaustive: a product vanishes where one of its factors does, a coefficient is 0 or
+not, a sum of what is not negative vanishes where all of it does.  So no real solution is lost, but
+where `CaseTree.left_out` says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+from derive.algebra.formula_printing import formula_as_text
+
+from .balls import ball_value
+from .constant_terms import Relations, Terms, terms_of
+from .domain_signs import DomainSigns
+from .domains import Domain, Domains
+from .problem import POINTS
+from .samples import sample
+
+BITS = 160
+
+SIGNED_TERMS = 8
+"""A polynomial with more terms is not looked at for its sign."""
+
+STEPS = 4_000
+"""Most systems that are looked at; the dearest problem of the tests takes 150."""
+
+
+class Constants:
+    """Polynomials in constants: parameters, and roots and functions of parameters."""
+
+    def __init__(self, constants: Iterable[sp.Expr], relations: Relations) -> None:
+        self.all = sorted(set(constants), key=sp.default_sort_key)
+        names = tuple(f"c{place}" for place in range(max(1, len(self.all))))
+        self.context = fmpq_mpoly_ctx.get(names, Ordering.lex)
+        self.places = {constant: place for place, constant in enumerate(self.all)}
+        known = {g: pair for g, pair in relations.items() if g in self.places}
+        self.relations = {
+            self.places[g]: (degree, self.polynomial(terms)) for g, (degree, terms) in known.items()
+        }
+
+    def polynomial(self, terms: Terms) -> fmpq_mpoly:
+        """A polynomial given by its terms."""
+        table: dict[tuple[int, ...], fmpq] = {}
+        for monomial, c in terms.items():
+            powers = [0] * self.context.nvars()
+            for constant, power in monomial:
+                powers[self.places[constant]] += power
+            table[tuple(powers)] = table.get(tuple(powers), fmpq(0)) + c
+        return self.context.from_dict(table)
+
+    def written(self, polynomial: fmpq_mpoly) -> sp.Expr:
+        """A polynomial as an expression."""
+        terms = []
+        for exponents, c in polynomial.terms():
+            powers = (g ** int(n) for g, n in zip(self.all, exponents, strict=False) if n)
+            terms.append(sp.Mul(sp.Rational(int(c.p), int(c.q)), *powers))
+        return sp.Add(*terms)
+
+    def used(self, polynomial: fmpq_mpoly) -> list[int]:
+        """The places of the constants that occur."""
+        return [place for place, degree in enumerate(polynomial.degrees()) if degree]
+
+    def coefficients(self, polynomial: fmpq_mpoly, place: int) -> list[fmpq_mpoly]:
+        """The coefficients of the powers of a constant."""
+        rows: list[dict[tuple[int, ...], fmpq]] = [
+            {} for _ in range(int(polynomial.degrees()[place]) + 1)
+        ]
+        for exponents, c in polynomial.terms():
+            rest = tuple(0 if i == place else int(n) for i, n in enumerate(exponents))
+            rows[int(exponents[place])][rest] = c
+        return [self.context.from_dict(row) for row in rows]
+
+    def reduced(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """The normal form with respect to the relations."""
+        for place, (degree, value) in self.relations.items():
+            while int(polynomial.degrees()[place]) >= degree:
+                rows = self.coefficients(polynomial, place)
+                gen = self.context.gens()[place]
+                polynomial = self.context.constant(0)
+                for power, row in enumerate(rows):
+                    times, rest = divmod(power, degree)
+                    polynomial += row * gen**rest * value**times
+        return polynomial
+
+    def quotient_put_in(
+        self, polynomial: fmpq_mpoly, place: int, above: fmpq_mpoly, below: fmpq_mpoly
+    ) -> fmpq_mpoly:
+        """The numerator of the polynomial with ``above/below`` for a constant."""
+        rows = self.coefficients(polynomial, place)
+        top = len(rows) - 1
+        if top == 0:
+            return polynomial
+        total = self.context.constant(0)
+        for power, row in enumerate(rows):
+            total += row * above**power * below ** (top - power)
+        return self.reduced(total)
+
+    def remainder(self, polynomial: fmpq_mpoly, other: fmpq_mpoly, place: int) -> fmpq_mpoly:
+        """The pseudo-remainder in a constant; the leading coefficient of ``other`` is not 0."""
+        rows = self.coefficients(other, place)
+        degree, lead, gen = len(rows) - 1, rows[-1], self.context.gens()[place]
+        while (top := int(polynomial.degrees()[place])) >= degree:
+            first = self.coefficients(polynomial, place)[-1]
+            polynomial = self.reduced(lead * polynomial - first * gen ** (top - degree) * other)
+        return polynomial
+
+
+@dataclass(frozen=True)
+class Rule:
+    """``polynomial``, of degree 1 or more in ``symbol``, is 0, its leading coefficient not."""
+
+    symbol: sp.Symbol
+    polynomial: fmpq_mpoly
+
+
+@dataclass(frozen=True)
+class SystemCase:
+    """Rules, each in symbols of its own and of later ones; unless ``complete``, more must hold."""
+
+    rules: tuple[Rule, ...]
+    complete: bool
+
+
+@dataclass(frozen=True)
+class _Node:
+    equations: tuple[fmpq_mpoly, ...]
+    rules: tuple[Rule, ...] = ()
+    nonzero: tuple[fmpq_mpoly, ...] = ()
+
+    def having(self, *more: fmpq_mpoly, nonzero: Iterable[fmpq_mpoly] = ()) -> _Node:
+        return _Node((*more, *self.equations), self.rules, (*self.nonzero, *nonzero))
+
+
+class CaseTree:
+    """The real solutions of polynomial systems, solved for the ``wanted`` symbols, the first first.
+
+    An equation without these is solved for one of the ``others``.  ``left_out`` says where
+    solutions are not excluded, ``unknown`` what may be 0 everywhere.
+    """
+
+    def __init__(
+        self,
+        constants: Constants,
+        wanted: Sequence[sp.Symbol],
+        others: Sequence[sp.Symbol],
+        domains: Domains,
+    ) -> None:
+        self._constants, self._signs = constants, DomainSigns(domains)
+        self._points = sample(domains, POINTS)
+        self._wanted = {constants.places[s] for s in wanted if s in constants.places}
+        symbols = (*wanted, *others)
+        self._symbols = [constants.places[s] for s in symbols if s in constants.places]
+        self._dependent = {
+            place: {
+                other
+                for other, constant in enumerate(constants.all)
+                if other != place and constant.has(constants.all[place])
+            }
+            for place in self._symbols
+        }
+        self._nonzero: dict[str, bool] = {}
+        self._steps = 0
+        self.left_out: dict[str, None] = {}
+        self.unknown: dict[str, None] = {}
+
+    def branches(self, equations: Sequence[fmpq_mpoly]) -> Iterator[SystemCase]:
+        """The cases of a system; raises ValueError where there are too many."""
+        waiting = [_Node(tuple(self._constants.reduced(e) for e in equations))]
+        while waiting:
+            self._steps += 1
+            if self._steps > STEPS:
+                raise ValueError(f"the conditions are too many to be solved ({STEPS} cases)")
+            node = self._cleaned(waiting.pop())
+            if node is None:
+                continue
+            if not node.equations:
+                yield SystemCase(node.rules, True)
+                continue
+            found = self._next(node)
+            if isinstance(found, SystemCase):
+                yield found
+            else:
+                waiting += reversed(found)
+
+    def _cleaned(self, node: _Node) -> _Node | None:
+        """The system without powers and factors that are not 0; None if it has no solution."""
+        kept: dict[str, fmpq_mpoly] = {}
+        for equation in node.equations:
+            if equation.is_zero():
+                continue
+            product = self._constants.context.constant(1)
+            for factor, _ in equation.factor()[1]:
+                if factor not in node.nonzero and not self._is_nonzero(factor):
+                    product *= factor
+            if product.is_constant():
+                return None
+            kept[str(product)] = product
+        equations = sorted(kept.values(), key=lambda e: (len(e), e.total_degree()))
+        return _Node(tuple(equations), node.rules, node.nonzero)
+
+    def _is_nonzero(self, factor: fmpq_mpoly) -> bool:
+        """Whether the domains exclude 0."""
+        if len(factor) > SIGNED_TERMS:
+            return False
+        key = str(factor)
+        if key not in self._nonzero:
+            self._nonzero[key] = self._signs.is_nonzero(
+                self._constants.written(factor)
+            ) or self._has_no_root(factor)
+        return self._nonzero[key]
+
+    def _has_no_root(self, factor: fmpq_mpoly) -> bool:
+        """Whether a polynomial in one function has no root among the values of that."""
+        used = self._constants.used(factor)
+        function = self._constants.all[used[0]]
+        values = self._signs.range(function) if len(used) == 1 else None
+        if values is None or function.is_Symbol:
+            return False
+        name = sp.Dummy("value")
+        domain = Domain(lower=sp.sympify(values.lower), lower_open=values.lower_open)
+        polynomial = sp.Add(
+            *(
+                sp.Rational(int(c.p), int(c.q)) * name ** int(powers[used[0]])
+                for powers, c in factor.terms()
+            )
+        )
+        return DomainSigns({name: domain}).is_nonzero(polynomial)
+
+    def _next(self, node: _Node) -> list[_Node] | SystemCase:
+        """The cases of the next step."""
+        for equation in node.equations:
+            factors = [factor for factor, _ in equation.factor()[1]]
+            if len(factors) > 1:
+                rest = self._without(node, equation)
+                return [rest.having(f, nonzero=factors[:i]) for i, f in enumerate(factors)]
+        for equation in node.equations:
+            terms = self._signed_terms(equation)
+            if terms:
+                return [self._without(node, equation).having(*terms)]
+        return self._solved(node)
+
+    @staticmethod
+    def _without(node: _Node, equation: fmpq_mpoly) -> _Node:
+        rest = tuple(e for e in node.equations if e is not equation)
+        return _Node(rest, node.rules, node.nonzero)
+
+    def _signed_terms(self, equation: fmpq_mpoly) -> list[fmpq_mpoly]:
+        """The terms of a sum that are all of one sign, so that each must be 0."""
+        if not 1 < len(equation) <= SIGNED_TERMS:
+            return []
+        terms = [self._constants.context.from_dict({e: c}) for e, c in equation.terms()]
+        written = [self._constants.written(term) for term in terms]
+        positive = all(map(self._signs.is_nonnegative, written))
+        return terms if positive or all(map(self._signs.is_nonpositive, written)) else []
+
+    def _candidates(self, equation: fmpq_mpoly) -> list[int]:
+        """The symbols that an irreducible equation may be solved for."""
+        used = self._constants.used(equation)
+        possible = [s for s in self._symbols if s in used and not self._dependent[s] & set(used)]
+        return [s for s in possible if s in self._wanted] or possible
+
+    def _solved(self, node: _Node) -> list[_Node] | SystemCase:
+        """The cases by a symbol of lowest degree in an equation, best with a factor not 0."""
+        choices: list[tuple[tuple[int, ...], fmpq_mpoly, int]] = []
+        for equation in node.equations:
+            candidates = self._candidates(equation)
+            if not candidates:
+                return self._unsolved(node, equation)
+            for place in candidates:
+                rows = self._constants.coefficients(equation, place)
+                unclean = int(not (rows[-1].is_constant() or self._is_known(rows[-1], node)))
+                touched, order = int(bool(self._dependent[place])), self._symbols.index(place)
+                rank = (len(rows), unclean, touched, order, len(equation))
+                choices.append((rank, equation, place))
+        (degree, is_unclean, *_), equation, place = min(choices, key=lambda choice: choice[0])
+        rows = self._constants.coefficients(equation, place)
+        rest = self._without(node, equation)
+        if is_unclean:
+            lead = [f for f, _ in rows[-1].factor()[1]]
+            tail = equation - rows[-1] * self._constants.context.gens()[place] ** (degree - 1)
+            return [node.having(nonzero=lead), rest.having(rows[-1], tail)]
+        if degree > 2:
+            return self._nonlinear(node, rest, equation, place)
+        rule = Rule(self._constants.all[place], equation)
+        if self._dependent[place] and rest.equations:
+            return SystemCase((*node.rules, rule), False)
+        put_in = [
+            self._constants.quotient_put_in(e, place, -rows[0], rows[1]) for e in rest.equations
+        ]
+        known = [self._constants.quotient_put_in(e, place, -rows[0], rows[1]) for e in node.nonzero]
+        if any(e.is_zero() for e in known):
+            return []
+        known = [f for e in known for f, _ in e.factor()[1]]
+        rules = [
+            Rule(
+                r.symbol,
+                self._constants.quotient_put_in(r.polynomial, place, -rows[0], rows[1]),
+            )
+            for r in node.rules
+        ]
+        return [_Node(tuple(put_in), (*rules, rule), tuple(known))]
+
+    def _is_known(self, polynomial: fmpq_mpoly, node: _Node) -> bool:
+        factors = (factor for factor, _ in polynomial.factor()[1])
+        return all(factor in node.nonzero or self._is_nonzero(factor) for factor in factors)
+
+    def _nonlinear(
+        self, node: _Node, rest: _Node, equation: fmpq_mpoly, place: int
+    ) -> list[_Node] | SystemCase:
+        """Reduce the others by an equation in a symbol; it is a rule when none has this."""
+        others = [e for e in rest.equations if int(e.degrees()[place])]
+        if others:
+            reduced = [self._constants.remainder(e, equation, place) for e in others]
+            free = [e for e in rest.equations if e not in others]
+            return [_Node((*free, *reduced, equation), node.rules, node.nonzero)]
+        rows = self._constants.coefficients(equation, place)
+        if len(rows) == 3:
+            inner = rows[1] ** 2 - 4 * rows[2] * rows[0]
+            inner = self._constants.reduced(inner)
+            if len(inner) <= SIGNED_TERMS:
+                written = self._constants.written(inner)
+                if self._signs.is_nonpositive(written) and not inner.is_zero():
+                    vertex = 2 * rows[2] * self._constants.context.gens()[place] + rows[1]
+                    return [rest.having(inner, vertex)]
+        rule = Rule(self._constants.all[place], equation)
+        if self._dependent[place] and rest.equations:
+            return SystemCase((*node.rules, rule), False)
+        rules = [
+            Rule(r.symbol, self._constants.remainder(r.polynomial, equation, place))
+            for r in node.rules
+        ]
+        return [_Node(rest.equations, (*rules, rule), self._free(node.nonzero, place))]
+
+    @staticmethod
+    def _free(known: Sequence[fmpq_mpoly], place: int) -> tuple[fmpq_mpoly, ...]:
+        return tuple(e for e in known if not int(e.degrees()[place]))
+
+    def _unsolved(self, node: _Node, equation: fmpq_mpoly) -> list[_Node]:
+        """An equation with functions of its symbols: by its norm if they are roots, or left out."""
+        for place in self._constants.used(equation):
+            if place in self._constants.relations and self._constants.all[place].is_Pow:
+                degree, value = self._constants.relations[place]
+                name = self._constants.context.names()[place]
+                relation = self._constants.context.gens()[place] ** degree - value
+                norm = self._constants.reduced(equation.resultant(relation, name))
+                return [self._without(node, equation).having(norm)]
+        linear = self._exponents_difference(equation)
+        if linear is not None:
+            return [self._without(node, equation).having(linear)]
+        written = sp.factor(self._constants.written(equation))
+        kept = [f for f in sp.Mul.make_args(written) if not self._signs.is_nonzero(f)]
+        self.left_out[f"{formula_as_text(sp.Mul(*kept))} = 0"] = None
+        if self._vanishes(equation):
+            self.unknown[f"a relation of {', '.join(map(str, written.atoms(sp.Function)))}"] = None
+        return []
+
+    def _vanishes(self, equation: fmpq_mpoly) -> bool:
+        """Whether a polynomial may be 0 everywhere: functions may have a relation."""
+        written = self._constants.written(equation)
+        for point in self._points:
+            try:
+                if not ball_value(written, point, BITS, self._signs).contains(0):
+                    return False
+            except (ValueError, ZeroDivisionError):
+                continue
+        return True
+
+    def _exponents_difference(self, equation: fmpq_mpoly) -> fmpq_mpoly | None:
+        """What is 0 where two products of real exponentials are equal; None for anything else."""
+        terms = list(equation.terms())
+        used = [self._constants.all[place] for place in self._constants.used(equation)]
+        if len(terms) != 2 or terms[0][1] != -terms[1][1]:
+            return None
+        if not all(isinstance(g, sp.exp) and self._signs.is_real(g.args[0]) for g in used):
+            return None
+        sums = [
+            sp.Add(
+                *(
+                    int(n) * g.args[0]
+                    for g, n in zip(self._constants.all, powers, strict=False)
+                    if n
+                )
+            )
+            for powers, _ in terms
+        ]
+        difference = sp.Poly(
+            sums[0] - sums[1], *sorted(sums[0].free_symbols | sums[1].free_symbols, key=str)
+        )
+        if not all(c.is_Rational for c in difference.coeffs()):
+            return None
+        return self._constants.polynomial(terms_of(difference))

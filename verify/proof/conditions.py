@@ -1,0 +1,293 @@
+"""For which values of its constants does a statement hold?  The answer in cases, each proved.
+
+The coefficients of the residual in independent generators (`residual_system`) are solved by cases
+(`case_tree`).  Where a case makes generators dependent, a denominator 0 or changes a function of
+parameters, its values are put into the statement and that is solved anew.  What is printed as a
+case was then decided by the ordinary prover.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import sympy as sp
+
+from derive.algebra.formula_printing import formula_as_text
+from verify.verdict import Outcome
+
+from . import prover
+from .case_tree import CaseTree, Constants
+from .constant_cases import ALL, ConstantCase, largest_cases, symbols_of, with_values
+from .constant_terms import Terms, as_terms
+from .domains import settled_domains
+from .explicit_values import explicit_values
+from .phase_variable import with_phase
+from .problem import equality_problem
+from .residual_system import ResidualSystem
+from .statement_problem import residual_of, with_exponentials
+from .statement_text import Statement
+from .statement_verdict import (
+    StatementVerdict,
+    decide_statement,
+    equation_text,
+    statement_latex,
+    verified_sentence,
+)
+
+Progress = Callable[[str], None]
+
+EXPLORED = 60
+"""Most statements that are looked at for one answer."""
+
+
+@dataclass(frozen=True)
+class ConditionalVerdict(StatementVerdict):
+    """For which values of the constants ``solved`` a statement holds.
+
+    Without anything ``unknown`` there are no others, apart from where one of ``left_out`` holds.
+    """
+
+    solved: tuple[str, ...] = ()
+    cases: tuple[ConstantCase, ...] = field(default=(), compare=False)
+    left_out: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    is_solved: bool = True
+
+    @property
+    def complete(self) -> bool:
+        """Whether there are no values beside the cases and what is left out."""
+        return self.is_solved and not self.unknown
+
+    def json(self) -> dict[str, Any]:
+        """The record as plain data."""
+        cases = [
+            {
+                "values": {str(s): formula_as_text(value) for s, value in case.values.items()},
+                "where": [restriction.text for restriction in case.restrictions],
+                "unsolved": [formula_as_text(p) for p in case.implicit],
+                "trivial": case.trivial,
+                "verdict": case.verdict.outcome.value if case.verdict else "UNDECIDED",
+                "certificates": [c["digest"] for c in case.verdict.certificates]
+                if case.verdict
+                else [],
+            }
+            for case in self.cases
+        ]
+        return super().json() | {
+            "solved": list(self.solved),
+            "cases": cases,
+            "complete": self.complete,
+            "left_out": list(self.left_out),
+            "unknown": list(self.unknown),
+        }
+
+    def lines(self) -> list[str]:
+        """The answer in words, several cases on lines of their own."""
+        if len(self.cases) < 2:
+            return [self.detail]
+        texts = [case.text for case in self.cases]
+        return [line for line in (self._heading, *texts, self._ending) if line]
+
+    def words(self) -> str:
+        """The answer on one line."""
+        names = ", ".join(self.solved)
+        ending = f", {self._ending}" if self._ending else ""
+        if not self.cases:
+            found = "no value was found" if self.unknown else "holds for no value"
+            return f"{found} of {names}{ending}"
+        if any(case.proved and case.text == ALL for case in self.cases):
+            return f"holds for all values of {names}"
+        return f"{self._heading} {'; or '.join(case.text for case in self.cases)}{ending}"
+
+    @property
+    def _heading(self) -> str:
+        return "holds if" if self.unknown else "holds if and only if"
+
+    @property
+    def _ending(self) -> str:
+        if self.unknown:
+            return f"others are not excluded ({', '.join(self.unknown)})"
+        return f"apart from where {' or '.join(self.left_out)}" if self.left_out else ""
+
+
+def solve_statement(
+    statement: Statement, progress: Progress = lambda _: None
+) -> ConditionalVerdict:
+    """The cases in which a statement holds, solved for what is wanted of it.
+
+    >>> from verify.proof.statement_text import read_statement
+    >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2", solve="a, c")
+    >>> print(solve_statement(kdv).detail)
+    holds if and only if a = 2, c = 4; or a = 0 (trivial)
+    """
+    start = time.perf_counter()
+    search = _Search(statement.wanted)
+    progress("the coefficients of the residual")
+    try:
+        found = search.cases(statement)
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        return _verdict(statement, search, [], time.perf_counter() - start, reason)
+    progress("the proofs of the cases")
+    decided = largest_cases(found)
+    cases = [search.in_order(case) for case in decided if not case.refuted]
+    for case in decided:
+        if case.refuted:
+            search.unknown[f"near {case.text}"] = None
+    return _verdict(statement, search, cases, time.perf_counter() - start)
+
+
+def conditional_sentence(verdict: ConditionalVerdict) -> str:
+    """The answer in LaTeX: a sentence on each case, and whether there are others."""
+    if verdict.outcome is Outcome.UNDECIDED:
+        return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
+    names = ", ".join(sp.latex(sp.Symbol(name)) for name in verdict.solved)
+    apart = ", ".join((*verdict.unknown, *verdict.left_out))
+    last = f"We found no further values of ${names}$ with which it does."
+    if verdict.complete:
+        last = f"There are no other values of ${names}$ with which it does."
+    sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
+    return "\n\n".join([*sentences, last + (f"\n% left out: {apart}" if apart else "")])
+
+
+# the search
+
+
+@dataclass
+class _Search:
+    """The cases of a statement and of those that it becomes."""
+
+    wanted: Sequence[sp.Symbol]
+    unknown: dict[str, None] = field(default_factory=dict)
+    left_out: dict[str, None] = field(default_factory=dict)
+
+    def cases(self, statement: Statement) -> list[ConstantCase]:
+        """All cases; raises ValueError where the residual's generators are not known."""
+        waiting = [ConstantCase({}, statement)]
+        found, further = self._step(waiting[0])
+        seen = {self._key(waiting[0])}
+        while further:
+            case = further.pop(0)
+            if self._key(case) in seen:
+                continue
+            seen.add(self._key(case))
+            if len(seen) > EXPLORED:
+                self.unknown[f"more than {EXPLORED} special cases"] = None
+                break
+            try:
+                solved, more = self._step(case)
+            except ValueError:
+                self.unknown[f"where {case.text.removesuffix(' (not proved)')}"] = None
+                continue
+            found += solved
+            further += more
+        return found
+
+    def in_order(self, case: ConstantCase) -> ConstantCase:
+        """The case with its values in the order in which they were asked for."""
+        order = [s for s in self.wanted if s in case.values]
+        rest = sorted(case.values.keys() - set(order), key=str)
+        return replace(case, values={s: case.values[s] for s in (*order, *rest)})
+
+    @staticmethod
+    def _key(case: ConstantCase) -> object:
+        formulas = (*case.statement.equations, *case.statement.solutions.values())
+        return (formulas, tuple(case.values.items()), case.restrictions)
+
+    def _step(self, case: ConstantCase) -> tuple[list[ConstantCase], list[ConstantCase]]:
+        """Cases of one statement, and those that must be looked at anew."""
+        system = self._system(case.statement)
+        domains = settled_domains(symbols_of(case.statement), case.statement.domains)
+        degenerate = [as_terms(entries, system.relations) for entries in system.degenerate]
+        constants = Constants(_constants(system, degenerate), system.relations)
+        own = [s for s in self.wanted if s in domains]
+        others = sorted(set(domains) - {*own, *case.statement.variables}, key=str)
+        tree = CaseTree(constants, own, others, domains)
+        solved: list[ConstantCase] = []
+        further: list[ConstantCase] = []
+        for place, polynomials in enumerate((system.polynomials, *degenerate)):
+            for branch in tree.branches([constants.polynomial(p) for p in polynomials]):
+                is_case = place == 0 and branch.complete
+                for values in explicit_values(branch, constants):
+                    if values.implicit and not is_case:
+                        words = " and ".join(f"{formula_as_text(p)} = 0" for p in values.implicit)
+                        self.left_out[words] = None
+                        continue
+                    new = with_values(case, values)
+                    if new is not None:
+                        (solved if is_case else further).append(new)
+        self.unknown |= system.unknown | tree.unknown
+        self.left_out |= dict.fromkeys((*system.left_out, *tree.left_out))
+        return solved, further
+
+    def _system(self, statement: Statement) -> ResidualSystem:
+        """The conditions that the residuals of all equations give."""
+        system = ResidualSystem()
+        for equation in statement.equations:
+            residual = with_exponentials(residual_of(statement, equation))
+            if residual == 0:
+                continue
+            phase = with_phase(residual, statement, self.wanted)
+            symbols = phase.residual.free_symbols
+            domains = {s: d for s, d in statement.domains.items() if s in symbols}
+            try:
+                problem = equality_problem(
+                    phase.residual, sp.S.Zero, phase.variables, stated=domains
+                )
+                system.add(problem)
+            except (ValueError, TypeError, NotImplementedError, RecursionError) as error:
+                words = f"the residual has no known generators: {error}"
+                raise ValueError(words) from None
+            system.judge_phase(phase.rest, statement.variables)
+        return system
+
+
+def _constants(system: ResidualSystem, degenerate: Sequence[Sequence[Terms]]) -> set[sp.Expr]:
+    relations = [terms for _, terms in system.relations.values()]
+    entries = [entry for entries in degenerate for entry in entries]
+    everything = [*system.polynomials, *relations, *entries]
+    found = {g for terms in everything for monomial in terms for g, _ in monomial}
+    found |= system.relations.keys()
+    return found | {s for g in found for s in g.free_symbols}
+
+
+# the verdicts
+
+
+def _verdict(
+    statement: Statement,
+    search: _Search,
+    cases: Sequence[ConstantCase],
+    seconds: float,
+    reason: str = "",
+) -> ConditionalVerdict:
+    """The answer; with a reason there is none."""
+    certificates = tuple(c for case in cases if case.verdict for c in case.verdict.certificates)
+    outcome, witness = Outcome.UNDECIDED, None
+    if certificates and all(case.proved or case.trivial for case in cases):
+        outcome = Outcome.PROVED
+    elif not (cases or reason or search.unknown):
+        whole = decide_statement(statement)
+        if whole.outcome is Outcome.REFUTED:
+            outcome, witness = whole.outcome, whole.witness
+    found = ConditionalVerdict(
+        statement.name,
+        "; ".join(equation_text(equation) for equation in statement.equations),
+        prover.METHOD,
+        outcome,
+        reason or "solved",
+        witness=witness,
+        seconds=seconds,
+        statement=statement_latex(statement),
+        certificate=certificates[0] if certificates else None,
+        certificates=certificates,
+        solved=tuple(map(str, search.wanted)),
+        cases=tuple(cases),
+        left_out=tuple(search.left_out),
+        unknown=tuple(search.unknown),
+        is_solved=not reason,
+    )
+    return found if reason else replace(found, detail=found.words())

@@ -1,0 +1,101 @@
+"""Polynomials in constants as terms: from expressions, and real and imaginary parts."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import sympy as sp
+from flint import fmpq
+
+Monomial = tuple[tuple[sp.Expr, int], ...]
+"""Constants with their powers, in a fixed order."""
+
+Terms = Mapping[Monomial, fmpq]
+"""A polynomial in constants."""
+
+Relations = dict[sp.Expr, tuple[int, Terms]]
+"""Algebraic constants, each with a power that is a polynomial."""
+
+
+def is_turn(constant: sp.Expr) -> bool:
+    """Whether a constant is the exponential of a complex sum."""
+    return isinstance(constant, sp.exp) and constant.has(sp.I)
+
+
+def real_parts(terms: Terms) -> list[Terms]:
+    """The real and the imaginary part of a polynomial, without those that are 0.
+
+    The exponential of a complex constant is written as a cosine and a sine.
+    """
+    found: tuple[dict[Monomial, fmpq], dict[Monomial, fmpq]] = {}, {}
+    for monomial, c in _centred(terms).items():
+        turning = [pair for pair in monomial if pair[0] is sp.I or is_turn(pair[0])]
+        plain = Counter({g: n for g, n in monomial if (g, n) not in turning})
+        whole = sp.expand(sp.Mul(*(_turned(g if n > 0 else 1 / g) ** abs(n) for g, n in turning)))
+        for term in sp.Add.make_args(whole):
+            number, rest = term.as_coeff_Mul(rational=True)
+            factors = [f.as_base_exp() for f in sp.Mul.make_args(rest) if f not in (1, sp.I)]
+            powers = plain + Counter({g: int(n) for g, n in factors})
+            key = tuple(sorted(powers.items(), key=str))
+            part = found[1 if sp.I in sp.Mul.make_args(rest) else 0]
+            part[key] = part.get(key, fmpq(0)) + c * fmpq(int(number.p), int(number.q))
+    kept = ({key: c for key, c in part.items() if c} for part in found)
+    return [part for part in kept if part]
+
+
+def _centred(terms: Terms) -> Terms:
+    """The polynomial divided by the middle powers of its complex exponentials."""
+    turns = {g for monomial in terms for g, _ in monomial if is_turn(g)}
+    middles = {}
+    for g in turns:
+        powers = [dict(monomial).get(g, 0) for monomial in terms]
+        middles[g] = (min(powers) + max(powers)) // 2
+    if not any(middles.values()):
+        return terms
+    found = {}
+    for monomial, c in terms.items():
+        shifted = {**dict.fromkeys(turns, 0), **dict(monomial)}
+        rest = ((g, n - middles.get(g, 0)) for g, n in shifted.items())
+        found[tuple(pair for pair in rest if pair[1])] = c
+    return found
+
+
+def _turned(constant: sp.Expr) -> sp.Expr:
+    if not is_turn(constant):
+        return constant
+    real, angle = constant.args[0].as_real_imag()
+    return sp.exp(real) * (sp.cos(angle) + sp.I * sp.sin(angle))
+
+
+def as_terms(entries: Sequence[Terms | sp.Expr], relations: Relations) -> list[Terms]:
+    """Polynomials from expressions; roots that are new get their relation."""
+    found: list[Terms] = []
+    for entry in entries:
+        if not isinstance(entry, sp.Expr):
+            found.append(entry)
+            continue
+        above = sp.numer(sp.together(entry))
+        if above.is_number:
+            found.append({(): fmpq(1)} if above != 0 else {})
+            continue
+        polynomial = sp.Poly(above)
+        found.append(terms_of(polynomial))
+        for g in polynomial.gens:
+            if g.is_Pow and g.exp.is_Rational and g.exp.p == 1 and g not in relations:
+                relations[g] = (int(g.exp.q), terms_of(sp.Poly(g.base)))
+    return found
+
+
+def terms_of(polynomial: sp.Poly) -> Terms:
+    """A polynomial by its terms."""
+    gens = polynomial.gens
+    return {
+        tuple((g, int(n)) for g, n in zip(gens, powers, strict=True) if n): _number(c)
+        for powers, c in polynomial.terms()
+    }
+
+
+def _number(value: sp.Expr) -> fmpq:
+    rational = sp.Rational(value)
+    return fmpq(int(rational.p), int(rational.q))

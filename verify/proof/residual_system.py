@@ -1,0 +1,362 @@
+"""The residual of a statement as polynomials in its constants, one for each independent function.
+
+The prover's field writes the residual as a fraction of polynomials in generators.  Those that
+contain a variable are told from constants; the numerator's coefficients in them, with the imaginary
+unit among them, vanish wherever the statement holds, if these generators are independent over the
+real constants.  That is known (J. Ax, Ann. of Math. 93, 1971; Amer. J. Math. 94, 1972) of the
+variables, of exponentials of arguments that are independent over the rationals modulo constants,
+and of the Jacobi functions of one argument that is not constant.  Where an argument becomes
+constant, or a denominator 0, is a system of its own.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import combinations
+from math import gcd
+
+import sympy as sp
+from flint import fmpq, fmpq_mpoly
+
+from solutions.functions.jacobi import JacobiFunction
+
+from .arguments import Dependence, expanded_terms
+from .certificate import make_certificate
+from .certificate_writer import FUNCTIONS
+from .checker.check import registered
+from .checker.field import Field
+from .checker.images import Generator
+from .checker.nodes import Nodes
+from .checker.ring import Element
+from .checker.statement import read_statement
+from .constant_terms import Monomial, Relations, Terms, is_turn, real_parts
+from .domain_signs import DomainSigns
+from .problem import Problem
+
+Vector = dict[tuple[sp.Expr, bool], sp.Expr]
+"""The constant factors of an argument's monomials in the variables, real and imaginary ones."""
+
+
+@dataclass
+class ResidualSystem:
+    """What must vanish for a statement to hold, as far as its generators are independent.
+
+    ``polynomials`` are in constants (parameters, their roots and functions).  ``relations`` has the
+    powers of the algebraic ones.  ``degenerate`` lists what may make generators dependent or a
+    denominator 0: all entries of one of its lists at once.  ``left_out`` says in words where more
+    is not excluded, ``unknown`` names what is not known to be independent.
+    """
+
+    polynomials: list[Terms] = field(default_factory=list)
+    relations: Relations = field(default_factory=dict)
+    degenerate: list[list[Terms | sp.Expr]] = field(default_factory=list)
+    left_out: dict[str, None] = field(default_factory=dict)
+    unknown: dict[str, None] = field(default_factory=dict)
+
+    def add(self, problem: Problem) -> None:
+        """Take in an equality; raises ValueError if its sides have no image in a field."""
+        _Coefficients(problem, self).collect()
+
+    def judge_phase(self, rest: sp.Expr, variables: Sequence[sp.Symbol]) -> None:
+        """Say what is lost where ``rest``, to which a free constant was added, does not vary."""
+        vector = argument_vector(rest, Dependence(variables))
+        if rest == 0:
+            return
+        if vector is None:
+            self.unknown[str(rest)[:LENGTH]] = None
+        elif all(v.is_integer for v, _ in vector):
+            self.left_out[f"{rest} takes finitely many values up to periods"] = None
+        else:
+            self.degenerate.append([c for (v, _), c in vector.items() if not v.is_integer])
+
+
+class _Coefficients:
+    """The coefficients of one residual, and what is known of its generators."""
+
+    def __init__(self, problem: Problem, system: ResidualSystem) -> None:
+        certificate = make_certificate(problem)
+        nodes = Nodes(certificate["nodes"])
+        stated = read_statement(nodes, certificate["statement"])
+        self._field = registered(nodes, stated, certificate["proof"])
+        self._field.walk(stated.roots)
+        self._image: Element = self._field.image(stated.formulas[0])
+        self._system, self._variables = system, problem.variables
+        self._dependence = Dependence(problem.variables)
+        self._signs = DomainSigns(problem.domains)
+        symbols = {symbol.name: symbol for symbol in (*problem.domains, *problem.variables)}
+        self._meanings = Meanings(self._field, symbols, self._dependence)
+
+    def collect(self) -> None:
+        groups = self._by_moving(self._image.numerator)
+        phases = self._phases(groups)
+        self._system.polynomials += [p for part in groups.values() for p in real_parts(part)]
+        self._relate()
+        self._relate_turns(groups.values())
+        factors = [self._by_moving(factor) for factor in self._field.ring.factors]
+        present = {g for moving in groups for g, _ in moving} - phases.keys()
+        sums = [parts for parts in factors if len(parts) > 1]
+        self._judge(present | {g for parts in sums for moving in parts for g, _ in moving})
+        self._judge_exponentials([groups, *sums])
+        for parts in factors:
+            entries = [p for part in parts.values() for p in real_parts(part)]
+            if not any(list(entry) == [()] for entry in entries):
+                self._system.degenerate.append(list(entries))
+        for constant in {g for part in groups.values() for key in part for g, _ in key}:
+            if constant is not sp.I and not is_turn(constant) and not self._signs.is_real(constant):
+                self._system.unknown[f"{str(constant)[:LENGTH]} may not be real"] = None
+
+    # polynomials
+
+    def _split(self, exponents: Sequence[int]) -> tuple[Monomial, Monomial]:
+        """The moving and the constant part of a monomial."""
+        moving, constant = dict[sp.Expr, int](), dict[sp.Expr, int]()
+        for place, power in enumerate(reversed(exponents)):
+            if power:
+                meaning = self._meanings[place]
+                part = moving if self._dependence.moves(meaning) else constant
+                part[meaning] = part.get(meaning, 0) + int(power)
+        return tuple(moving.items()), tuple(constant.items())
+
+    def _by_moving(self, polynomial: fmpq_mpoly) -> dict[Monomial, Terms]:
+        """The coefficients in what moves."""
+        parts: defaultdict[Monomial, dict[Monomial, fmpq]] = defaultdict(dict)
+        for exponents, c in polynomial.terms():
+            moving, constant = self._split(exponents)
+            parts[moving][constant] = parts[moving].get(constant, fmpq(0)) + c
+        return dict(parts)
+
+    def _terms(self, polynomial: fmpq_mpoly) -> Terms:
+        """A polynomial in constants."""
+        return self._by_moving(polynomial).get((), {})
+
+    @staticmethod
+    def _phases(monomials: Iterable[Monomial]) -> dict[sp.Expr, int]:
+        """The generators that stand in every monomial with one power: these are divided out."""
+        rows = [dict(monomial) for monomial in monomials]
+        first = rows[0] if rows else {}
+        return {g: n for g, n in first.items() if all(row.get(g) == n for row in rows)}
+
+    def _relate(self) -> None:
+        """The powers of algebraic constants."""
+        ring, count = self._field.ring, len(self._field.generators)
+        for index, degree, modulus in ring.relations:
+            meaning = self._meanings[count - 1 - index]
+            if meaning is not sp.I and not self._dependence.moves(meaning):
+                value = ring.context.gens()[index] ** degree - modulus
+                self._system.relations[meaning] = (degree, self._terms(value))
+
+    def _relate_turns(self, polynomials: Iterable[Terms]) -> None:
+        """The sines in which complex exponentials are written."""
+        constants = {g for terms in polynomials for monomial in terms for g, _ in monomial}
+        for constant in filter(is_turn, constants):
+            angle = constant.args[0].as_real_imag()[1]
+            (sine,), (cosine,) = sp.sin(angle).atoms(sp.sin), sp.cos(angle).atoms(sp.cos)
+            square: Terms = {(): fmpq(1), ((cosine, 2),): fmpq(-1)}
+            self._system.relations[sine] = (2, square)
+
+    # independence
+
+    def _vector_of(self, argument: sp.Expr) -> Vector | None:
+        return argument_vector(argument, self._dependence)
+
+    def _judge(self, present: set[sp.Expr]) -> None:
+        """Say what is known of the independence of the moving generators."""
+        triples = dict[sp.Expr, dict[sp.Expr, None]]()
+        for generator in sorted(present - {sp.I, *self._variables}, key=sp.default_sort_key):
+            if isinstance(generator, sp.exp):
+                self._judge_exponent(generator.args[0])
+            elif isinstance(generator, JacobiFunction) and generator.func.__name__ in INDEPENDENT:
+                z, m = generator.args
+                triples.setdefault(m, {})[z] = None
+            elif generator in self._meanings.forms:
+                self._judge_form(generator, present)
+            else:
+                self._system.unknown[str(generator)[:LENGTH]] = None
+        if len(triples) > 1:
+            self._system.unknown["elliptic functions of several parameters"] = None
+        for m, arguments in triples.items():
+            self._judge_elliptic(m, list(arguments))
+        for place, generator in enumerate(self._field.generators):
+            if generator.scale is not None and self._meanings[place] in present:
+                self._system.degenerate += [[self._terms(generator.scale)]]
+
+    def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
+        """One linear form beside variables is one more variable, unless it is made of them."""
+        others = [g for g in present if g in self._meanings.forms and g != form]
+        vector = self._vector_of(form)
+        rest = [c for (v, _), c in vector.items() if v not in present] if vector else []
+        if others or not rest:
+            self._system.unknown[str(form)[:LENGTH]] = None
+        else:
+            self._system.degenerate.append(list(rest))
+
+    def _judge_exponent(self, exponent: sp.Expr) -> None:
+        vector = self._vector_of(exponent)
+        if vector is None:
+            self._system.unknown[str(sp.exp(exponent))[:LENGTH]] = None
+        elif any(is_imaginary and v.is_integer for v, is_imaginary in vector):
+            words = f"{sp.expand(exponent / sp.I)} takes finitely many values up to periods"
+            self._system.left_out[words] = None
+
+    def _judge_exponentials(self, polynomials: Iterable[Iterable[Monomial]]) -> None:
+        """Products of exponentials depend on each other where two exponents differ by a constant.
+
+        Looked at are the products that stand with the same other generators in one polynomial.
+        """
+        directions: dict[frozenset[tuple[sp.Expr, int]], None] = {}
+        for monomials in polynomials:
+            rows: defaultdict[Monomial, list[Counter[sp.Expr]]] = defaultdict(list)
+            for monomial in monomials:
+                powers = Counter({g: n for g, n in monomial if isinstance(g, sp.exp)})
+                rows[tuple(pair for pair in monomial if pair[0] not in powers)].append(powers)
+            for row in rows.values():
+                for one, other in combinations(row, 2):
+                    directions[_direction(one, other)] = None
+        if len(directions) > DIRECTIONS:
+            self._system.left_out["exponents have a rational ratio"] = None
+            directions = {frozenset({(g, 1)}): None for d in directions for g, _ in d}
+        for direction in directions:
+            total: Vector = {}
+            for g, n in direction:
+                for key, value in (self._vector_of(g.args[0]) or {}).items():
+                    total[key] = total.get(key, sp.S.Zero) + n * value
+            self._system.degenerate.append([sp.expand(value) for value in total.values()])
+
+    def _judge_together(self, vectors: Sequence[Vector], listed: str) -> None:
+        """Several arguments: independent where a minor of their factors is not 0."""
+        columns = list(dict.fromkeys(key for vector in vectors for key in vector))
+        if len(vectors) < 2:
+            return
+        if len(vectors) > min(len(columns), LARGEST_MINOR):
+            self._system.left_out[f"a combination of {listed} with integers is constant"] = None
+            return
+        table = sp.Matrix([[vector.get(key, 0) for key in columns] for vector in vectors])
+        rows = list(range(len(vectors)))
+        minors = [
+            sp.expand(table.extract(rows, list(chosen)).det())
+            for chosen in combinations(range(len(columns)), len(vectors))
+        ]
+        if any(minors):
+            self._system.degenerate.append(list(minors))
+        else:
+            self._system.left_out[f"a combination of {listed} with integers is constant"] = None
+
+    def _judge_elliptic(self, m: sp.Expr, arguments: Sequence[sp.Expr]) -> None:
+        vectors = [self._vector_of(z) for z in arguments]
+        for z, vector in zip(arguments, vectors, strict=True):
+            if vector is None or any(is_imaginary for _, is_imaginary in vector):
+                self._system.unknown[f"elliptic functions of {z}"] = None
+                continue
+            self._system.degenerate.append(list(vector.values()))
+            if all(v.is_integer for v, _ in vector):
+                words = f"{z} takes finitely many values up to periods"
+                self._system.left_out[words] = None
+        self._judge_together([v for v in vectors if v], ", ".join(map(str, arguments)))
+        self._system.degenerate += [[m], [1 - m]]
+
+
+def _direction(one: Counter[sp.Expr], other: Counter[sp.Expr]) -> frozenset[tuple[sp.Expr, int]]:
+    """The difference of two products of exponentials, up to a factor and a sign."""
+    table = {g: one[g] - other[g] for g in one | other if one[g] != other[g]}
+    first = min(table, key=sp.default_sort_key)
+    scale = gcd(*table.values()) * (1 if table[first] > 0 else -1)
+    return frozenset((g, n // scale) for g, n in table.items())
+
+
+def argument_vector(argument: sp.Expr, dependence: Dependence) -> Vector | None:
+    """The constant factors of its monomials in the variables; None if it is no such sum."""
+    found: Vector = {}
+    for term, number in expanded_terms(argument).items():
+        constant, moving = dependence.factors(number * term)
+        if moving == 1:
+            continue
+        powers = [factor.as_base_exp() for factor in sp.Mul.make_args(moving)]
+        if not all(b in dependence.variables and n.is_Integer for b, n in powers):
+            return None
+        real, imaginary = constant.coeff(sp.I, 0), constant.coeff(sp.I, 1)
+        for value, side in ((real, False), (imaginary, True)):
+            if value != 0:
+                found[moving, side] = found.get((moving, side), sp.S.Zero) + value
+    return found
+
+
+INDEPENDENT = ("jacobi_sn", "jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
+
+DIRECTIONS = 60
+"""Most differences of exponents that are looked at; two solitons have about 15."""
+
+LARGEST_MINOR = 3
+"""Arguments whose independence is looked at exactly."""
+
+LENGTH = 60
+"""Characters of a function that is named."""
+
+
+class Meanings:
+    """What the generators of a field stand for, as expressions; ``forms`` are the linear ones."""
+
+    def __init__(
+        self, field: Field, symbols: Mapping[str, sp.Symbol], dependence: Dependence
+    ) -> None:
+        self._field, self._symbols, self._dependence = field, symbols, dependence
+        self._nodes: dict[int, sp.Expr] = {}
+        self.forms: set[sp.Expr] = set()
+
+    def __getitem__(self, place: int) -> sp.Expr:
+        """The meaning of a generator; of one that contains a variable without its scale."""
+        return self._all[place]
+
+    @cached_property
+    def _all(self) -> list[sp.Expr]:
+        return [self._meaning(generator) for generator in self._field.generators]
+
+    def _meaning(self, generator: Generator) -> sp.Expr:
+        if generator.form:
+            parts = (self._node(a) * self._node(b) for a, b in generator.form)
+            form = sp.Add(self._node(generator.shift), *parts)
+            self.forms.add(form)
+            return form
+        node = self._node(generator.node)
+        if generator.scale is None or self._dependence.moves(node):
+            return node
+        return node * self._polynomial(generator.scale)
+
+    def _polynomial(self, polynomial: fmpq_mpoly) -> sp.Expr:
+        """A polynomial in the generators before."""
+        terms = []
+        for exponents, c in polynomial.terms():
+            powers = enumerate(reversed(exponents))
+            factors = (self._meaning(self._field.generators[i]) ** int(n) for i, n in powers if n)
+            terms.append(sp.Mul(sp.Rational(int(c.p), int(c.q)), *factors))
+        return sp.Add(*terms)
+
+    def _node(self, node: int) -> sp.Expr:
+        if node not in self._nodes:
+            self._nodes[node] = self._written(*self._field.nodes.all[node])
+        return self._nodes[node]
+
+    def _written(self, name: str, *arguments: object) -> sp.Expr:
+        match name, arguments:
+            case "symbol", (str(label), _):
+                return self._symbols[label]
+            case "number", (fmpq() as value,):
+                return sp.Rational(int(value.p), int(value.q))
+            case "I", _:
+                return sp.I
+            case "pi", _:
+                return sp.pi
+            case "Pow", (int(base), fmpq() as power):
+                return sp.Pow(self._node(base), sp.Rational(int(power.p), int(power.q)))
+            case "poly", (terms, *places):
+                values = [self._node(place) for place in places]  # type: ignore[arg-type]
+                return sp.Add(
+                    *(
+                        sp.Rational(int(c.p), int(c.q))
+                        * sp.Mul(*(v**n for v, n in zip(values, powers, strict=True)))
+                        for c, powers in terms  # type: ignore[attr-defined]
+                    )
+                )
+        return FUNCTIONS[name](*map(self._node, arguments))  # type: ignore[arg-type]

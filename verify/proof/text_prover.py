@@ -1,0 +1,70 @@
+"""`prove` for texts and for SymPy objects: the verdict, or for which constants there is one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from verify.verdict import ProofVerdict
+
+from . import prover
+from .conditions import solve_statement
+from .statement_text import Statement, read_statement
+from .statement_verdict import Progress, StatementVerdict, decide_statement
+
+
+def prove(
+    equation: Any,
+    solution: Any,
+    *,
+    parameters: str = "",
+    domain: str = "",
+    solve: str = "",
+    **options: Any,
+) -> ProofVerdict:
+    """Decide whether a formula solves an equation, both in text or both as SymPy objects.
+
+    Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
+    with ``solve``, names of parameters as in ``c, b``, the answer says for which values of these.
+    SymPy objects and their options are those of `verify.proof.prover.prove`.
+
+    Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
+
+    >>> prove("u_t + c*u_x", "u = sin(x - c*t)").outcome
+    <Outcome.PROVED: 'PROVED'>
+    >>> prove("u_x - 1", "u = sqrt(x**2)").outcome, prove("u_x - 1", "u = x").outcome
+    (<Outcome.REFUTED: 'REFUTED'>, <Outcome.PROVED: 'PROVED'>)
+    >>> print(prove("u_t + u_x", "u = exp(x - c*t)", solve="c").detail)
+    holds if and only if c = 1
+    """
+    textual = [_is_text(equation), _is_text(solution)]
+    if not any(textual):
+        if parameters or domain or solve:
+            raise ValueError(
+                "parameters, domain and solve must be left out with SymPy objects, got "
+                f"{parameters or domain or solve!r} (state the equation in text)"
+            )
+        return prover.prove(equation, solution, **options)
+    if not all(textual):
+        raise TypeError(
+            "equation and solution must be of one kind, got text and a SymPy object "
+            "(write both as text)"
+        )
+    wrong = sorted(options.keys() - {"name"})
+    if wrong:
+        raise TypeError(
+            f"options beside texts must be parameters, domain, solve and name, got {wrong[0]} "
+            "(say it in parameters)"
+        )
+    return answer(read_statement(equation, solution, parameters, domain, solve=solve, **options))
+
+
+def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
+    """The verdict on a statement, or for which values of what is wanted it holds."""
+    decide = solve_statement if statement.wanted else decide_statement
+    return decide(statement, progress)
+
+
+def _is_text(given: object) -> bool:
+    return isinstance(given, str) or (
+        isinstance(given, (list, tuple)) and all(isinstance(part, str) for part in given)
+    )
