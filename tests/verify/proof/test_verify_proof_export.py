@@ -18,7 +18,7 @@ from verify.proof.export import terms
 from verify.proof.export.derivation import written_out
 from verify.proof.export.systems import SYSTEMS, answer, exported
 from verify.proof.export.terms import Definition, Relation, SlopeAxiom, Vanishing, WrittenProof
-from verify.proof.statement_verdict import prove as prove_text
+from verify.proof.text_prover import prove as prove_text
 
 FORMS = ("kink", "wave_sn", "soliton_sech", "rational_1", "soliton_dn", "breather", "rogue_cn")
 SHORT = ("kink", "wave_sn", "rational_1", "soliton_sech")

@@ -320,9 +320,14 @@ class TracedField(Field):
     ) -> None:
         place = len(self.generators)
         super()._algebraic(node, degree, value, scale)
-        found = self.generators[place].scale
-        whole = terms.number(1) if found is None else terms.polynomial_term(found)
-        term = terms.multiplied([terms.raised(whole, degree), term_of(value)])
+        whole = value if scale is None else value * scale**degree
+        term, below = term_of(whole), whole.denominator()
+        if not below.is_one():
+            factor = terms.polynomial_term(below)
+            above = terms.polynomial_term(whole.numerator)
+            gap = [terms.multiplied([term, factor]), terms.negated(above)]
+            self.trace.vanishing(terms.added(gap), "a radicand times its denominator")
+            term = terms.multiplied([above, terms.raised(factor, degree - 1)])
         self.note(Relation(place, degree, term, None), self.one)
 
 
