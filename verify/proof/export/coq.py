@@ -82,8 +82,8 @@ class _Theorem:
                 for label, term in zip(below, proof.denominators, strict=True)
             ),
             *self._assumptions,
-            f"Definition denominators := {_list(list(map(self._data, proof.denominators)))}.",
-            f"Definition steps := {_list(steps)}.",
+            f"Definition denominators : list ex := {_list(list(map(self._data, proof.denominators)))}.",
+            f"Definition steps : list step := {_list(steps)}.",
             "Lemma checked : accepts denominators steps = true.",
             "Proof.",
             "  tryif abstract (vm_cast_no_check (eq_refl true)) then idtac",
