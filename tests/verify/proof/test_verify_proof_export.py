@@ -51,9 +51,8 @@ def test_every_step_uses_only_what_stands_before_it(name: str) -> None:
             defined.add(step.name)
         if isinstance(step, SlopeAxiom):
             slopes.add((step.variable, step.generator))
-    last = proof(name).steps[-1]
-    assert isinstance(last, Vanishing)
-    assert last.comment == "equation 1"
+    zeros = [step.comment for step in proof(name).steps if isinstance(step, Vanishing)]
+    assert zeros.count("equation 1") == 1
 
 
 def test_the_axioms_of_sn_are_written_as_they_are_known() -> None:
@@ -195,9 +194,12 @@ def changed(found: WrittenProof, draw: random.Random) -> WrittenProof:
 @pytest.mark.slow
 @pytest.mark.parametrize(("system", "count"), [("pari", 40), ("maxima", 20), ("coq", 5)])
 def test_a_system_rejects_a_proof_with_one_number_changed(system: str, count: int) -> None:
-    """Coefficients, exponents, slopes, relations and equations of these have no true neighbours."""
+    """Of these no coefficient, exponent, slope or relation has a true neighbour.
+
+    That of the kink has: tanh as (e^2 + 1)/(e^2 + 1) makes it a constant, which is a solution.
+    """
     draw = random.Random(system)
     _engine(system)
     for _ in range(count):
-        other = changed(proof(draw.choice(SHORT)), draw)
+        other = changed(proof(draw.choice(SHORT[1:])), draw)
         assert answer(SYSTEMS[system].write(other), system, 100)[0] == "rejected"

@@ -72,6 +72,7 @@ class _Theorem:
         """The variables, assumptions, claims and the proof."""
         proof = self._proof
         steps = [self._step(step) for step in proof.steps]
+        below_data = [self._data(term) for term in proof.denominators]
         below = [f"nonzero_{i}" for i, _ in enumerate(proof.denominators)]
         generators = [f"g{place}" for place in range(len(proof.meanings))]
         names = [name_of(name) for name in self._places]
@@ -82,7 +83,7 @@ class _Theorem:
                 for label, term in zip(below, proof.denominators, strict=True)
             ),
             *self._assumptions,
-            f"Definition denominators : list ex := {_list(list(map(self._data, proof.denominators)))}.",
+            f"Definition denominators : list ex := {_list(below_data)}.",
             f"Definition steps : list step := {_list(steps)}.",
             "Lemma checked : accepts denominators steps = true.",
             "Proof.",

@@ -239,6 +239,10 @@ class TracedField(Field):
         return TracedSlopes(self)
 
     @cached_property
+    def _roots(self) -> list[tuple[int, int, TracedElement]]:
+        return []
+
+    @cached_property
     def _defined(self) -> dict[int, TracedElement]:
         return {}
 
@@ -329,6 +333,21 @@ class TracedField(Field):
             self.trace.vanishing(terms.added(gap), "a radicand times its denominator")
             term = terms.multiplied([above, terms.raised(factor, degree - 1)])
         self.note(Relation(place, degree, term, None), self.one)
+        power = plain(self.ring.generator(place)) ** degree
+        self._roots.append((place, degree, traced(power, term)))
+
+    def note_slopes_of_relations(self) -> None:
+        """Note that the slopes of roots are those which follow from their relations."""
+        stated = [s for s, _ in self.trace.steps if isinstance(s, SlopeAxiom)]
+        for place, degree, value in self._roots:
+            for axis in sorted({s.variable for s in stated if s.generator == place}):
+                for other in sorted(value.places):
+                    self.slope(other, self.variables[axis])
+                root = terms.generator(place)
+                outer = [terms.number(degree), terms.raised(root, degree - 1)]
+                own = terms.multiplied([*outer, ("slope", axis, root)])
+                gap = terms.added([own, terms.negated(("slope", axis, value.term))])
+                self.trace.vanishing(gap, "the derivative of a relation")
 
 
 def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
@@ -344,6 +363,7 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
     assert isinstance(field, TracedField)
     field.walk(statement.roots)
     _Equations(field, statement).note()
+    field.note_slopes_of_relations()
     assert isinstance(field.ring, TracedRing)
     divisors = [place for place in field.ring.divisors if not _is_constant(field.ring, place)]
     return WrittenProof(
