@@ -1,10 +1,14 @@
-"""Proofs beside SymPy's ``checkpdesol`` and ``simplify`` on the same formulas.
+"""The library of published solutions put to the prover and to other computer algebra.
 
-Each attempt runs in a process of its own, which is stopped after ``--limit`` seconds (60 unless
-told).  "wrong" counts answers that contradict the proof; "no answer" counts those that ran out
-of time, failed, or left a residual that was not simplified to 0.
+The prover gets every statement; SymPy's ``checkpdesol`` (``checkodesol``), ``simplify`` of the
+residual, and Maxima's simplifiers of the residual get ``--sample`` of them, evenly spaced.  Each
+attempt runs in a process of its own, which is stopped after ``--limit`` seconds.  An answer is
+right or wrong against what the library says; no answer: out of time, failed, or a residual that
+was not simplified to 0 and so says nothing; not taken: systems, lattices and complex conjugates,
+for ``checkpdesol``.  Maxima is left out where there is no ``maxima``.
 
-    python benchmarks/proofs.py [--only NAME ...] [--limit SECONDS] [--json]
+    python benchmarks/proofs.py [--only NAME ...] [--tool NAME ...] [--sample 48] [--limit 20]
+                                [--workers 2] [--json FILE]
 """
 
 from __future__ import annotations
@@ -12,28 +16,43 @@ from __future__ import annotations
 import argparse
 import json
 import multiprocessing
+import os
+import re
+import shutil
+import signal
 import statistics
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
 
 import sympy as sp
 from rich.console import Console
+from rich.progress import Progress
 from rich.table import Table
+from sympy.core.function import AppliedUndef
+from sympy.solvers.ode import checkodesol
 from sympy.solvers.pde import checkpdesol
 
-from solutions import CATALOGUE, closed_form
-from verify.proof import form_domains, prove
+from derive.algebra.formula_printing import formula_as_text
+from verify.cli.problem_file import ProblemText
+from verify.cli.published import published
+from verify.proof.statement_problem import residual_of
+from verify.proof.statement_text import Statement
+from verify.proof.statement_verdict import decide_statement
 from verify.verdict import Outcome
 
-LIMIT = 60.0
-SOLVED, WRONG, NO_ANSWER = "solved", "wrong", "no answer"
+HOLDS, FAILS, SILENT, NOT_TAKEN = "holds", "fails", "no answer", "not taken"
+RIGHT, WRONG = "right", "wrong"
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One tool's answer on one formula."""
+    """One tool's answer on one statement."""
 
     tool: str
     name: str
@@ -41,100 +60,222 @@ class Attempt:
     seconds: float
 
 
-def by_proof(name: str) -> str:
-    """The prover's answer; the formula is a solution."""
-    form = closed_form(name)
-    outcome = prove(form.equation, form.expression, domains=form_domains(form)).outcome
-    return {Outcome.PROVED: SOLVED, Outcome.REFUTED: WRONG}.get(outcome, NO_ANSWER)
+def by_proof(statement: Statement) -> str:
+    """The prover's answer."""
+    outcome = decide_statement(statement).outcome
+    return {Outcome.PROVED: HOLDS, Outcome.REFUTED: FAILS}.get(outcome, SILENT)
 
 
-def by_checkpdesol(name: str) -> str:
-    """SymPy's answer: (True, 0), or (False, residual) whether wrong or only not simplified.
+def by_checkpdesol(statement: Statement) -> str:
+    """SymPy's answer: (True, 0), or (False, residual), which says that it is no solution."""
+    (equation, *others), solutions = statement.equations, statement.solutions
+    (unknown, formula), *more = solutions.items()
+    sites = any(argument.is_integer for argument in unknown.args)
+    if others or more or sites or equation.has(sp.conjugate, sp.Abs, sp.re, sp.im):
+        return NOT_TAKEN
+    if equation.atoms(AppliedUndef) != {unknown}:
+        return NOT_TAKEN
+    check = checkpdesol if len(unknown.args) > 1 else checkodesol
+    return HOLDS if check(equation, sp.Eq(unknown, formula))[0] else FAILS
 
-    A False is counted as wrong, since it says that the formula is no solution.
+
+def residuals(statement: Statement) -> Iterator[sp.Expr]:
+    """The residuals, with the formulas put in and differentiated by SymPy."""
+    for equation in statement.equations:
+        yield residual_of(statement, equation).doit()
+
+
+def by_simplify(statement: Statement) -> str:
+    """Whether ``simplify`` brings the residuals to 0; anything else says nothing."""
+    zero = all(sp.simplify(residual) == 0 for residual in residuals(statement))
+    return HOLDS if zero else SILENT
+
+
+MAXIMA_NAMES = {
+    "I": "%i",
+    "pi": "%pi",
+    "sign": "signum",
+    "re": "realpart",
+    "im": "imagpart",
+    "elliptic_k": "elliptic_kc",
+    "elliptic_e": "elliptic_ec",
+}
+SIMPLIFIERS = (
+    *(
+        "ratsimp(r)",
+        "radcan(r)",
+        "trigsimp(r)",
+        "ratsimp(trigsimp(r))",
+        "radcan(exponentialize(r))",
+    ),
+    *("ratsimp(trigsimp(radcan(r)))", "radcan(trigreduce(ratsimp(r)))"),
+)
+"""What is tried on a residual r, until one gives 0."""
+
+
+def by_maxima(statement: Statement) -> str:
+    """Whether one of Maxima's simplifiers brings each residual to 0."""
+    lines = [f"{known}$" for known in _known(statement)]
+    for residual in residuals(statement):
+        lines.append(f"r: {in_maxima(residual)}$")
+        tries = " or ".join(f"errcatch(is(equal({text}, 0))) = [true]" for text in SIMPLIFIERS)
+        lines.append(f"print(if {tries} then ANSWERZERO else ANSWEROTHER)$")
+    given = "\n".join(lines)
+    done = subprocess.run(
+        ["maxima", "--very-quiet"], input=given, capture_output=True, text=True, check=False
+    )
+    zeros = done.stdout.count("ANSWERZERO")
+    return HOLDS if zeros == len(statement.equations) else SILENT
+
+
+def in_maxima(formula: sp.Expr) -> str:
+    """A formula in Maxima's words, each symbol with a v before its name.
+
+    >>> x = sp.Symbol("x", real=True)
+    >>> in_maxima(sp.sin(x) ** 2 + sp.I)
+    'sin(v_x)^2 + %i'
     """
-    form = closed_form(name)
-    unknown = sp.Function("U")(form.equation.xi, form.equation.tau)
-    holds, _ = checkpdesol(form.equation.residual(unknown), sp.Eq(unknown, form.expression))
-    return SOLVED if holds else WRONG
+
+    def word(match: re.Match[str]) -> str:
+        name = match[0]
+        called = formula_text[match.end() : match.end() + 1] == "("
+        return MAXIMA_NAMES.get(name, name if called else f"v_{name}")
+
+    formula_text = formula_as_text(formula)
+    return re.sub(r"[A-Za-z]\w*", word, formula_text).replace("**", "^")
 
 
-def by_simplify(name: str) -> str:
-    """Whether ``simplify`` brings the residual to 0; anything else says nothing."""
-    form = closed_form(name)
-    residual = form.equation.residual(form.expression).doit()
-    return SOLVED if sp.simplify(residual) == 0 else NO_ANSWER
+def _known(statement: Statement) -> Iterator[str]:
+    """What is said of the variables and parameters."""
+    for symbol, domain in statement.domains.items():
+        name = in_maxima(symbol)
+        if domain.lower != -sp.oo:
+            yield f"assume({in_maxima(domain.lower)} < {name})"
+        if domain.upper != sp.oo:
+            yield f"assume({name} < {in_maxima(domain.upper)})"
+        if symbol.is_integer:
+            yield f"declare({name}, integer)"
 
 
-TOOLS: dict[str, Callable[[str], str]] = {
-    "proof": by_proof,
+TOOLS: dict[str, Callable[[Statement], str]] = {
+    "longwave": by_proof,
     "checkpdesol": by_checkpdesol,
     "simplify": by_simplify,
+    "maxima": by_maxima,
 }
 
 
-def _work(tool: str, name: str, pipe: Connection) -> None:
+# processes
+
+
+@dataclass
+class Running:
+    """An attempt under way."""
+
+    tool: str
+    text: ProblemText
+    process: Any
+    start: float
+
+
+def _work(tool: str, text: ProblemText, pipe: Connection) -> None:
+    os.setpgrp()
     start = time.perf_counter()
     try:
-        answer = TOOLS[tool](name)
+        answer = TOOLS[tool](text.problem().statement)
     except Exception:  # any failure of a tool is no answer
-        answer = NO_ANSWER
+        answer = SILENT
     pipe.send((answer, time.perf_counter() - start))
 
 
-def attempt(tool: str, name: str, limit: float) -> Attempt:
-    """Ask ``tool`` about the form called ``name`` in a new process, for ``limit`` seconds."""
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(tool, name, theirs), daemon=True)
-    process.start()
-    theirs.close()
-    answer, seconds = NO_ANSWER, limit
-    try:
-        if ours.poll(limit):
-            answer, seconds = ours.recv()
-    except EOFError:
-        pass
-    process.kill()
-    process.join()
-    return Attempt(tool, name, answer, seconds)
+def attempts(
+    asked: Sequence[tuple[str, ProblemText]], limit: float, workers: int, report: Progress
+) -> Iterator[Attempt]:
+    """Ask each tool about each statement, ``workers`` at a time, as they come to an end."""
+    context = multiprocessing.get_context("fork")
+    waiting, running = list(reversed(asked)), dict[Connection, Running]()
+    task = report.add_task("attempts", total=len(asked))
+    while waiting or running:
+        while waiting and len(running) < workers:
+            tool, text = waiting.pop()
+            ours, theirs = context.Pipe(duplex=False)
+            process = context.Process(target=_work, args=(tool, text, theirs), daemon=True)
+            process.start()
+            theirs.close()
+            running[ours] = Running(tool, text, process, time.monotonic())
+        ready = wait(list(running), timeout=0.2)
+        for pipe, own in list(running.items()):
+            late = time.monotonic() - own.start > limit
+            if pipe not in ready and not late:
+                continue
+            answer, seconds = SILENT, limit
+            with suppress(EOFError):
+                answer, seconds = pipe.recv() if pipe in ready else (SILENT, limit)
+            with suppress(ProcessLookupError):
+                os.killpg(own.process.pid, signal.SIGKILL)
+            own.process.join()
+            del running[pipe]
+            report.advance(task)
+            yield Attempt(own.tool, own.text.name, _judged(answer, own.text.expect), seconds)
 
 
-def attempts_table(attempts: list[Attempt], limit: float) -> Table:
-    """One row a tool: counts of the answers, and the median time with the limit for no answer."""
-    table = Table(title=f"The same formulas, {limit:g} s each")
-    table.add_column("tool")
-    for heading in (SOLVED, WRONG, NO_ANSWER, "median seconds"):
-        table.add_column(heading, justify="right")
+def _judged(answer: str, expected: str) -> str:
+    if answer in (SILENT, NOT_TAKEN):
+        return answer
+    return RIGHT if (answer == HOLDS) == (expected == Outcome.PROVED) else WRONG
+
+
+# what is printed
+
+
+HEADINGS = ("tool", "of", "statements", RIGHT, WRONG, SILENT, NOT_TAKEN, "median s", "most s")
+
+
+def attempts_table(found: list[Attempt], texts: Sequence[ProblemText], limit: float) -> Table:
+    """Two rows a tool: of the statements that hold, and of the wrong variants."""
+    table = Table(title=f"The library's statements, {limit:g} s each")
+    for place, heading in enumerate(HEADINGS):
+        table.add_column(heading, justify="right" if place > 1 else "left")
+    holding = {text.name for text in texts if text.expect == Outcome.PROVED}
     for tool in TOOLS:
-        own = [attempt for attempt in attempts if attempt.tool == tool]
-        if own:
-            counts = [sum(a.answer == kind for a in own) for kind in (SOLVED, WRONG, NO_ANSWER)]
-            median = statistics.median(a.seconds for a in own)
-            table.add_row(tool, *map(str, counts), f"{median:.2f}")
+        for kind, wanted in (("solutions", True), ("wrong variants", False)):
+            own = [a for a in found if a.tool == tool and (a.name in holding) == wanted]
+            if own:
+                counts = [sum(a.answer == k for a in own) for k in HEADINGS[3:7]]
+                times = [f"{f(a.seconds for a in own):.2f}" for f in (statistics.median, max)]
+                table.add_row(tool, kind, str(len(own)), *map(str, counts), *times)
     return table
 
 
 def main() -> None:
-    """Read the options, ask every tool about every form, print."""
-    names = [form.name for form in CATALOGUE]
-    parser = argparse.ArgumentParser(description="Proofs beside checkpdesol and simplify.")
-    parser.add_argument("--only", action="append", choices=names, metavar="NAME")
+    """Read the options, ask every tool, print."""
+    parser = argparse.ArgumentParser(description="The library put to the prover and to others.")
+    parser.add_argument("--only", action="append", metavar="NAME")
     parser.add_argument("--tool", action="append", choices=list(TOOLS))
-    parser.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS")
-    parser.add_argument("--json", action="store_true", help="print each attempt as JSON")
+    parser.add_argument("--sample", type=int, default=48, help="for the others; 0 for all")
+    parser.add_argument("--limit", type=float, default=20.0, metavar="SECONDS")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write each attempt there")
     options = parser.parse_args()
-    console, made = Console(), []
-    for name in options.only or names:
-        for tool in options.tool or TOOLS:
-            found = attempt(tool, name, options.limit)
-            made.append(found)
-            if not options.json:
-                console.print(f"{name:13} {tool:12} {found.answer:10} {found.seconds:8.2f} s")
+    console = Console(width=120)
+    texts = [text for text in published() if not options.only or text.name in options.only]
+    chosen = options.tool or list(TOOLS)
+    if "maxima" in chosen and shutil.which("maxima") is None:
+        console.print("maxima is not installed and left out")
+        chosen = [tool for tool in chosen if tool != "maxima"]
+    step = max(1, len(texts) // options.sample) if options.sample else 1
+    asked = [
+        (tool, text) for tool in chosen for text in (texts if tool == "longwave" else texts[::step])
+    ]
+    with Progress(console=console) as report:
+        found = list(attempts(asked, options.limit, options.workers, report))
+    for attempt in found:
+        if attempt.answer == WRONG:
+            console.print(f"wrong: {attempt.tool} on {attempt.name}", highlight=False)
+    console.print(attempts_table(found, texts, options.limit))
     if options.json:
-        print(json.dumps([asdict(found) for found in made], indent=2))
-    else:
-        console.print(attempts_table(made, options.limit))
+        records = [asdict(attempt) for attempt in found]
+        options.json.write_text(json.dumps(records, indent=2) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -129,13 +129,17 @@ def _text(judgement: Judgement) -> str:
     return f"{judgement.mark.upper()}: {judgement.words}\n{script}\n"
 
 
+def _within(judgement: Judgement) -> str:
+    """Two levels of the kind: "real: branch" and not which of them."""
+    return ":".join(judgement.kind.split(":")[:2])
+
+
 def table(found: list[Judgement], kind: str, seconds: float) -> Table:
     """The tallies by kind, or by what there is within one kind."""
-    groups = {"all": tallies(found, kind_of), "real": tallies(found)}
     made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
     for place, heading in enumerate(HEADINGS):
         made.add_column(heading, justify="right" if place else "left")
-    for tally in groups.get(kind) or tallies(found, lambda judgement: judgement.kind):
+    for tally in tallies(found, kind_of if kind == "all" else _within):
         made.add_row(*tally.cells())
     return made
 
@@ -145,7 +149,8 @@ def reasons(found: list[Judgement]) -> Table:
     counts: dict[tuple[str, str], list[int]] = {}
     for judgement in found:
         if judgement.mark is Mark.UNDECIDED and judgement.supported:
-            counts.setdefault((judgement.kind, judgement.words[:100]), []).append(judgement.index)
+            last = judgement.words.rpartition("; then: ")[2]
+            counts.setdefault((judgement.kind, last[:100]), []).append(judgement.index)
     made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
     for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
         made.add_row(str(len(own)), kind, words, str(min(own)))

@@ -14,11 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from lattice.kernels import blocked
 from lattice.model import Model, State
-from lattice.refine import LEAST_FACTOR, Kind, Progress, StepSearch, refine
+from lattice.refine import refine
 from lattice.scheme_order import check_order
 from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
 from lattice.stepper import Stepper, StillRing
-from lattice.trial import NUDGE, Choices, Trial, difference, rounding_error
+from lattice.trial import (
+    LEAST_FACTOR,
+    NUDGE,
+    Choices,
+    Kind,
+    Progress,
+    StepSearch,
+    Trial,
+    difference,
+    rounding_error,
+)
 
 Array = NDArray[np.float64]
 

@@ -20,22 +20,20 @@ import math
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from lattice.trial import (
+    SAFETY,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    difference,
+)
 
-from lattice.trial import Choices, StoppedTrial, Trial, difference
-
-Array = NDArray[np.float64]
-Kind = Literal["step", "sampling", "domain"]
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
-Progress = Callable[[float], None]
-"""Called with the share of the work that is done, 0 .. 1."""
-
-SAFETY = 2.0
-"""Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
 
 SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
 """Shares of the tolerance, where each of the choices is varied by itself."""
@@ -88,58 +86,19 @@ class StoppedSearch(KeyboardInterrupt):
         self.trial, self.error, self.before = trial, error, before
 
 
-class Engine(Protocol):
-    """What is to be known of an engine: its runs, and how its errors depend on its choices."""
-
-    kinds: tuple[Kind, ...]
-    """What can be varied."""
-    threads: int
-    """Runs that may be done at once."""
-    order: int
-    """The time step's error falls like step^order."""
-    safety: float
-    """Factor on the difference of two runs, ``SAFETY`` or more."""
-    unstable: int
-    """Steps tried, each shorter, until one is stable."""
-    fragile: bool
-    """Whether perturbations may grow, so that what becomes of rounding is measured."""
-    most_work: float
-    """The most that the next runs may take, in the unit of `work`."""
-
-    def first(self) -> Choices:
-        """Where the search begins."""
-
-    def scout(self) -> "Engine":
-        """An engine that finds the step on fewer sites; itself, if there is none."""
-
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run; ``shown`` if its observables may be asked for afterwards.
-
-        Raises StoppedTrial on Ctrl-C.
-        """
-
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """Finer, wider or elsewhere in each of the kinds, and not in the others."""
-
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
-
-    def work(self, choices: Choices) -> float:
-        """What a run costs, in any unit, as `Trial` counts it."""
-
-
 @dataclass(frozen=True)
 class Refined:
-    """The last control run, its estimated error (sup of y/eps), and what it took to get there.
+    """The last control run, and by how much y/eps is estimated to miss the infinite lattice's.
 
-    ``rounding`` is the part of ``error`` that stands for rounding; ``before`` are the seconds of
-    all runs but the last. The error is infinite if the lattice blows up by itself.
+    ``error`` stands for everything that was chosen, and for rounding, whose part is ``rounding``;
+    it is infinite if the lattice blows up by itself. ``next_decade`` is the factor by which ten
+    times more accuracy costs more.
     """
 
     trial: Trial
     error: float
     rounding: float
-    before: float
+    next_decade: float
 
 
 def refine(
@@ -176,7 +135,10 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
             rounding, error = rounding + grown, error + grown
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
-            return Refined(control, error, rounding, search.seconds - control.seconds)
+            decade = 10.0 ** (1.0 / engine.order)
+            if not control.choices.causal:
+                decade *= 10.0 ** (1.0 / engine.decay)
+            return Refined(control, error, rounding, decade)
         search.judged = control, error
         fell = error < PROGRESS * best or math.isinf(error)
         if not fell or search.wary:
@@ -358,88 +320,3 @@ class _Search:
         work = sum(trial.work for trial in self._done.values())
         if work > 0.0:
             self._announce(spent / work * asked)
-
-
-LEAST_FACTOR = 0.2
-"""Least factor from one step to the next one tried."""
-
-STEP_RATIO = 0.7
-"""Step of a control run of a `StepSearch`, in units of the one before it."""
-
-
-def lawful_step(step: float, order: int, excess: float) -> float:
-    """The step with which an error that falls like step^order is smaller by ``excess``.
-
-    >>> round(lawful_step(1.0, 6, 64.0), 3)
-    0.475
-    """
-    return step * max(LEAST_FACTOR, 0.95 * excess ** (-1.0 / order))
-
-
-def mean_step(stops: Array, step: float, order: int) -> float:
-    """The step that would make the same error if the stops did not shorten it.
-
-    Between two stops the steps are equal and at most ``step``.
-
-    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
-    0.5
-    """
-    gaps = np.diff(stops)
-    gaps = gaps[gaps > 0]
-    if gaps.size == 0:
-        return step
-    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
-    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
-
-
-def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
-    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
-    wanted = ratio * mean_step(stops, step, order)
-    found = ratio * step
-    while mean_step(stops, found, order) > wanted:
-        found *= 0.97
-    return found
-
-
-class StepSearch:
-    """An engine of which only the time step is to be found; `run` is its user's.
-
-    ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
-    beginning to the end: between them the steps are equal.
-    """
-
-    kinds: tuple[Kind, ...] = ("step",)
-    threads = 1
-    safety = SAFETY
-    unstable = 4
-    fragile = False
-    most_work = math.inf
-
-    def __init__(self, order: int, first_step: float, stops: Array, size: float = 1.0) -> None:
-        self.order = order
-        self._first, self._stops = Choices(first_step, size), stops
-
-    def first(self) -> Choices:
-        """The longest step."""
-        return self._first
-
-    def scout(self) -> Engine:
-        """Itself: there are no sites to spare."""
-        return self
-
-    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
-        """A run with that step."""
-        raise NotImplementedError
-
-    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step."""
-        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
-        return replace(choices, step=step)
-
-    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
-        """By the law of the order."""
-        return replace(choices, step=lawful_step(choices.step, self.order, excess))
-
-    def work(self, choices: Choices) -> float:
-        """Steps."""
-        return float(self._stops[-1] - self._stops[0]) / choices.step

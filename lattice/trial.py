@@ -1,11 +1,12 @@
-"""A run whose error is to be judged: what was chosen about it, what it gave, what rounding did.
+"""Runs whose error is to be judged: what was chosen, what they gave, and the engines that do them.
 
 Values and errors are of y in the unit of the tolerance, sup over the compared sites.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,19 +84,6 @@ STEADY = 2.0**-53
 """The part whose sign does not vary (measured: 0.4 of it, on a kink's far field at t = 2e8)."""
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """By how much y/eps is estimated to miss the infinite lattice's, at most.
-
-    ``total`` stands for everything that was chosen, and for rounding, whose part is ``rounding``.
-    ``next_decade`` is the factor by which ten times more accuracy costs more.
-    """
-
-    total: float
-    rounding: float
-    next_decade: float
-
-
 def rounding_error(largest: float, evaluations: int) -> float:
     """What rounding is taken to do to strains of that size in so many force evaluations a site.
 
@@ -117,3 +105,139 @@ def clock_error(values: NDArray[np.float64], c: float, times: tuple[float, float
     """
     slope = float(np.max(np.abs(np.diff(values, axis=-1)), initial=0.0))
     return 2.0 * float(np.spacing(max(map(abs, times)))) * c * slope
+
+
+Kind = Literal["step", "sampling", "domain"]
+Progress = Callable[[float], None]
+"""Called with the share of the work that is done, 0 .. 1."""
+
+SAFETY = 2.0
+"""Factor on the difference of the last two runs: their error may fall as slowly as 1/size."""
+
+
+class Engine(Protocol):
+    """What is to be known of an engine: its runs, and how its errors depend on its choices."""
+
+    kinds: tuple[Kind, ...]
+    """What can be varied."""
+    threads: int
+    """Runs that may be done at once."""
+    order: int
+    """The time step's error falls like step^order."""
+    decay: float
+    """A domain's error falls at least like size^-decay."""
+    safety: float
+    """Factor on the difference of two runs, ``SAFETY`` or more."""
+    unstable: int
+    """Steps tried, each shorter, until one is stable."""
+    fragile: bool
+    """Whether perturbations may grow, so that what becomes of rounding is measured."""
+    most_work: float
+    """The most that the next runs may take, in the unit of `work`."""
+
+    def first(self) -> Choices:
+        """Where the search begins."""
+
+    def scout(self) -> "Engine":
+        """An engine that finds the step on fewer sites; itself, if there is none."""
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run; ``shown`` if its observables may be asked for afterwards.
+
+        Raises StoppedTrial on Ctrl-C.
+        """
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """Finer, wider or elsewhere in each of the kinds, and not in the others."""
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
+
+    def work(self, choices: Choices) -> float:
+        """What a run costs, in any unit, as `Trial` counts it."""
+
+
+LEAST_FACTOR = 0.2
+"""Least factor from one step to the next one tried."""
+
+STEP_RATIO = 0.7
+"""Step of a control run of a `StepSearch`, in units of the one before it."""
+
+
+def lawful_step(step: float, order: int, excess: float) -> float:
+    """The step with which an error that falls like step^order is smaller by ``excess``.
+
+    >>> round(lawful_step(1.0, 6, 64.0), 3)
+    0.475
+    """
+    return step * max(LEAST_FACTOR, 0.95 * excess ** (-1.0 / order))
+
+
+def mean_step(stops: Array, step: float, order: int) -> float:
+    """The step that would make the same error if the stops did not shorten it.
+
+    Between two stops the steps are equal and at most ``step``.
+
+    >>> mean_step(np.array([0.0, 1.0, 2.0]), 0.9, 6)
+    0.5
+    """
+    gaps = np.diff(stops)
+    gaps = gaps[gaps > 0]
+    if gaps.size == 0:
+        return step
+    taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
+    return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
+
+
+def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
+    """A step whose error falls as that of ``ratio`` times the step, whatever the stops."""
+    wanted = ratio * mean_step(stops, step, order)
+    found = ratio * step
+    while mean_step(stops, found, order) > wanted:
+        found *= 0.97
+    return found
+
+
+class StepSearch:
+    """An engine of which only the time step is to be found; `run` is its user's.
+
+    ``first_step`` is the longest one tried; ``stops`` are times that are hit exactly, from the
+    beginning to the end: between them the steps are equal.
+    """
+
+    kinds: tuple[Kind, ...] = ("step",)
+    threads = 1
+    decay = math.inf
+    safety = SAFETY
+    unstable = 4
+    fragile = False
+    most_work = math.inf
+
+    def __init__(self, order: int, first_step: float, stops: Array, size: float = 1.0) -> None:
+        self.order = order
+        self._first, self._stops = Choices(first_step, size), stops
+
+    def first(self) -> Choices:
+        """The longest step."""
+        return self._first
+
+    def scout(self) -> Engine:
+        """Itself: there are no sites to spare."""
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        """A run with that step."""
+        raise NotImplementedError
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step."""
+        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
+        return replace(choices, step=step)
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the law of the order."""
+        return replace(choices, step=lawful_step(choices.step, self.order, excess))
+
+    def work(self, choices: Choices) -> float:
+        """Steps."""
+        return float(self._stops[-1] - self._stops[0]) / choices.step

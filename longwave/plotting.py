@@ -17,7 +17,8 @@ from matplotlib.figure import Figure, FigureBase
 
 from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
-from lattice.refine import Announce, Progress
+from lattice.refine import Announce
+from lattice.trial import Progress
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -35,8 +36,7 @@ from reports.figures.drawing import (
 from reports.figures.paper_figures import snapshots
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.scene import find_scene
-from verify.comparison.scene_run import scene_of
+from verify.comparison.scene import find_scene, scene_of
 from verify.comparison.stated_run import UnfinishedRun
 
 SUFFIXES = (".png", ".pdf", ".svg")

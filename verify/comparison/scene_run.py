@@ -6,6 +6,7 @@ spectral engine refuses, though it was not named, is run site by site.
 A run can be saved, and gone on with from a snapshot.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lattice.model import State
-from lattice.refine import Announce, Progress
-from verify.comparison.scene import Scene
+from lattice.refine import Announce
+from lattice.trial import Progress
+from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import (
@@ -90,7 +92,7 @@ def run_to_tolerance(
     """
     by_ring = choose_engine(scene) == "spectral"
     told, progress = Announcer(announce or (lambda _: None)), progress or (lambda _: None)
-    seconds, found = stencil_seconds(scene), None
+    seconds, found, begun = stencil_seconds(scene), None, time.perf_counter()
     try:
         if by_ring:
             told(spectral_seconds(scene))
@@ -105,13 +107,13 @@ def run_to_tolerance(
     except UnfinishedRun as stop:
         stop.record.attrs["tolerance"] = scene.tolerance
         raise
-    run, estimate, planning_seconds = found
+    run, refined = found
     run.attrs |= {
         "tolerance": scene.tolerance,
-        "error_estimate": estimate.total,
-        "rounding_estimate": estimate.rounding,
-        "next_decade": estimate.next_decade,
-        "planning_seconds": planning_seconds,
+        "error_estimate": refined.error,
+        "rounding_estimate": refined.rounding,
+        "next_decade": refined.next_decade,
+        "planning_seconds": time.perf_counter() - begun - refined.trial.seconds,
     }
     return run
 
@@ -150,11 +152,6 @@ def record_scene(
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
-
-
-def scene_of(run: "xr.Dataset") -> Scene:
-    """The scene that a run carries."""
-    return Scene.from_json(run.attrs["scene"])
 
 
 def state_at(run: "xr.Dataset", t: float) -> State:

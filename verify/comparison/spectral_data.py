@@ -1,8 +1,9 @@
-"""What the spectral engine begins with, a wave's data on rings and its scales, and gives back."""
+"""What the spectral engine begins with: a wave's data on rings, and its scales."""
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from lattice.model import Model
 from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
 from lattice.spectral.ring import RingState, backward, forward
-from lattice.trial import Choices, Estimate
 from verify.comparison.domain import front, seam_room
 from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 
@@ -256,12 +256,10 @@ def typical_number(state: RingState) -> float:
     return max(flank, math.sqrt(float(np.sum(power * k[1:] ** 2)) / total))
 
 
-@dataclass(frozen=True)
-class SpectralCost:
-    """A run: ``steps``, ``points``, ``evaluations`` of the force, ``circumference``, ``seconds``.
+class SpectralCost(NamedTuple):
+    """What a run took: ``points``, and ``evaluations`` of the force.
 
-    ``strain`` is the smallest and the largest that was met; ``planning_seconds`` are those of the
-    runs before it.
+    ``strain`` is the smallest and the largest that was met.
     """
 
     steps: int
@@ -269,29 +267,3 @@ class SpectralCost:
     evaluations: int
     circumference: float
     strain: tuple[float, float]
-    seconds: float
-    planning_seconds: float = 0.0
-
-    @property
-    def work(self) -> float:
-        """Evaluations of the force times points."""
-        return float(self.evaluations) * self.points
-
-
-@dataclass(frozen=True)
-class SpectralRun:
-    """``values`` of y/eps on the compared sites at the times after t0, of shape (times, sites).
-
-    With the choices that it took, its estimated error and its cost.
-    """
-
-    moving: MovingWave
-    values: Array
-    choices: Choices
-    estimate: Estimate
-    cost: SpectralCost
-
-    def strain(self, index: int) -> Array:
-        """Strain on the compared sites at ``moving.times[1 + index]``."""
-        strain: Array = self.values[index] * self.moving.eps
-        return strain

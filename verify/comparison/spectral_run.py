@@ -6,23 +6,21 @@ through.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from lattice.model import BlowUp, empty_state, find_blow_up
-from lattice.refine import Announce, Progress, StoppedSearch, TooDearError
+from lattice.model import empty_state, find_blow_up
+from lattice.refine import Announce, Refined, StoppedSearch, TooDearError
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
-from lattice.trial import Estimate
+from lattice.trial import Progress, Trial
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.scene import Scene
-from verify.comparison.spectral_data import RingData, SpectralRun, first_density, ring_data
+from verify.comparison.spectral_data import RingData, SpectralCost, first_density, ring_data
 from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
 from verify.comparison.stated_run import (
     LONG,
-    Observer,
     Recorder,
     RunRecord,
     build_recorders,
@@ -109,8 +107,8 @@ SCHEME = "exponential_adams"
 
 def run_spectral(
     scene: Scene, site_by_site: float, progress: Progress, announce: Announce
-) -> tuple[RunRecord, Estimate, float]:
-    """The run of a scene to its tolerance, the estimated error, and the seconds of planning.
+) -> tuple[RunRecord, Refined]:
+    """The run of a scene to its tolerance, and how its error was estimated.
 
     ``site_by_site`` are the seconds that the stencil would take. What it would look at where it
     stops is looked at equidistant times here. Only the compared sites are formed, at the times
@@ -124,7 +122,7 @@ def run_spectral(
     moving = replace(scene.moving_wave, times=(scene.t0, *sorted(times)))
     most_work = max(LONG, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
     try:
-        solved = solve_on_rings(moving, tolerance, progress, announce, most_work)
+        found = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:
         raise _stopped(scene, moving, stop, recorders) from None
     except RingTooLargeError as error:
@@ -148,8 +146,7 @@ def run_spectral(
             f"the scene must stay bounded for engine 'spectral': {error} "
             "(take a smaller eps; engine 'stencil' keeps what came before)"
         ) from None
-    run = _recorded(scene, solved, recorders)
-    return run, solved.estimate, solved.cost.planning_seconds
+    return _recorded(scene, moving, found.trial, recorders), found
 
 
 def _stopped(
@@ -160,46 +157,33 @@ def _stopped(
     if trial is None or trial.values is None:
         return unfinished(None, None, stop.before)
     seen = replace(moving, times=moving.times[: 1 + len(trial.values)])
-    unknown = Estimate(math.nan, trial.rounding, math.nan)
-    solved = SpectralRun(seen, trial.values, trial.choices, unknown, trial.payload)
-    run = _recorded(scene, solved, recorders)
+    run = _recorded(scene, seen, trial, recorders)
     if seen != moving:
         run.attrs["unfinished"] = f"Ctrl-C after t = {seen.end:g} of {scene.end:g}"
     return unfinished(run, stop.error, stop.before)
 
 
-def _recorded(scene: Scene, solved: SpectralRun, recorders: list[Recorder]) -> RunRecord:
-    reached, fault = _show(scene, solved, recorders)
-    variables = {name: value for item in recorders for name, value in item.variables().items()}
-    cost = _cost(solved) | {"blow_up": "" if fault is None else str(fault)}
-    return RunRecord(scene, reached, variables, cost)
-
-
-def _show(
-    scene: Scene, solved: SpectralRun, observers: Sequence[Observer]
-) -> tuple[tuple[float, ...], BlowUp | None]:
-    """Show each observer the compared sites at its moments, as far as they are sound.
-
-    Return the snapshots that were shown and what was wrong afterwards, if anything was.
-    """
-    amplitude = max(map(abs, solved.cost.strain))
-    for index, t in enumerate(solved.moving.times[1:]):
-        sites = solved.moving.compared_sites(t)
+def _recorded(
+    scene: Scene, moving: MovingWave, trial: Trial, recorders: list[Recorder]
+) -> RunRecord:
+    """What the recorders see of the compared sites at their moments, as far as they are sound."""
+    assert trial.values is not None
+    cost: SpectralCost = trial.payload
+    amplitude, fault = max(map(abs, cost.strain)), None
+    reached = tuple(t for t in scene.snapshots if t <= moving.end)
+    for t, row in zip(moving.times[1:], trial.values, strict=True):
+        sites = moving.compared_sites(t)
         state = empty_state(t, int(sites[0]), sites.size)
-        state.store(sites, solved.strain(index), np.zeros(sites.size))
+        state.store(sites, row * moving.eps, np.zeros(sites.size))
         fault = find_blow_up(scene.constants, state, amplitude)
         if fault is not None:
-            return tuple(seen for seen in scene.snapshots if seen < t), fault
-        view = View(solved.moving, state)
-        for item in observers:
+            reached = tuple(seen for seen in scene.snapshots if seen < t)
+            break
+        view = View(moving, state)
+        for item in recorders:
             if item.moments.due(t):
                 item.see(view)
-    return tuple(t for t in scene.snapshots if t <= solved.moving.end), None
-
-
-def _cost(solved: SpectralRun) -> dict[str, object]:
-    cost = solved.cost
-    return {
+    told = {
         "engine": "spectral",
         "scheme": SCHEME,
         "order": ORDER,
@@ -207,6 +191,9 @@ def _cost(solved: SpectralRun) -> dict[str, object]:
         "force_evaluations": cost.evaluations,
         "sites": cost.points,
         "circumference": cost.circumference,
-        "step": solved.choices.step,
-        "seconds": cost.seconds,
+        "step": trial.choices.step,
+        "seconds": trial.seconds,
+        "blow_up": "" if fault is None else str(fault),
     }
+    variables = {name: value for item in recorders for name, value in item.variables().items()}
+    return RunRecord(scene, reached, variables, told)

@@ -15,17 +15,26 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.refine import Announce, Engine, Kind, Progress, refine
+from lattice.refine import Announce, Refined, refine
 from lattice.spectral.absorber import ABSORBER_STRENGTH
 from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
-from lattice.trial import NUDGE, Choices, Estimate, StoppedTrial, Trial, clock_error, rounding_error
+from lattice.trial import (
+    NUDGE,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    StoppedTrial,
+    Trial,
+    clock_error,
+    rounding_error,
+)
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.spectral_data import (
     RingPlace,
     SpectralCost,
-    SpectralRun,
     first_density,
     first_step,
     ring_data,
@@ -102,7 +111,7 @@ def solve_on_rings(
     progress: Progress = lambda _: None,
     announce: Announce = lambda _: None,
     most_work: float = math.inf,
-) -> SpectralRun:
+) -> Refined:
     """Run the wave to a sup error of y/eps on the compared sites at its times after t0.
 
     ``most_work`` is the most that the next runs may ever take, in points times their log2 times
@@ -114,17 +123,11 @@ def solve_on_rings(
         raise ValueError(f"tolerance must satisfy tolerance > 0, got {tolerance:g} (1e-4 is usual)")
     engine = SpectralEngine(moving, tolerance, most_work)
     found = refine(engine, tolerance, progress, announce)
-    trial = found.trial
-    if trial.values is None:
-        step = trial.choices.step
+    if found.trial.values is None:
+        step = found.trial.choices.step
         raise FloatingPointError(f"blow-up: steps down to {step:.3g} do not change it")
     progress(1.0)
-    decade = 10.0 ** (1.0 / ORDER)
-    if not trial.choices.causal:
-        decade *= 10.0 ** (1.0 / engine.decay)
-    estimate = Estimate(found.error, found.rounding, decade)
-    cost = replace(trial.payload, planning_seconds=found.before)
-    return SpectralRun(moving, trial.values, trial.choices, estimate, cost)
+    return found
 
 
 class SpectralEngine:
@@ -144,6 +147,7 @@ class SpectralEngine:
         self._moving, self._tolerance, self.most_work = moving, tolerance, most_work
         self._duration = moving.duration
         self._data = ring_data(moving, tolerance)
+        self.decay = 2.0 if self._data.periodic else 3.0
         steepness = self._steepness(self._data.bounds.strain)
         if steepness > STEEPEST:
             raise StepTooShortError(f"a wave longer than {1.0 / steepness:.2g} sites")
@@ -154,11 +158,6 @@ class SpectralEngine:
         self._alike = 0.0
         self._softened: list[float] = []
         self._soft: NotHyperbolicError | None = None
-
-    @property
-    def decay(self) -> int:
-        """A ring's error falls at least like L^-decay, from what was measured."""
-        return 2 if self._data.periodic else 3
 
     def first(self) -> Choices:
         """The smallest ring, sampled by the wave's own scale, with a step of that scale."""
@@ -333,13 +332,13 @@ class SpectralEngine:
         steps = sum(ring.integrator.steps for ring in rings)
         evaluations = sum(ring.integrator.evaluations for ring in rings)
         points = state.y.size
-        seconds = time.perf_counter() - begun
-        cost = SpectralCost(steps, points, evaluations, state.circumference, strain, seconds)
+        cost = SpectralCost(steps, points, evaluations, state.circumference, strain)
         rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
         rounding += clock_error(values, moving.speed, (moving.t0, moving.end))
         work = evaluations * points * math.log2(points)
         told = choices.step <= telling_step(moving.speed)
         alike = 0.0 if told else self._alike
+        seconds = time.perf_counter() - begun
         trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
         if stopped:
             raise StoppedTrial(trial)

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.model import Domain, State
-from lattice.refine import Progress
 from lattice.schemes import check_step
 from lattice.stepper import Stepper, advance
+from lattice.trial import Progress
 from verify.comparison.domain import Array, SiteRing, Window
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import (

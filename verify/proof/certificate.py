@@ -27,7 +27,7 @@ from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable
 from .checker.check import registered
 from .checker.field import Field
-from .checker.limits import CertificateError
+from .checker.limits import NAME, CertificateError
 from .checker.nodes import Nodes
 from .checker.ring import Element
 from .checker.statement import read_statement
@@ -70,7 +70,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         proof = search(with_definitions(pair), moving=False).proof(point)
         whole.equal_part(*pair, with_square_roots(table, statement, proof))
     proof = with_square_roots(table, statement, whole.proof(point))
-    return Certificate.signed(problem.name, table, statement, proof)
+    return Certificate.signed(problem.name[:NAME], table, statement, proof)
 
 
 def statement_data(problem: Problem, table: NodeTable) -> Data:

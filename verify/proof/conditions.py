@@ -63,22 +63,9 @@ class ConditionalVerdict(StatementVerdict):
 
     def json(self) -> dict[str, Any]:
         """The record as plain data."""
-        cases = [
-            {
-                "values": {str(s): formula_as_text(value) for s, value in case.values.items()},
-                "where": [restriction.text for restriction in case.restrictions],
-                "unsolved": [formula_as_text(p) for p in case.implicit],
-                "trivial": case.trivial,
-                "verdict": case.verdict.outcome.value if case.verdict else "UNDECIDED",
-                "certificates": [c["digest"] for c in case.verdict.certificates]
-                if case.verdict
-                else [],
-            }
-            for case in self.cases
-        ]
         return super().json() | {
             "solved": list(self.solved),
-            "cases": cases,
+            "cases": [case.json() for case in self.cases],
             "complete": self.complete,
             "left_out": list(self.left_out),
             "unknown": list(self.unknown),
@@ -146,9 +133,9 @@ def conditional_sentence(verdict: ConditionalVerdict) -> str:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
     names = ", ".join(sp.latex(sp.Symbol(name)) for name in verdict.solved)
     apart = ", ".join((*verdict.unknown, *verdict.left_out))
-    last = f"We found no further values of ${names}$ with which it does."
-    if verdict.complete:
-        last = f"There are no other values of ${names}$ with which it does."
+    other, does = ("other ", "does") if verdict.cases else ("", "holds")
+    found = "There are no" if verdict.complete else "We found no"
+    last = f"{found} {other}values of ${names}$ with which it {does}."
     sentences = [verified_sentence(c.statement, c.verdict) for c in verdict.cases if c.verdict]
     return "\n\n".join([*sentences, last + (f"\n% left out: {apart}" if apart else "")])
 
@@ -265,7 +252,8 @@ def _verdict(
     reason: str = "",
 ) -> ConditionalVerdict:
     """The answer; with a reason there is none."""
-    certificates = tuple(c for case in cases if case.verdict for c in case.verdict.certificates)
+    verdicts = [case.verdict for case in cases if case.verdict]
+    certificates = tuple(c for verdict in verdicts for c in verdict.certificates)
     outcome, witness = Outcome.UNDECIDED, None
     if certificates and all(case.proved or case.trivial for case in cases):
         outcome = Outcome.PROVED
@@ -281,6 +269,8 @@ def _verdict(
         reason or "solved",
         witness=witness,
         seconds=seconds,
+        assumptions=tuple(dict.fromkeys(line for v in verdicts for line in v.assumptions)),
+        singularities=tuple(dict.fromkeys(line for v in verdicts for line in v.singularities)),
         statement=statement_latex(statement),
         certificate=certificates[0] if certificates else None,
         certificates=certificates,

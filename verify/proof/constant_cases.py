@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy as sp
 
@@ -86,6 +87,19 @@ class ConstantCase:
         words = ", ".join(parts) or ALL
         words += f" where {where}" if where else ""
         return words + (f" ({', '.join(notes)})" if notes else "")
+
+    def json(self) -> dict[str, Any]:
+        """The record as plain data."""
+        verdict = self.verdict
+        return {
+            "values": {str(s): formula_as_text(value) for s, value in self.values.items()},
+            "where": [restriction.text for restriction in self.restrictions],
+            "unsolved": [formula_as_text(polynomial) for polynomial in self.implicit],
+            "trivial": self.trivial,
+            "verdict": (verdict.outcome if verdict else Outcome.UNDECIDED).value,
+            "assumptions": list(verdict.assumptions) if verdict else [],
+            "certificates": [c["digest"] for c in verdict.certificates] if verdict else [],
+        }
 
 
 # values put into a statement
@@ -226,13 +240,16 @@ def _is_excluded(restriction: Restriction, signs: DomainSigns) -> bool:
 
 
 def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
-    """The restriction without factors of known sign and without squares."""
+    """The restriction without factors of known sign and without squares.
+
+    Raises ValueError where it holds only at the zeros of a square.
+    """
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction
         return
     above, below = sp.fraction(sp.together(restriction.value))
-    rest = sp.S.One
+    rest, squares = sp.S.One, list[sp.Expr]()
     for side, part in ((1, above), (-1, below)):
         number, factors = sp.factor_list(part)
         rest *= sp.sign(number)
@@ -243,8 +260,12 @@ def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restri
                 rest *= (-1) ** power
             elif power % 2 and relation != "!=":
                 rest *= factor
-            elif not signs.is_nonzero(factor) and (relation != ">=" or side < 0):
-                yield Restriction(factor, "!=")
+            elif not signs.is_nonzero(factor):
+                squares.append(factor)
+                if relation != ">=" or side < 0:
+                    yield Restriction(factor, "!=")
+    if relation == ">=" and squares and rest.is_negative:
+        raise ValueError(f"values are real only where {squares[0]} = 0")
     if rest.is_number or relation != "!=":
         yield Restriction(sp.expand(rest), relation)
 
@@ -265,10 +286,9 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
     """Whether the values of a case satisfy those of another one, which is proved."""
     if not other.proved or not set(other.restrictions) <= set(case.restrictions):
         return False
-    return all(
-        sp.simplify(put_in(case.values, s) - put_in(case.values, value)) == 0
-        for s, value in other.values.items()
-    )
+    zeros = [s - value for s, value in other.values.items()]
+    zeros += [p for p in other.implicit if p not in case.implicit]
+    return all(sp.simplify(put_in(case.values, zero)) == 0 for zero in zeros)
 
 
 def _decided(case: ConstantCase) -> ConstantCase:

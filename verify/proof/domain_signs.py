@@ -11,7 +11,7 @@ different from 0, an inverse function at an end of its cuts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 
 import sympy as sp
@@ -57,6 +57,7 @@ class DomainSigns:
 
     def __init__(self, domains: Domains) -> None:
         self._domains = domains
+        self._gaps = dict(_gaps(domains))
         self._found: dict[sp.Expr, ValueRange | None] = {}
 
     def range(self, expression: sp.Expr) -> ValueRange | None:
@@ -146,6 +147,8 @@ class DomainSigns:
             if inner is None:
                 return None
             total = total + inner
+        if node in self._gaps and not total.excludes_zero:
+            return self._gaps[node]
         small = len(node.free_symbols) <= FACTORABLE_SYMBOLS and is_small_polynomial(node)
         if total.excludes_zero or not small:
             return total
@@ -205,6 +208,19 @@ class DomainSigns:
         if isinstance(node, jacobi_dn | jacobi_theta):
             return POSITIVE if _is_below_one(parameter) else REAL
         return UNIT if parameter.is_nonnegative and _is_below_one(parameter) else REAL
+
+
+def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, ValueRange]]:
+    """The differences of symbols and their ends in other symbols, with their signs."""
+    for symbol, domain in domains.items():
+        for end, is_open, side in (
+            (domain.lower, domain.lower_open, 1),
+            (domain.upper, domain.upper_open, -1),
+        ):
+            if end.free_symbols:
+                found = POSITIVE if is_open else NONNEGATIVE
+                yield side * (symbol - end), found
+                yield side * (end - symbol), -found
 
 
 def _is_below_one(inner: ValueRange) -> bool:

@@ -152,17 +152,21 @@ class EllipticSearch:
                 self._writer.atom(self._place(part))
         side = 1 if times > 0 else -1
         for j in range(2 if side > 0 else -1, times + side, side):
-            self._next_theta(variable + (j - side) * step, side * step, m)
+            self._next_theta(variable + (j - side) * step, side * step, z, m)
+        if times and self._moves(variable):
+            self._station(z, m, jacobi_zeta)
 
-    def _next_theta(self, u: sp.Expr, step: sp.Expr, m: sp.Expr) -> None:
-        """Theta one step on from ``u``, given here and one step back."""
+    def _next_theta(self, u: sp.Expr, step: sp.Expr, z: sp.Expr, m: sp.Expr) -> None:
+        """Theta one step on from ``u``, given here and one step back; ``z`` may be its opposite."""
         back, total = -step, sp.expand(u + step)
         for argument in (u, step, back):
             self._need(argument)
             self._station(argument, m, None)
-        pair = [["1", self._place(u)], ["-1", self._place(back)]]
-        node = self._made("jacobi_theta", self._place(total), self._place(m))
-        self._writer.hints["sums"][node] = pair
+        for argument, plus, minus in ((total, u, back), (sp.expand(-total), back, u)):
+            if argument == total or sp.expand(z) == argument:
+                node = self._made("jacobi_theta", self._place(argument), self._place(m))
+                pair = [["1", self._place(plus)], ["-1", self._place(minus)]]
+                self._writer.hints["sums"][node] = pair
 
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
         total = self._made("Add", self._place(u), self._place(d))

@@ -206,10 +206,15 @@ class GeneratorSearch:
             if isinstance(node, sp.im):
                 self.need(sp.I)
             self.need(z.xreplace({sp.I: -sp.I}))
-        elif isinstance(node, sp.Abs):
-            self._writer.atom(self._place(node))
-        elif isinstance(node, sp.sign):
-            self.need(sp.Abs(z))
+        elif isinstance(node, sp.Abs | sp.sign):
+            size, place = sp.Abs(z), self._made("Abs", self._place(z))
+            if node == size:
+                self._writer.atom(place)
+            elif isinstance(size, sp.Abs) and size.args[0] == z:
+                self.need(size)
+            else:
+                self._writer.name(place=place, value=self._place(size))
+                self.need(size)
         else:
             raise ValueError(f"no generator is known for {node.func.__name__}")
 

@@ -160,8 +160,12 @@ class Rewriting:
             parts = [*outside, sp.Mul(*inside)] if inside else outside
             return sp.Add(*map(sp.log, parts))
         (argument,) = factors
-        if isinstance(argument, sp.exp) and self.signs.is_real(argument.args[0]):
-            return argument.args[0]
+        if isinstance(argument, sp.exp):
+            exponent = argument.args[0]
+            if self.signs.is_real(exponent) or self._is_narrow(exponent / sp.I):
+                return exponent
+        if argument is sp.I:
+            return sp.I * sp.pi / 2
         if not (argument.is_Pow and self.signs.is_real(argument.base)):
             return None
         base, exponent = argument.base, argument.exp

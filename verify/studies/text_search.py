@@ -10,6 +10,7 @@ import hashlib
 import random
 import time
 from collections.abc import Iterable
+from dataclasses import replace
 from fractions import Fraction
 
 from derive.algebra.formula_text import FormulaError
@@ -103,15 +104,17 @@ def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextSta
 
 
 def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
-    """The judgement of that statement."""
+    """The judgement of that statement, its kind first and what there is within it behind."""
     given = any_statement(kind, seed, index)
-    return judge(given, limit) if isinstance(given, RandomStatement) else judge_text(given, limit)
+    if isinstance(given, TextStatement):
+        return judge_text(given, limit)
+    found = judge(given, limit)
+    return replace(found, kind=f"{kind}: {found.kind}")
 
 
 def kind_of(judgement: Judgement) -> str:
     """The kind of `SEARCH_KINDS` that a judged statement is of."""
-    top = judgement.kind.partition(":")[0]
-    return top if top in TEXT_KINDS else "real"
+    return judgement.kind.partition(":")[0]
 
 
 def digest(found: Iterable[Judgement]) -> str:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lattice.refine import Engine, Kind, Progress, TooDearError, refine
-from lattice.trial import Choices, Trial
+from lattice.refine import TooDearError, refine
+from lattice.trial import Choices, Engine, Kind, Progress, Trial
 from verify.comparison import Scene, run
 from verify.studies.estimate_scenes import random_scene
 
@@ -30,6 +30,7 @@ class Toy:
     kinds: tuple[Kind, ...] = ("step",)
     threads: int = 1
     order: int = 4
+    decay: float = np.inf
     safety: float = 2.0
     unstable: int = 1
 

@@ -266,6 +266,55 @@ LIMITED = (
 )
 
 
+PROBLEM = '[[problem]]\nequation = "u_t + u_x"\nsolution = "u = x - t"\n'
+
+FILES = (
+    "",
+    "\x00" * 1_000,
+    "[[problem]]",
+    "[[problem]]" * 20_000,
+    "[[problem]]\n" * 20_000,
+    "[problem]\n",
+    "problem = 3",
+    "problem = []",
+    "problem = [1, 2]",
+    "problem = " + "[" * 20_000 + "]" * 20_000,
+    "a" + ".a" * 50_000 + " = 1",
+    "x = {b = 1, 'a'" + " . a" * 50_000 + " = 1}",
+    "[" + '"a".' * 50_000 + "a]",
+    "x = '" + "," * 4_000_000 + "'",
+    "x = 9" + "9" * 100_000,
+    "x = 1979-05-27T07:32:00Z\n" + PROBLEM,
+    PROBLEM + "name = 3",
+    PROBLEM + 'name = "' + "x" * 100_000 + '"',
+    PROBLEM + 'name = "\\u0000"',
+    PROBLEM + 'name = "a\\nb"',
+    PROBLEM + 'expect = "TRUE"',
+    PROBLEM + 'eval = "1"',
+    PROBLEM + 'equation = "u_x"',
+    PROBLEM + 'variant_of = "problem 1"',
+    PROBLEM + 'name = "a"\nvariant_of = "a"',
+    PROBLEM + 'name = "a"\nvariant_of = "b"\n' + PROBLEM + 'name = "b"\nvariant_of = "a"',
+    PROBLEM + "parameters = [1]",
+    PROBLEM + "parameters = {a = 1}",
+    PROBLEM + "domain = nan",
+    PROBLEM + 'source = "' + "x" * 4_000_000 + '"',
+    PROBLEM + "#" * 6_000_000,
+    '[[problem]]\nequation = []\nsolution = "u = x"',
+    '[[problem]]\nequation = ["u_x", 3]\nsolution = "u = x"',
+    '[[problem]]\nequation = ["u_x - 1"' + ', "u_x - 1"' * 1_000 + ']\nsolution = "u = x"',
+    '[[problem]]\nequation = """u_x\n- 1"""\nsolution = "u = 9**9**9**9"',
+    "\ufeff" + PROBLEM,
+    PROBLEM.replace("u", "\u0443"),
+    "\ud800",
+    "import os\nos.system('true')",
+    "<xml/>",
+    "{}",
+    "- problem",
+)
+"""Whole problem files."""
+
+
 def written() -> Iterator[Texts]:
     """Those written by hand, in every part of a statement."""
     for formula in FORMULAS:

@@ -3,13 +3,14 @@
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from longwave.__main__ import main
-from tests.verify.proof.hostile_texts import generated, written
+from tests.verify.proof.hostile_texts import FILES, generated, written
 
 HOUSE = Path(__file__).parents[3]
 SAMPLE = 60
@@ -20,7 +21,7 @@ SCRIPT = """
 import json, re, sys, time
 from pathlib import Path
 from derive.algebra.formula_text import FormulaError
-from tests.verify.proof.hostile_texts import generated, written
+from tests.verify.proof.hostile_texts import FILES, generated, written
 from verify.proof.statement_text import read_statement
 
 evaluated = []
@@ -104,3 +105,21 @@ def test_the_command_answers_all_of_them(capsys: pytest.CaptureFixture[str]) -> 
             assert status in (0, 1)
             (record,) = json.loads(output.out)
             assert record["seconds"] < SECONDS
+
+
+def test_a_hostile_file_costs_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Among them keys with 50 000 dots, which tomllib takes minutes and gigabytes for."""
+    path = tmp_path / "hostile.toml"
+    for content in FILES:
+        path.write_bytes(content.encode("utf-8", "surrogatepass"))
+        begun = time.process_time()
+        status = main(["prove", str(path), "--limit", "2", "--json"])
+        assert time.process_time() - begun < SECONDS, content[:100]
+        output = capsys.readouterr()
+        if status == 2:
+            message, *picture = output.err.splitlines()
+            assert message.startswith("error: "), content[:100]
+            assert len(picture) in (0, 2)
+        else:
+            assert status in (0, 1)
+            assert json.loads(output.out)

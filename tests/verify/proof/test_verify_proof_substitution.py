@@ -7,7 +7,8 @@ import pytest
 
 from verify.proof.checker import CertificateError, check_certificate
 from verify.proof.checker.limits import digest
-from verify.proof.statement_verdict import StatementVerdict, prove
+from verify.proof.statement_verdict import StatementVerdict
+from verify.proof.text_prover import prove
 
 Data = dict[str, Any]
 
@@ -92,6 +93,15 @@ def test_derivatives_are_in_real_variables_of_the_statement() -> None:
         wrong = ["diff", u, place(certificate, ["symbol", other, kind])]
         with pytest.raises(CertificateError, match="variables"):
             check_certificate(changed(certificate, own, wrong))
+
+
+def test_a_hint_has_no_derivative_in_a_parameter() -> None:
+    (certificate,) = proved("sin(u_x) - sin(k)", "u = k*x")
+    k = place(certificate, ["symbol", "k", "real"])
+    data = copy.deepcopy(certificate)
+    data["nodes"].append(["diff", k, k])
+    with pytest.raises(CertificateError, match="real variables"):
+        check_certificate(data | {"digest": digest(data)})
 
 
 def test_a_formula_is_without_unknowns_and_derivatives() -> None:

@@ -147,22 +147,39 @@ def _half_phase(images: Images, f: int) -> Element:
 
 
 def logarithm(images: Images, node: int, inner: int) -> Element:
-    """log of a product of powers of positive factors."""
+    """log of a product of powers of positive factors, and of one factor of any kind."""
     factors = images.hinted(images.hints.logs, node)
     if factors is None:
         raise CertificateError("there is no generator for a log")
     product, total = images.one, images.zero
+    others = {f: _angle_value(images, f) for _, f in factors if not images.signs.not_negative(f)}
+    powers = [q for q, f in factors if f in others]
+    if powers not in ([], [1]) or (inner in others and others[inner] is None):
+        raise CertificateError("a factor in a logarithm is not shown to be positive")
     for q, factor in factors:
         # It is not 0 where the logarithm is smooth.
-        if not images.signs.not_negative(factor):
-            raise CertificateError("a factor in a logarithm is not shown to be positive")
         product = product * images.image(images.nodes.made("Pow", factor, q))
-        part = images.nodes.all[factor]
-        value = images.image(part[1]) if part[0] == "exp" else images.made("log", factor)
+        part, value = images.nodes.all[factor], others.get(factor)
+        if value is None:
+            real = part[0] == "exp" and factor not in others
+            value = images.image(part[1]) if real else images.made("log", factor)
         total = total + images.ring.number(q) * value
     if product.is_zero or not (product - images.image(inner)).is_zero:
         raise CertificateError("a logarithm is not of the product that it is said to be of")
     return total
+
+
+def _angle_value(images: Images, phase: int) -> Element | None:
+    """log exp(i r) = i r for abs r < pi, and log i = i pi/2; None for what is no such phase."""
+    match images.nodes.all[phase]:
+        case ("I",):
+            quarter = images.made("pi") * images.ring.number(fmpq(1, 2))
+            return images.image(phase) * quarter
+        case ("exp", z):
+            angle = angle_of(images, z)
+            if angle is not None and images.signs.is_between(angle, -2 * HALF_PI, 2 * HALF_PI):
+                return images.image(z)
+    return None
 
 
 PRINCIPAL: Mapping[str, tuple[fmpq | None, fmpq | None]] = {

@@ -250,7 +250,7 @@ class Signs:
             case ("Pow", base, exponent):
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("log", inner):
-                return self.positive(inner)
+                return self.not_negative(inner)
             case ("power", base, exponent):
                 return self.not_negative(base) and self.is_real(exponent)
             case (str(name), inner) if name in INVERSE:

@@ -156,13 +156,11 @@ def _unknowns_in(statement: Statement, equation: int) -> set[int]:
                 if place >= len(statement.unknowns) or len(shifts) != len(statement.variables):
                     raise CertificateError("an unknown must be one of the statement's")
                 found.add(place)
-            case ("diff", _, *variables) if not {*variables} <= {*statement.variables}:
-                raise CertificateError("derivatives must be in the statement's variables")
     return found
 
 
 def _check_derivatives(statement: Statement) -> None:
-    """Only equations have derivatives and unknowns, and none of them is along an integer."""
+    """Only equations have derivatives and unknowns; derivatives are along real variables."""
     nodes, ends = statement.nodes, [end for _, *both in statement.domain for end in both]
     for node in nodes.below([*statement.roots, *ends]):
         if nodes.all[node][0] in ("diff", "unknown"):
@@ -173,8 +171,8 @@ def _check_derivatives(statement: Statement) -> None:
         for _, _, jets in terms:
             for _, orders in jets:
                 along |= {v for v, n in zip(statement.variables, orders, strict=True) if n}
-    if along & whole:
-        raise CertificateError("derivatives must be in real variables")
+    if along & whole or not along <= {*statement.variables}:
+        raise CertificateError("derivatives must be in the statement's real variables")
 
 
 def _check_names(

@@ -84,6 +84,23 @@ KNOWN = (
     Known("diff(abs(u)**2, t) + diff(2*im(conjugate(u)*u_x), x)",
           "u = exp(I*(k*x - k**2*t)) + b*exp(I*(2*x - 4*t))", "x t k b", 1),
     Known("diff(abs(u)**2, x)", "u = (1 + I*x)/(1 - I*x)", "x", 1),
+    Known(
+        "I*u_t + u_xx - v*u ;; v_tt - v_xx - diff(abs(u)**2, x, x)",
+        "u = k*sqrt(2*(1 - c**2))*sech(k*(x - c*t))*exp(I*(c*x/2 + (k**2 - c**2/4)*t)) ;; "
+        "v = -2*k**2*sech(k*(x - c*t))**2",
+        "x t k>0 c:-1:1",
+        0.5,
+    ),
+    Known(
+        "I*u_t + u_xx - v*u ;; v_t - 2*diff(abs(u)**2, x)",
+        "u = k*sqrt(c)*sech(k*(x - c*t))*exp(I*(c*x/2 + (k**2 - c**2/4)*t)) ;; "
+        "v = -2*k**2*sech(k*(x - c*t))**2",
+        "x t k>0 c>0",
+        0.5,
+    ),
+    Known("I*u_t + u_xx + I*diff(abs(u)**2, x)*u", "u = a*exp(I*(k*x - k**2*t))", "x t a k", 1),
+    Known("u_x*conjugate(u) + u*conjugate(u_x) - diff(abs(u)**2, x)",
+          "u = (x + I*t)*exp(I*a*x)", "x t a", 1),
     Known("abs(u) - 1", "u = (a + I*x)/(a - I*x)", "x a", 1),
     Known("conjugate(u)*u - 1", "u = exp(I*x)*(2+I*sin(x))/(2-I*sin(x))", "x", 1),
     Known("u_x - I*abs(u)*u", "u = a*exp(I*a*x)", "x a>0", 2),
@@ -138,8 +155,21 @@ PARTS = (
     ("u**2*conjugate(u)", "p**3*exp(I*s)"),
     ("re(u**2)", "p**2*cos(2*s)"),
     ("im(I*u)", "p*cos(s)"),
+    ("diff(abs(u)**2, x, x)", "2*P**2 + 2*p*Q"),
+    ("diff(u*conjugate(u), x, x)", "2*P**2 + 2*p*Q"),
+    ("diff(abs(u)**2, t)", "2*p*R"),
+    ("diff(abs(u)**4, x)", "4*p**3*P"),
+    ("abs(u**2)", "p**2"),
+    ("abs(u*u_x)**2", "p**2*(P**2 + p**2*S**2)"),
+    ("diff(conjugate(u)**2*u, x)", "3*p**2*P*exp(-I*s) - I*p**3*S*exp(-I*s)"),
+    ("diff(abs(u)**2*u, x)", "3*p**2*P*exp(I*s) + I*p**3*S*exp(I*s)"),
+    ("diff(re(u), x, x)", "(Q - p*S**2)*cos(s) - 2*P*S*sin(s)"),
+    ("re(u_xx)", "(Q - p*S**2)*cos(s) - 2*P*S*sin(s)"),
+    ("conjugate(u_t)*u_x", "(R - I*p*T)*(P + I*p*S)"),
+    ("abs(u_t)**2", "R**2 + p**2*T**2"),
 )
-"""Parts of u = p*exp(I*s) with real p and s; P and S are their derivatives by x."""
+"""Parts of u = p*exp(I*s) with real p and s, s linear; P, S are derivatives by x, R, T by t, and
+Q is the second one of p by x."""
 
 POSITIVE_PARTS = (
     ("abs(u)", "p"),
@@ -150,6 +180,15 @@ POSITIVE_PARTS = (
     ("log(abs(u))", "log(p)"),
     ("re(log(u))", "log(p)"),
     ("abs(u)**3", "p**3"),
+    ("diff(abs(u), x, x)", "Q"),
+    ("diff(log(abs(u)), x)", "P/p"),
+    ("diff(log(u), x)", "P/p + I*S"),
+    ("u_x/u", "P/p + I*S"),
+    ("diff(u/conjugate(u), x)", "2*I*S*exp(2*I*s)"),
+    ("diff(sign(u), t)", "I*T*exp(I*s)"),
+    ("abs(1/u)", "1/p"),
+    ("sqrt(abs(u))", "sqrt(p)"),
+    ("abs(sqrt(u))", "sqrt(p)"),
 )
 """Those that hold for a positive p."""
 
@@ -177,6 +216,7 @@ def polar(draw: random.Random) -> TextStatement | None:
         p = random_formula(made, "xt", parameters)
     s = random_phase(made, "xt", parameters)
     known = {"p": p, "s": s, "P": derivative(p, "x"), "S": derivative(s, "x")}
+    known |= {"R": derivative(p, "t"), "T": derivative(s, "t"), "Q": derivative(known["P"], "x")}
     table = (*PARTS, *POSITIVE_PARTS, *POSITIVE_PARTS) if positive else PARTS
     terms = []
     for _ in range(draw.choice((1, 1, 2))):
