@@ -199,7 +199,10 @@ def check_certificate(file: Path, json_wanted: bool) -> int:
 @click.option("--limit", type=float, metavar="SECONDS", help="For a system and a proof.")
 @json_option
 def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> int:
-    """Have PARI/GP, Maxima and Coq repeat the proofs of all forms and of the library."""
+    """Let PARI/GP, Maxima and Coq repeat the proofs.
+
+    Those of all closed forms and of the library, without --only.
+    """
     from verify.cli.recheck import print_rechecks
 
     return print_rechecks(only, limit, json_wanted, called_by())
