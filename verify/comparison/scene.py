@@ -261,7 +261,7 @@ class Scene:
         """
         from verify.comparison.moving_wave import MovingWave, build_wave
 
-        wave = build_wave(self.form, self.constants, dict(self.parameters))
+        wave = build_wave(self.wave, self.constants, dict(self.parameters))
         times = (self.t0, *self.snapshots)
         return MovingWave(wave, self.constants, self.eps, times, self.compared)
 
