@@ -4,7 +4,7 @@ STAMP := .venv/.longwave-installed
 DOCS_STAMP := .venv/.longwave-docs-installed
 WORKERS ?= 2
 
-.PHONY: report report-full bench docs test test-slow lint format clean help
+.PHONY: report report-full bench docs test test-slow recheck lint format clean help
 
 help:
 	@echo "make report     derive, check, run the scenes, typeset: reports/build/longwave.pdf"
@@ -13,6 +13,7 @@ help:
 	@echo "make docs       the site: docs/build/index.html"
 	@echo "make test       the default test suite (WORKERS=$(WORKERS) processes)"
 	@echo "make test-slow  the tests marked slow"
+	@echo "make recheck    PARI/GP, Maxima and Coq repeat the proofs (installed with apt where that may be)"
 	@echo "make lint       ruff check, ruff format --check, mypy"
 	@echo "make format     let ruff rewrite the files"
 	@echo "make clean      remove report, site and the tools' caches; .venv stays"
@@ -43,6 +44,9 @@ test: $(STAMP)
 
 test-slow: $(STAMP)
 	@$(PY) -m pytest -q -m slow -n $(WORKERS) --dist loadfile
+
+recheck: $(STAMP)
+	@$(PY) -m verify recheck
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .

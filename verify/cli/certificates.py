@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from derive.command_line import fail, one_line
+from verify.cli.exporting import write_scripts
 from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
@@ -26,20 +27,28 @@ CERTIFICATES = 100
 """Most certificates in a file."""
 
 
-def print_certificates(path: Path, json_wanted: bool = False) -> int:
+def print_certificates(
+    path: Path, json_wanted: bool = False, scripts: tuple[Path, str] | None = None
+) -> int:
     """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
     As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
+    ``scripts`` is a file to write and the system that reads it, if all are accepted.
     """
     accepted: list[dict[str, str]] = []
     status = 0
     try:
-        for certificate in read_certificates(path):
+        certificates = read_certificates(path)
+        for certificate in certificates:
             record = json.loads(limited(lambda: json.dumps(checked(certificate))))  # noqa: B023
             accepted.append(record)
             if not json_wanted:
                 print(lines_of(record))
+        if scripts is not None:
+            write_scripts(scripts[0], certificates, scripts[1])
     except OSError as error:
+        if scripts is not None and error.filename == str(scripts[0]):
+            return fail(error)
         return fail(
             f"FILE must be readable, got {path}: {error.strerror} (one that --certificate wrote)"
         )

@@ -13,6 +13,7 @@ from derive.command_line import Words, called_by, example, json_option
 
 ENGINES = ("stencil", "spectral")
 METHODS = ("proof", "residual")
+ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
 SCENES = Path(__file__).parents[1] / "comparison"
 """Where the shipped scenes lie."""
 
@@ -78,6 +79,12 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
     help="Write the proofs of statements; without any: check the proofs in this file.",
 )
 @click.option("--output", metavar="FILE", type=click.Path(), help="Write the proofs' certificates.")
+@click.option(
+    "--export",
+    "system",
+    type=click.Choice(ALGEBRA_SYSTEMS),
+    help="Write scripts to --output in place of certificates.",
+)
 @json_option
 def prove(names: tuple[str, ...], **options: Any) -> int:
     """Prove formulas of your own or by name, or check proofs.
@@ -87,19 +94,22 @@ def prove(names: tuple[str, ...], **options: Any) -> int:
     Closed forms are proved for all X and T, all lattice constants and all their
     parameters; `longwave list waves` shows the names; rational_<j> is there for every order j.
     """
+    if options["system"] and not options["output"]:
+        raise click.UsageError("--export must be given with --output FILE, got no file")
     files = [name for name in names if name.endswith(".toml")]
     if options["equations"] or options["solutions"] or options["library"] or files:
         return _prove_statements(names, files, options)
     for option in STATEMENT_OPTIONS:
         if options[option]:
             raise click.UsageError(f"--{option} must stand with --equation or FILE.toml, got none")
-    return _prove_names(names, options["certificate"], options["output"], options["json_wanted"])
+    return _prove_names(names, options)
 
 
 def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[str, Any]) -> int:
     """Decide statements in text; raises UsageError for options that contradict each other."""
     texts = bool(options["equations"]), bool(options["solutions"])
     written, library = options.pop("output"), options.pop("library")
+    scripts = written if options["system"] else None
     if any(texts) and (names or library or not all(texts)):
         missing = "no --solution" if texts[0] else "no --equation"
         others = (*names, "--library") if library else names
@@ -112,22 +122,23 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
         (stated and options["parameters"], "--parameters", stated),
         (stated and options["domain"], "--domain", stated),
         (stated and options["solve"], "--solve", stated),
+        (scripts and options["solve"], "--solve", "--export"),
         (options["json_wanted"] and options["latex"], "--json", "--latex"),
-        (options["certificate"] and written, "--certificate", "--output"),
+        (options["certificate"] and written and not scripts, "--certificate", "--output"),
     ):
         if wrong:
             raise click.UsageError(f"{option} must not be given with {other}, got both")
     from verify.cli.statements import Options, print_statement_verdicts
 
-    options["certificate"] = options["certificate"] or written
+    options["certificate"] = options["certificate"] or (None if scripts else written)
     chosen = names if library else None
-    return print_statement_verdicts(Options(files=files, library=chosen, **options), called_by())
+    stated_options = Options(files=files, library=chosen, scripts=scripts, **options)
+    return print_statement_verdicts(stated_options, called_by())
 
 
-def _prove_names(
-    names: tuple[str, ...], certificate: str | None, output: str | None, json_wanted: bool
-) -> int:
+def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
     """Prove closed forms, or check a file; raises UsageError unless it is one of both."""
+    certificate, output, system = (options[key] for key in ("certificate", "output", "system"))
     if bool(names) == (certificate is not None):
         got = "both" if names else "neither"
         raise click.UsageError(
@@ -137,13 +148,15 @@ def _prove_names(
     if certificate is None:
         from verify.cli.verdicts import VerdictOptions, print_verdicts
 
-        options = VerdictOptions(tuple(dict.fromkeys(names)), json_wanted, output)
-        return print_verdicts(options, called_by())
-    if output is not None:
+        chosen = tuple(dict.fromkeys(names))
+        verdicts = VerdictOptions(chosen, options["json_wanted"], output, system=system)
+        return print_verdicts(verdicts, called_by())
+    if output is not None and system is None:
         raise click.UsageError("--output must not be given with --certificate, got both")
     from verify.cli.certificates import print_certificates
 
-    return print_certificates(Path(certificate), json_wanted)
+    scripts = None if system is None else (Path(output), system)
+    return print_certificates(Path(certificate), options["json_wanted"], scripts)
 
 
 @click.group(
@@ -188,6 +201,20 @@ def check_certificate(file: Path, json_wanted: bool) -> int:
     from verify.cli.certificates import print_certificates
 
     return print_certificates(file, json_wanted)
+
+
+@verify.command(epilog=example("longwave verify recheck --only kink"))
+@click.option("--only", multiple=True, metavar="NAME", help="Take this form or statement.")
+@click.option("--limit", type=float, metavar="SECONDS", help="For a system and a proof.")
+@json_option
+def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> int:
+    """Let PARI/GP, Maxima and Coq repeat the proofs.
+
+    Those of all closed forms and of the library, without --only.
+    """
+    from verify.cli.recheck import print_rechecks
+
+    return print_rechecks(only, limit, json_wanted, called_by())
 
 
 @verify.command(epilog=example("longwave verify mutations --only kink"))

@@ -23,6 +23,7 @@ from typing import Any
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
+from verify.cli.exporting import write_scripts
 from verify.cli.problem_file import StatedProblem, read_problems
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
@@ -65,7 +66,8 @@ class Options:
     """The texts of a statement, or the files of many; how to decide and what to print.
 
     ``library`` has names in the library of published solutions; none of them mean all of it,
-    without hints at what would hold, which take longer than the verdicts.
+    without hints at what would hold, which take longer than the verdicts. ``scripts`` is the file
+    for scripts that ``system`` reads.
     """
 
     equations: Sequence[str] = ()
@@ -78,6 +80,8 @@ class Options:
     latex: bool = False
     certificate: str | None = None
     limit: float | None = None
+    system: str | None = None
+    scripts: str | None = None
     solve: str | None = None
 
 
@@ -97,6 +101,9 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
             _write_certificates(path, [verdict for _, verdict in found])
+        if options.scripts is not None and options.system is not None:
+            proofs = [c for _, verdict in found for c in verdict.certificates]
+            write_scripts(Path(options.scripts), proofs, options.system)
     except FormulaError as error:
         status = fail(error)
         print(error.picture, file=sys.stderr)

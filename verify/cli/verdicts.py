@@ -8,15 +8,17 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rich.table import Table
 
 from derive.command_line import announce, fail, interrupted
 from solutions.catalogue import CATALOGUE
 from verify.cli.console import finished, print_lines, table_console, tracked
+from verify.cli.exporting import write_scripts
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import Sampling, check_residual, scientific
 from verify.proof import ProofVerdict, prove_stable
@@ -64,7 +66,7 @@ class VerdictOptions:
     """What is to be decided, and how; None where nothing is said.
 
     ``only`` are names of forms (all if empty), ``digits`` (precisions with commas between) and the
-    rest the residual's sampling.
+    rest the residual's sampling; with ``system`` the file gets scripts for it.
     """
 
     only: Sequence[str] = ()
@@ -75,6 +77,7 @@ class VerdictOptions:
     digits: str | None = None
     points: int | None = None
     seed: int | None = None
+    system: str | None = None
 
 
 def print_verdicts(options: VerdictOptions, program: str) -> int:
@@ -91,7 +94,9 @@ def print_verdicts(options: VerdictOptions, program: str) -> int:
         if path is not None:
             path.touch()
         found, complete = finished(tracked(work, len(names), "checking"))
-        if path is not None:
+        if path is not None and options.system is not None:
+            write_scripts(path, _proofs(found), options.system)
+        elif path is not None:
             path.write_text(_certificates(found), encoding="utf-8")
     except (ValueError, OSError) as error:
         return fail(error)
@@ -150,6 +155,11 @@ def _verdicts(names: Sequence[str], options: VerdictOptions) -> Iterator[Verdict
         given["digits"] = digits_in(options.digits)
     sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
     return (check_residual(named_form(name), sampling) for name in names)
+
+
+def _proofs(verdicts: Sequence[Verdict]) -> list[Mapping[str, Any]]:
+    certificates = [v.certificate for v in verdicts if isinstance(v, ProofVerdict)]
+    return [certificate for certificate in certificates if certificate is not None]
 
 
 def _certificates(verdicts: Sequence[Verdict]) -> str:

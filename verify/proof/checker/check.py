@@ -247,7 +247,11 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
 
 
 def registered(
-    nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bool = False
+    nodes: Nodes,
+    statement: Statement,
+    proof: Mapping[str, Any],
+    part: bool = False,
+    field_type: type[Field] = Field,
 ) -> Field:
     """The field of a proof with its generators."""
     hints = Hints(
@@ -260,7 +264,7 @@ def registered(
     count = sum(len(entry[2]) if entry[0] == "forms" else 1 for entry in generators)
     within("generators", count, GENERATORS)
     positive = {_difference(nodes, left, right): weak for weak, left, right in statement.domain}
-    field = Field(nodes, count, statement.variables, positive, hints)
+    field = field_type(nodes, count, statement.variables, positive, hints)
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:
         _register(field, nodes, entry, parts, statement)

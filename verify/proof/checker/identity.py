@@ -155,22 +155,22 @@ class Residual:
         self._field, self._statement = field, statement
         self._jets: dict[Jet, Element] = {}
         own = statement.nodes, statement.variables, statement.formulas
-        self._substituted = Substitution(*own)
+        self.substituted = Substitution(*own)
 
     def vanishes(self, equation: Equation) -> bool:
         """Whether the numerator of an equation reduces to 0."""
         if isinstance(equation, int):
-            residual = self._substituted(equation)
+            residual = self.substituted(equation)
             self._field.walk([residual])
             return self._field.image(residual).is_zero
-        quick = self._at_enough_values(equation)
-        if quick is not None:
-            return quick
+        quotient = self.quotient(equation)
+        if quotient is not None:
+            return quotient[0].vanishes(equation, quotient[1])
         parts = [self._term(term) for term in equation]
         return total(self._field.ring, parts).is_zero
 
-    def _at_enough_values(self, terms: Sequence[Term]) -> bool | None:
-        """The answer for a long quotient of polynomials in two generators; None for any other."""
+    def quotient(self, terms: Sequence[Term]) -> tuple[Quotient, Rates] | None:
+        """The formula as a long quotient in two generators, and their rates; None if it is none."""
         field = self._field
         if field.ring.relations or len(field.generators) != 2 or len(self._statement.formulas) > 1:
             return None
@@ -180,7 +180,7 @@ class Residual:
         t, x = sorted(range(2), key=lambda place: image.numerator.degrees()[1 - place])
         slopes = [(field.slope(x, v), field.slope(t, v)) for v in self._statement.variables]
         rates = constant_rates(slopes)
-        return None if rates is None else Quotient(image, x, t).vanishes(terms, rates)
+        return None if rates is None else (Quotient(image, x, t), rates)
 
     def _term(self, term: Term) -> Element:
         value, known, jets = term
@@ -188,10 +188,11 @@ class Residual:
         for node in known:
             result = result * self._field.image(node)
         for jet in jets:
-            result = result * self._jet(jet)
+            result = result * self.jet(jet)
         return result
 
-    def _jet(self, jet: Jet) -> Element:
+    def jet(self, jet: Jet) -> Element:
+        """A derivative of an unknown."""
         if jet not in self._jets:
             unknown, orders = jet
             place = next((i for i, n in enumerate(orders) if n), None)
@@ -200,5 +201,5 @@ class Residual:
             else:
                 lower = (*orders[:place], orders[place] - 1, *orders[place + 1 :])
                 variable = self._statement.variables[place]
-                self._jets[jet] = self._field.derivative(self._jet((unknown, lower)), variable)
+                self._jets[jet] = self._field.derivative(self.jet((unknown, lower)), variable)
         return self._jets[jet]

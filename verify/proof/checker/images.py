@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from flint import fmpq, fmpq_mpoly
 
@@ -67,6 +67,8 @@ class Images(ABC):
     each symbol s to the node of sqrt(1 - s**2) that is a generator in its place.
     """
 
+    ring_type: ClassVar[type[Ring]] = Ring
+
     def __init__(
         self,
         nodes: Nodes,
@@ -75,7 +77,7 @@ class Images(ABC):
         positive: Mapping[int, bool],
         hints: Hints,
     ) -> None:
-        self.nodes, self.ring, self.hints = nodes, Ring(count), hints
+        self.nodes, self.ring, self.hints = nodes, self.ring_type(count), hints
         self.variables, self.generators = variables, list[Generator]()
         self.circles: dict[int, int] = {}
         self.signs = Signs(nodes, self.image, positive, hints.signs)

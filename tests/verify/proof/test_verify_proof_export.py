@@ -1,0 +1,205 @@
+"""Certificates as scripts: their structure always, the systems' answers where they are there."""
+
+import json
+import random
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solutions import closed_form
+from verify.proof import CertificateError, prove_equal, prove_form
+from verify.proof.checker.limits import digest
+from verify.proof.export import terms
+from verify.proof.export.derivation import written_out
+from verify.proof.export.systems import SYSTEMS, answer, exported
+from verify.proof.export.terms import Definition, Relation, SlopeAxiom, Vanishing, WrittenProof
+from verify.proof.text_prover import prove as prove_text
+
+FORMS = ("kink", "wave_sn", "soliton_sech", "rational_1", "soliton_dn", "breather", "rogue_cn")
+SHORT = ("kink", "wave_sn", "rational_1", "soliton_sech")
+
+
+@cache
+def certificate(name: str) -> Any:
+    return prove_form(closed_form(name)).certificate
+
+
+@cache
+def proof(name: str) -> WrittenProof:
+    return written_out(certificate(name))
+
+
+def inner_names(term: terms.Term, *kinds: str) -> Iterator[terms.Term]:
+    return (inner for inner in terms.inner_terms(term) if inner[0] in kinds)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_step_uses_only_what_stands_before_it(name: str) -> None:
+    """A script that asks for a slope or a name too early is rejected by every system."""
+    defined, slopes = set(), set()
+    for step in proof(name).steps:
+        assert set(inner_names(step.term, "node", "jet")) <= defined
+        for _, axis, inner in inner_names(step.term, "slope"):
+            if inner[0] == "generator":
+                assert (axis, inner[1]) in slopes
+        if isinstance(step, Definition):
+            defined.add(step.name)
+        if isinstance(step, SlopeAxiom):
+            slopes.add((step.variable, step.generator))
+    zeros = [step.comment for step in proof(name).steps if isinstance(step, Vanishing)]
+    assert zeros.count("equation 1") == 1
+
+
+def test_the_axioms_of_sn_are_written_as_they_are_known() -> None:
+    """cn^2 = 1 - sn^2 and sn' = z' cn dn, with the argument's derivative left to the script."""
+    found = proof("wave_sn")
+    sn, cn = (
+        next(i for i, text in enumerate(found.meanings) if f"jacobi_{f}" in text)
+        for f in ("sn", "cn")
+    )
+    (square,) = (s for s in found.steps if isinstance(s, Relation) and s.generator == cn)
+    assert square.degree == 2
+    assert ("generator", sn) in inner_names(square.term, "generator")
+    slope = next(s for s in found.steps if isinstance(s, SlopeAxiom) and s.generator == sn)
+    (argument,) = {inner[2] for inner in inner_names(slope.term, "slope")} - {("generator", 0)}
+    assert argument[0] == "node"
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_script_holds_no_path_and_is_plain_text(system: str) -> None:
+    text = exported(certificate("wave_sn"), system)
+    assert text.isascii()
+    assert not re.search(r"/(home|root|tmp|usr|work)/", text)
+    assert '"accepted"' in text
+    assert '"rejected"' in text
+
+
+HOSTILE = (
+    '*) Axiom a : False. (* "',
+    '*/ print("accepted")$ quit()$ /*',
+    "\\ print(accepted) \\\\ */ *)",
+    'a" "b (* /* ',
+    "{- é ∂ \u202e -}",
+)
+COMMENTS = {
+    "pari": re.compile(r"\\\\ [^\\\n]*"),
+    "maxima": re.compile(r"/\* (?:(?!\*/|/\*).)* \*/"),
+    "coq": re.compile(r'\(\* (?:(?!\*\)|\(\*)[^"])* \*\)'),
+}
+FIRST = {"pari": "[g0", "maxima": "kill(all)$", "coq": "Require"}
+
+
+@pytest.mark.parametrize("title", HOSTILE)
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_title_stays_in_its_comment(system: str, title: str) -> None:
+    """A user's name must not end the comment, open a string or another comment."""
+    hostile = dict(certificate("kink")) | {"name": title}
+    lines = exported(hostile | {"digest": digest(hostile)}, system).splitlines()
+    plain = exported(certificate("kink"), system).splitlines()
+    heads = [[*_head(found, FIRST[system])] for found in (lines, plain)]
+    assert all(COMMENTS[system].fullmatch(line) for line in heads[0])
+    assert lines[len(heads[0]) :] == plain[len(heads[1]) :]
+
+
+def _head(lines: list[str], first: str) -> Iterator[str]:
+    for line in lines:
+        if line.startswith(first):
+            return
+        yield line
+
+
+def test_a_symbol_in_another_alphabet_is_named_by_its_code() -> None:
+    verdict = prove_text("u_t + k*u_x", "u = sin(x - k*t)", parameters="k: k>0")
+    text = json.dumps(verdict.certificate).replace('"k"', '"\u03ba"')
+    renamed = json.loads(text)
+    for system in SYSTEMS:
+        assert "<3ba>" in exported(renamed | {"digest": digest(renamed)}, system)
+
+
+def test_a_proof_by_equal_parts_is_refused() -> None:
+    import sympy as sp
+
+    x = sp.Symbol("x", positive=True)
+    left = sp.sin(sp.log(2 * x) + 1)
+    verdict = prove_equal(left, sp.sin(sp.log(2) + sp.log(x) + 1), [x])
+    parts = dict(verdict.certificate or {})
+    with pytest.raises(CertificateError, match="equal parts"):
+        exported(parts | {"proof": {**parts["proof"], "parts": [[0, 0, {}]]}}, "pari")
+
+
+ANSWERS = {
+    "echo accepted": "accepted",
+    "echo accepted; exit 3": "no answer",
+    "echo rejected; echo accepted": "rejected",
+    "echo accepted; echo more": "no answer",
+    "echo rejected": "rejected",
+    "echo 'Fatal: Stack overflow'; echo rejected": "no answer",
+    "echo 'Error: wrong' ; exit 1": "rejected",
+    "kill -9 $$": "no answer",
+    "sleep 30": "no answer",
+}
+
+
+@pytest.mark.parametrize("words", ANSWERS)
+def test_only_a_system_that_ends_well_accepts(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "gp"
+    program.write_text(f"#!/bin/sh\n{words}\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    assert answer("", "pari", 1.0)[0] == ANSWERS[words]
+
+
+def _engine(system: str) -> str:
+    if not SYSTEMS[system].is_there:
+        pytest.skip(f"{SYSTEMS[system].title} is not installed ({SYSTEMS[system].package})")
+    return system
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("name", SHORT)
+def test_a_system_accepts_the_proof(name: str, system: str) -> None:
+    assert answer(exported(certificate(name), _engine(system)), system, 100)[0] == "accepted"
+
+
+def put(term: terms.Term, old: terms.Term, new: terms.Term) -> terms.Term:
+    if term == old:
+        return new
+    return tuple(put(part, old, new) if isinstance(part, tuple) else part for part in term)
+
+
+def changed(found: WrittenProof, draw: random.Random) -> WrittenProof:
+    """The proof with one rational number, or one exponent, of a step that is another one."""
+    places = [
+        (index, number)
+        for index, step in enumerate(found.steps)
+        if not isinstance(step, Vanishing) or step.comment.startswith("equation")
+        for number in inner_names(step.term, "number", "power")
+        if number[-1] != 0
+    ]
+    index, old = draw.choice(places)
+    step = found.steps[index]
+    term = put(step.term, old, (*old[:-1], old[-1] + draw.choice([1, 2, 3])))
+    steps = [replace(step, term=term) if i == index else s for i, s in enumerate(found.steps)]
+    return replace(found, steps=steps)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("system", "count"), [("pari", 40), ("maxima", 20), ("coq", 5)])
+def test_a_system_rejects_a_proof_with_one_number_changed(system: str, count: int) -> None:
+    """Of these no coefficient, exponent, slope or relation has a true neighbour.
+
+    That of the kink has: tanh as (e^2 + 1)/(e^2 + 1) makes it a constant, which is a solution.
+    """
+    draw = random.Random(system)
+    _engine(system)
+    for _ in range(count):
+        other = changed(proof(draw.choice(SHORT[1:])), draw)
+        assert answer(SYSTEMS[system].write(other), system, 100)[0] == "rejected"

@@ -1,0 +1,178 @@
+"""Scripts for Coq: a theorem on every field of characteristic 0 with derivations.
+
+The theorem is written twice: as formulas of the field, which a reader sees, and as data from which
+the engine, proved right in the script, computes.  Coq finds the two to be the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flint import fmpq
+
+from .terms import (
+    Definition,
+    Powers,
+    Rate,
+    Relation,
+    SlopeAxiom,
+    Step,
+    Term,
+    Vanishing,
+    WrittenProof,
+    engine_text,
+    name_of,
+    plain_lines,
+)
+
+OPERATIONS = {"sum": ("Sum", "+"), "product": ("Prod", "*")}
+
+
+def coq_script(proof: WrittenProof) -> str:
+    """A self-contained script; Coq prints "accepted" when it has checked the theorem."""
+    return "\n".join([*_comments(proof), engine_text("engine.v"), *_Theorem(proof).lines()]) + "\n"
+
+
+def _comments(proof: WrittenProof) -> list[str]:
+    return [f"(* {line} *)" for line in plain_lines(proof)]
+
+
+def formula(term: Term) -> str:
+    """A term as a formula of the field."""
+    match term:
+        case ("number", value):
+            return f"number {_rational(value)}"
+        case ("generator", place):
+            return f"g{place}"
+        case (("node" | "jet"), _):
+            return name_of(term)
+        case ("minus", inner):
+            return f"- ({formula(inner)})"
+        case ("inverse", inner):
+            return f"/ ({formula(inner)})"
+        case ("power", base, exponent):
+            return f"power ({formula(base)}) {exponent}"
+        case ("slope", axis, inner):
+            return f"D {axis} ({formula(inner)})"
+    sign = OPERATIONS[term[0]][1]
+    return _nested([f"({formula(part)})" for part in term[1:]], lambda a, b: f"{a} {sign} ({b})")
+
+
+class _Theorem:
+    """The part of a script that is a proof's own."""
+
+    def __init__(self, proof: WrittenProof) -> None:
+        self._proof = proof
+        defined = [step.name for step in proof.steps if isinstance(step, Definition)]
+        self._places = {name: place for place, name in enumerate(defined, 1)}
+        self._assumptions: list[str] = []
+        self._claims: list[str] = []
+
+    def lines(self) -> list[str]:
+        """The variables, assumptions, claims and the proof."""
+        proof = self._proof
+        steps = [self._step(step) for step in proof.steps]
+        below_data = [self._data(term) for term in proof.denominators]
+        below = [f"nonzero_{i}" for i, _ in enumerate(proof.denominators)]
+        generators = [f"g{place}" for place in range(len(proof.meanings))]
+        names = [name_of(name) for name in self._places]
+        return [
+            f"Variables {' '.join([*generators, *names])} : F.",
+            *(
+                f"Hypothesis {label} : {formula(term)} <> 0."
+                for label, term in zip(below, proof.denominators, strict=True)
+            ),
+            *self._assumptions,
+            f"Definition denominators : list ex := {_list(below_data)}.",
+            f"Definition steps : list step := {_list(steps)}.",
+            "Lemma checked : accepts denominators steps = true.",
+            "Proof.",
+            "  tryif abstract (vm_cast_no_check (eq_refl true)) then idtac",
+            '  else (idtac "rejected"; fail 1 "rejected").',
+            "Qed.",
+            "Theorem proved :",
+            *(f"  ({claim}) /\\" for claim in self._claims),
+            "  True.",
+            "Proof.",
+            f"  exact (accepted (listed {_list(generators)}) (listed {_list(names)})",
+            f"    denominators steps checked {_conjunction(below)}",
+            f"    {_conjunction(self._labels())}).",
+            "Qed.",
+            "End Soundness.",
+            "Print Assumptions proved.",
+            'Goal True. idtac "accepted". exact I. Qed.',
+        ]
+
+    def _labels(self) -> list[str]:
+        return [f"assumed_{i}" for i in range(len(self._assumptions))]
+
+    def _assume(self, statement: str) -> None:
+        label = f"assumed_{len(self._assumptions)}"
+        self._assumptions.append(f"Hypothesis {label} : {statement}.")
+
+    def _step(self, step: Step) -> str:
+        """The data of a step; what it assumes or claims is noted as a formula."""
+        written, data = formula(step.term), self._data(step.term)
+        match step:
+            case Definition():
+                self._assume(f"{name_of(step.name)} = {written}")
+                return f"Def {self._places[step.name]} {data} {_powers(step.below)}"
+            case Relation():
+                self._assume(f"power g{step.generator} {step.degree} = {written}")
+                return f"Rel {step.generator + 1} {step.degree - 1} {data}"
+            case SlopeAxiom():
+                self._assume(f"D {step.variable} g{step.generator} = {written}")
+                place = step.generator + 1
+                return f"Slo {step.variable} {place} {data} {_powers(step.below)}"
+            case Rate():
+                self._claims.append(f"D {step.variable} {name_of(step.name)} = {written}")
+                place = self._places[step.name]
+                return f"Rat {step.variable} {place} {data} {_powers(step.below)}"
+            case Vanishing():
+                self._claims.append(f"{written} = 0")
+                return f"Zer {data}"
+
+    def _data(self, term: Term) -> str:
+        match term:
+            case ("number", value):
+                return f"(Num {_rational(value)})"
+            case ("generator", place):
+                return f"(Gen {place + 1})"
+            case (("node" | "jet"), _):
+                return f"(Nam {self._places[term]})"
+            case ("minus", inner):
+                return f"(Neg {self._data(inner)})"
+            case ("inverse", inner):
+                return f"(Inv {self._data(inner)})"
+            case ("power", base, exponent):
+                return f"(Pow {self._data(base)} {exponent})"
+            case ("slope", axis, inner):
+                return f"(Der {axis} {self._data(inner)})"
+        name = OPERATIONS[term[0]][0]
+        return _nested([self._data(part) for part in term[1:]], lambda a, b: f"({name} {a} {b})")
+
+
+def _nested(parts: list[str], joined: Callable[[str, str], str]) -> str:
+    text = parts[-1]
+    for part in reversed(parts[:-1]):
+        text = joined(part, text)
+    return text
+
+
+def _rational(value: fmpq) -> str:
+    return f"({value.p} # {value.q})"
+
+
+def _list(items: list[str]) -> str:
+    return f"[{'; '.join(items)}]"
+
+
+def _powers(below: Powers) -> str:
+    return "None" if below is None else f"(Some {_list([str(n) for n in below])}%nat)"
+
+
+def _conjunction(labels: list[str]) -> str:
+    text = "I"
+    for label in reversed(labels):
+        text = f"(conj {label} {text})"
+    return text

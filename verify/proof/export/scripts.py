@@ -1,0 +1,143 @@
+"""Scripts that compute: PARI/GP and Maxima, in calls of a few functions that they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .terms import (
+    Definition,
+    Powers,
+    Rate,
+    Relation,
+    SlopeAxiom,
+    Step,
+    Term,
+    Vanishing,
+    WrittenProof,
+    engine_text,
+    name_of,
+    plain_lines,
+)
+
+CALLS = {"sum": "add", "product": "mul", "minus": "neg", "inverse": "inv"}
+
+
+@dataclass(frozen=True)
+class Language:
+    """How a system writes what differs between the two."""
+
+    comment: Callable[[str], str]
+    engine: str
+    head: Callable[[WrittenProof], list[str]]
+    body: Callable[[list[str]], list[str]]
+
+
+def script(proof: WrittenProof, language: Language) -> str:
+    """A self-contained script that prints "accepted" or "rejected"."""
+    lines = [
+        *(language.comment(line) for line in plain_lines(proof)),
+        *language.head(proof),
+        engine_text(language.engine),
+        *language.body([_step(step) for step in proof.steps]),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def call(term: Term) -> str:
+    """A term as nested calls."""
+    match term:
+        case ("number", value):
+            return f"num({value})"
+        case ("generator", place):
+            return f"gen({place})"
+        case (("node" | "jet"), _):
+            return f'get("{name_of(term)}")'
+        case ("power", base, exponent):
+            return f"pow({call(base)}, {exponent})"
+        case ("slope", axis, (("node" | "jet"), _) as inner):
+            return f'derOf({axis + 1}, "{name_of(inner)}")'
+        case ("slope", axis, inner):
+            return f"der({axis + 1}, {call(inner)})"
+    return f"{CALLS[term[0]]}({', '.join(map(call, term[1:]))})"
+
+
+def infix(term: Term) -> str:
+    """A polynomial in the generators as both systems write it."""
+    match term:
+        case ("number", value):
+            return f"({value})"
+        case ("generator", place):
+            return f"g{place}"
+        case ("sum", *parts):
+            return "(" + " + ".join(map(infix, parts)) + ")"
+        case ("product", *parts):
+            return "*".join(map(infix, parts))
+        case ("power", base, exponent):
+            return f"{infix(base)}^{exponent}"
+    raise AssertionError(term[0])
+
+
+def _step(step: Step) -> str:
+    if isinstance(step, Vanishing):
+        return f"vanish({call(step.term)})"
+    value = _cut(call(step.term), step.below)
+    match step:
+        case Definition():
+            return f'put("{name_of(step.name)}", {value})'
+        case Relation():
+            return f"rule({step.generator}, {step.degree}, {value})"
+        case SlopeAxiom():
+            return f"slope({step.variable + 1}, {step.generator}, {value})"
+        case Rate():
+            return f'rate({step.variable + 1}, "{name_of(step.name)}", {value})'
+
+
+def _cut(text: str, below: Powers) -> str:
+    return text if below is None else f"cut({text}, {list(below)})"
+
+
+def _pari_head(proof: WrittenProof) -> list[str]:
+    count = len(proof.meanings)
+    roots = {step.generator for step in proof.steps if isinstance(step, Relation)}
+    order = [*sorted(roots, reverse=True), *(i for i in range(count) if i not in roots)]
+    size = len(proof.variables)
+    return [
+        f"[{', '.join(f'g{i}' for i in order)}];",
+        f"G = [{', '.join(f'g{i}' for i in range(count))}];",
+        f"F = [{', '.join(map(infix, proof.denominators))}];",
+        f"R = []; V = Map(); N = Map(); S = matrix({size}, #G); W = matrix({size}, max(#F, 1));",
+    ]
+
+
+def _pari_body(steps: list[str]) -> list[str]:
+    return [
+        "run() = {",
+        *(f"{step};" for step in steps),
+        "}",
+        'answer(e) = if(setsearch(["e_MEM", "e_STACK"], errname(e)), "no answer", "rejected");',
+        'iferr(run(); print("accepted"), e, print(answer(e)))',
+    ]
+
+
+def _maxima_head(proof: WrittenProof) -> list[str]:
+    names = ", ".join(f"g{i}" for i in range(len(proof.meanings)))
+    return [
+        "kill(all)$",
+        f"G : [{names}]$",
+        f"ratvars({names})$",
+        f"F : map(rat, [{', '.join(map(infix, proof.denominators))}])$",
+        "ruleList : []$",
+    ]
+
+
+def _maxima_body(steps: list[str]) -> list[str]:
+    body = ",\n".join(steps)
+    return [
+        f"run() := (\n{body},\ntrue)$",
+        'print(if errcatch(run()) = [true] then "accepted" else "rejected")$',
+    ]
+
+
+PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", _pari_head, _pari_body)
+MAXIMA = Language(lambda line: f"/* {line} */", "engine.mac", _maxima_head, _maxima_body)
