@@ -5,8 +5,12 @@ that.
 """
 
 import sys
+import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
+
+BEGUN = time.time()
+"""When the first room was imported: what runs is older."""
 
 
 def lazy_face(

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 Record = dict[str, Any]
 
+SYMBOLIC = ("lattices", "waves")
+"""What follows from formulas in the sources alone, and takes a second to make."""
+
 PIPE_WIDTH = 160
 """Columns of a table where stdout is no terminal."""
 
@@ -23,7 +26,12 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     >>> [record["name"] for record in inventory(["lattices"])["lattices"]]
     ['fput_strain']
     """
-    return {kind: _RECORDS[kind]() for kind in kinds}
+    from solutions import kept_data
+
+    return {
+        kind: kept_data(__name__, kind, _RECORDS[kind]) if kind in SYMBOLIC else _RECORDS[kind]()
+        for kind in kinds
+    }
 
 
 def lattices() -> list[Record]:

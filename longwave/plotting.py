@@ -36,8 +36,7 @@ from reports.figures.drawing import (
 from reports.figures.paper_figures import snapshots
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.scene import find_scene
-from verify.comparison.scene_run import scene_of
+from verify.comparison.scene import find_scene, scene_of
 from verify.comparison.stated_run import UnfinishedRun
 
 SUFFIXES = (".png", ".pdf", ".svg")

@@ -12,7 +12,9 @@ from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
     from solutions.catalogue import CATALOGUE, closed_form
+    from solutions.data_store import kept_data
     from solutions.forms.rational import rational, rational_tau
+    from solutions.numeric_wave import NumericWave, Side, WaveValues
     from solutions.record import (
         DEFOCUSING_MKDV,
         FOCUSING_MKDV,
@@ -23,7 +25,8 @@ if TYPE_CHECKING:
         Parameter,
         Reference,
     )
-    from solutions.wave import Side, Wave, WaveValues
+    from solutions.wave import Wave
+    from solutions.wave_store import kept_wave
 
 __all__ = [
     "CATALOGUE",
@@ -33,12 +36,15 @@ __all__ = [
     "ClosedForm",
     "Equation",
     "FarFields",
+    "NumericWave",
     "Parameter",
     "Reference",
     "Side",
     "Wave",
     "WaveValues",
     "closed_form",
+    "kept_data",
+    "kept_wave",
     "rational",
     "rational_tau",
 ]
@@ -50,6 +56,9 @@ __getattr__, __dir__ = lazy_face(
         "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
         "FarFields Parameter Reference",
         "solutions.forms.rational": "rational rational_tau",
-        "solutions.wave": "Side Wave WaveValues",
+        "solutions.data_store": "kept_data",
+        "solutions.wave_store": "kept_wave",
+        "solutions.numeric_wave": "NumericWave Side WaveValues",
+        "solutions.wave": "Wave",
     },
 )

@@ -46,6 +46,7 @@ class Catalogue(Sequence["ClosedForm"]):
     """
 
     names = tuple(_MODULES)
+    modules = tuple(sorted({f"solutions.forms.{module}" for module in _MODULES.values()}))
 
     @overload
     def __getitem__(self, place: int) -> "ClosedForm": ...

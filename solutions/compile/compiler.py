@@ -18,7 +18,7 @@ from solutions.compile.lowering import Lowering
 from solutions.compile.tape import tape_of
 from solutions.functions.multiprecision import MpmathFormula
 from solutions.record import ClosedForm
-from solutions.run.kernel_folder import cache_folder, write_whole
+from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
 from solutions.run.program import Program
 from solutions.run.source_digest import source_digest
 
@@ -43,12 +43,12 @@ def kept_program(
     else:
         key = f"{sp.srepr(expression())} {sp.srepr(parameters)}"
     path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
-    try:
-        return Program.read(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, KeyError, TypeError):
-        program = compile_program(expression(), parameters)
-        write_whole(path, program.text().encode())
-        return program
+    kept = read_whole(path)
+    if kept is not None:
+        return Program.read(kept.decode())
+    program = compile_program(expression(), parameters)
+    write_whole(path, program.text().encode())
+    return program
 
 
 def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:

@@ -4,15 +4,20 @@ Their values: `solutions.functions.multiprecision` (any precision), `solutions.r
 (NumPy arrays, about 30 digits) and `solutions.numpy_function` (NumPy, as `lambdify` finds them).
 """
 
-from solutions.functions.jacobi import (
-    jacobi_cn,
-    jacobi_dn,
-    jacobi_epsilon,
-    jacobi_eta,
-    jacobi_sn,
-    jacobi_theta,
-    jacobi_zeta,
-)
+from typing import TYPE_CHECKING
+
+from derive.lazy_face import lazy_face
+
+if TYPE_CHECKING:
+    from solutions.functions.jacobi import (
+        jacobi_cn,
+        jacobi_dn,
+        jacobi_epsilon,
+        jacobi_eta,
+        jacobi_sn,
+        jacobi_theta,
+        jacobi_zeta,
+    )
 
 __all__ = [
     "jacobi_cn",
@@ -23,3 +28,5 @@ __all__ = [
     "jacobi_theta",
     "jacobi_zeta",
 ]
+
+__getattr__, __dir__ = lazy_face(__name__, {"solutions.functions.jacobi": " ".join(__all__)})

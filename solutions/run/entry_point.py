@@ -7,8 +7,8 @@ arrays, numbers, tuples and None to the machine code as numba would, and raises 
 says that it failed: kernels raise nothing but for arrays that they make. Kernel and entry point are
 kept as object code, which llvmlite alone loads.
 
-The places of an array's fields are NumPy's binary interface; `fields_are_known` looks whether they
-are where they are expected.
+The places of the fields of arrays and of their types are NumPy's binary interface;
+`fields_are_known` looks whether they are where they are expected.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ __all__ = ["Machine", "Unsupported", "fields_are_known", "load", "processor", "w
 
 HEADER = object.__basicsize__
 DATA, NDIM, SHAPE, STRIDES, DTYPE, FLAGS = (HEADER + 8 * n for n in (0, 1, 2, 3, 5, 6))
+ORDER, KIND = HEADER + 10, HEADER + 12
 TYPE, DOUBLE = HEADER - 8, float.__basicsize__ - 8
 CONTIGUOUS, ALIGNED, WRITEABLE = {"C": 1, "F": 2, "A": 0}, 0x100, 0x400
 FASTCALL = 0x80
@@ -71,8 +72,11 @@ def fields_are_known() -> bool:
         (ctypes.c_ssize_t * 2).from_address(ctypes.c_ssize_t.from_address(id(array) + place).value)
         for place in (SHAPE, STRIDES)
     ]
+    kind = id(array.dtype)
     return (
-        found == [*words.values()]
+        ctypes.c_char.from_address(kind + ORDER).value == b"="
+        and ctypes.c_int.from_address(kind + KIND).value == array.dtype.num
+        and found == [*words.values()]
         and ints == [2, array.flags.num]
         and [tuple(axis) for axis in axes] == [array.shape, array.strides]
         and ctypes.c_double.from_address(id(number) + DOUBLE).value == number
@@ -111,8 +115,6 @@ def _engine(has_arrays: bool) -> Any:
     module = binding.parse_assembly(f'target triple = "{triple}"')
     for name, value in {"ndarray": np.ndarray, "float64": np.float64}.items():
         binding.add_symbol(f"longwave_{name}", id(value))
-    for kind in DTYPES:
-        binding.add_symbol(f"longwave_dtype_{kind}", id(np.dtype(kind)))
     return binding.create_mcjit_compiler(module, machine)
 
 
@@ -261,9 +263,11 @@ class _Writer:
         if dtype.char not in DTYPES:
             raise Unsupported(f"no entry point takes arrays of {dtype}")
         self._demand(self._is_of(item, "longwave_ndarray"))
+        number, byte = ir.IntType(32), ir.IntType(8)
         found = self._field(item, DTYPE, self._object)
-        self._demand(self._is(found, f"longwave_dtype_{dtype.char}"))
-        number = ir.IntType(32)
+        native = builder.icmp_signed("==", self._field(found, ORDER, byte), byte(ord("=")))
+        alike = builder.icmp_signed("==", self._field(found, KIND, number), number(dtype.num))
+        self._demand(builder.and_(native, alike))
         ndim = self._field(item, NDIM, number)
         self._demand(builder.icmp_signed("==", ndim, number(kind.ndim)))
         wanted = CONTIGUOUS[kind.layout] | ALIGNED * kind.aligned | WRITEABLE * kind.mutable

@@ -24,7 +24,7 @@ import numpy as np
 
 from solutions.run import entry_point
 from solutions.run.entry_point import Machine, Unsupported
-from solutions.run.kernel_folder import cache_folder, write_whole
+from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
 from solutions.run.source_digest import source_digest
 
 __all__ = ["Intrinsic", "Kernel", "njit"]
@@ -121,6 +121,7 @@ class Kernel:
         if types in self._compiled:
             return
         self._compiled.add(types)
+        _compile_complex_product()
         dispatcher = self.dispatcher
         _, folded = dispatcher._compiler.fold_argument_types(types, {})
         dispatcher.compile(folded)
@@ -213,6 +214,22 @@ def _numba() -> Any:
     return numba
 
 
+@lru_cache(maxsize=1)
+def _compile_complex_product() -> None:
+    """Compile the product of complex numbers before any kernel that is kept.
+
+    Numba compiles it once, with the flags of the kernel that needs it first: whether its products
+    and sums may be contracted, and so last digits, would depend on what a process compiled before.
+    """
+    from numba.core.registry import cpu_target
+
+    cpu_target.target_context.cached_internal_func.clear()
+    kind = _numba().complex128
+    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    product = _numba().njit(error_model="numpy", **bare)(lambda a, b: a * b)
+    product.compile((kind, kind))
+
+
 def _load_arrays_without_blas() -> None:
     """Spare the 0.2 s that numba takes to import SciPy's BLAS, which is there, before any kernel.
 
@@ -239,26 +256,23 @@ def _loaded(machine: Machine) -> Callable[..., Any] | None:
 
 def _write(machine: Machine, path: Path) -> None:
     """Keep machine code: a line that says what it is, and the code."""
-    code = machine.kernel + machine.caller
     head = {
         "processor": entry_point.processor(),
         "entry": machine.entry,
         "needed": machine.needed,
         "kernel": len(machine.kernel),
-        "digest": hashlib.sha256(code).hexdigest(),
     }
-    write_whole(path, json.dumps(head).encode() + b"\n" + code)
+    write_whole(path, json.dumps(head).encode() + b"\n" + machine.kernel + machine.caller)
 
 
 def _read(path: Path) -> Machine | None:
     """What `_write` kept; None if it is damaged or for another processor."""
-    try:
-        line, _, code = path.read_bytes().partition(b"\n")
-        head = json.loads(line)
-        whole = hashlib.sha256(code).hexdigest() == head["digest"]
-        if not whole or head["processor"] != entry_point.processor():
-            return None
-        size = head["kernel"]
-        return Machine(head["entry"], code[:size], code[size:], head["needed"])
-    except (OSError, ValueError, KeyError, TypeError):
+    data = read_whole(path)
+    if data is None:
         return None
+    line, _, code = data.partition(b"\n")
+    head = json.loads(line)
+    if head["processor"] != entry_point.processor():
+        return None
+    size = head["kernel"]
+    return Machine(head["entry"], code[:size], code[size:], head["needed"])

@@ -25,7 +25,7 @@ from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
-__all__ = ["cache_folder", "write_whole"]
+__all__ = ["cache_folder", "read_whole", "write_whole"]
 
 KEPT = 8
 """Versions of a module's kernels that a cache keeps; the least lately used ones go first."""
@@ -57,12 +57,22 @@ def write_whole(path: Path, data: bytes) -> None:
 
     A cache can only save time: a full disk or a folder that is gone is no error.
     """
-    draft = path.with_suffix(f".{uuid.uuid4().hex[:16]}")
+    draft = path.with_name(f"{path.name}.{uuid.uuid4().hex[:16]}")
     with suppress(OSError):
-        draft.write_bytes(data)
+        draft.write_bytes(hashlib.sha256(data).digest() + data)
         draft.replace(path)
     with suppress(OSError):
         draft.unlink(missing_ok=True)
+
+
+def read_whole(path: Path) -> bytes | None:
+    """What `write_whole` wrote; None if it is not there, or damaged."""
+    try:
+        held = path.read_bytes()
+    except OSError:
+        return None
+    digest, data = held[:32], held[32:]
+    return data if hashlib.sha256(data).digest() == digest else None
 
 
 def _digest(sources: str) -> str:

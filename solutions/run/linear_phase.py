@@ -7,7 +7,9 @@ force, still has the digits that say where in its period it is.
 
 from __future__ import annotations
 
+import copyreg
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -109,23 +111,35 @@ LONG: Any = mpmath.MPContext()
 LONG.dps = CONSTANT_DIGITS
 
 
-def long_number(exact: Expr) -> Any:
-    """An exact SymPy number as an mpf of the constants' precision."""
+def long_number(exact: Expr | Fraction) -> Any:
+    """An exact number as an mpf of the constants' precision."""
+    if isinstance(exact, Fraction):
+        return LONG.mpf(exact.numerator) / exact.denominator
     return LONG.mpf(exact._to_mpmath(LONG.prec))
+
+
+def _long(parts: Any) -> Any:
+    return LONG.make_mpf(parts)
+
+
+copyreg.pickle(LONG.mpf, lambda number: (_long, (number._mpf_,)))
 
 
 @dataclass(frozen=True)
 class Variables:
-    """``xi = a x + d t`` and ``tau = b t``: a closed form's variables in the caller's; exact."""
+    """``xi = a x + d t`` and ``tau = b t``: a closed form's variables in the caller's.
 
-    a: Expr
-    b: Expr
-    d: Expr
+    ``a``, ``b`` and ``d`` are long numbers; ``eps`` is what they were made of, None for X and T.
+    """
+
+    a: Any
+    b: Any
+    d: Any
+    eps: Fraction | Expr | None = None
 
     def phase(self, p: Any, q: Any, r: Any) -> LinearPhase:
         """``p xi + q tau + r`` in the caller's variables; p, q, r are long numbers.
 
         Raises OverflowError for a coefficient out of a double's range.
         """
-        a, b, d = (long_number(rate) for rate in (self.a, self.b, self.d))
-        return LinearPhase(p * a, p * d + q * b, r)
+        return LinearPhase(p * self.a, p * self.d + q * self.b, r)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -102,7 +102,7 @@ def jacobi_program(m: Any, m1: Any, wanted: tuple[bool, ...] = (True,) * 5) -> J
     bytecode = code.assemble([_number(code, value) for value in needed])
     quarter = split_three(K) if ctx.isfinite(K) else (0.0, 0.0, 0.0)
     constants = np.array([split(number) for number in bytecode.pool]).reshape(-1, 2)
-    return JacobiProgram(quarter, bytecode, constants)
+    return JacobiProgram(quarter, replace(bytecode, pool=()), constants)
 
 
 def _quarter_period(m1: Any) -> Any:
@@ -370,7 +370,7 @@ class Evaluator:
     """
 
     def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
-        self._program = program
+        self._bytecode, self._calls = replace(program.bytecode, pool=()), tuple(program.calls)
         numbers = program.numbers(parameters)
         self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
             -1, 2
@@ -387,14 +387,13 @@ class Evaluator:
 
     def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
-        program = self._program
         found = [phase(x, t) for phase in phases]
         rows = [as_pairs(phase)[None] for phase in found]
         rows += [
             functions(found[place])
-            for place, functions in zip(program.calls, self._functions, strict=True)
+            for place, functions in zip(self._calls, self._functions, strict=True)
         ]
         out = np.empty((3, PARTS, x.size))
         inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, x.size))
-        run_pairs(program.bytecode, self._constants, inputs, out)
+        run_pairs(self._bytecode, self._constants, inputs, out)
         return out

@@ -1,18 +1,23 @@
 """A rational solution with numbers in, from its polynomials A and B."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy as sp
-from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
-from solutions.forms.tau_polynomials import RationalTau
 from solutions.run.bounded import PARTS
 from solutions.run.doubledouble import check_range, split
 from solutions.run.linear_phase import LinearPhase, Variables, as_pairs, long_number
-from solutions.run.rational_kernel import rational_loop
+from solutions.run.rational_kernel import rational_loop, scales_of, workspace
+
+if TYPE_CHECKING:
+    import sympy as sp
+    from flint import fmpq_mpoly
+
+    from solutions.forms.tau_polynomials import RationalTau
 
 __all__ = ["RationalEvaluator"]
 
@@ -41,12 +46,16 @@ class RationalEvaluator:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
         place, time = (as_pairs(phase(x, t)) for phase in phases)
         out = np.empty((3, PARTS, x.size))
-        rational_loop(self._tables, self._parities, self._sign, place, time, out)
+        space = workspace(self._tables.shape[1] - 1)
+        scales = scales_of(place[0], time[0])
+        rational_loop(self._tables, self._parities, self._sign, place, time, scales, space, out)
         return out
 
 
 def _coefficients(part: fmpq_mpoly, shifts: list[sp.Expr]) -> dict[tuple[int, int], Any]:
     """The exact coefficients of ``x**i t**j``, the shifts put in."""
+    import sympy as sp
+
     table: dict[tuple[int, int], Any] = {}
     for exponents, number in part.terms():
         i, j, *powers = (int(exponent) for exponent in exponents)

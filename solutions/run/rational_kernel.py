@@ -7,8 +7,6 @@ A row of the workspace holds ``BLOCK`` high parts, then as many low parts. Besid
 sum of the terms' sizes in double: times the number of roundings in a term it bounds the error.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,9 +15,10 @@ from solutions.run.bounded import BLOCK, UNIT, Bounded
 from solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
 from solutions.run.jit import njit
 
-__all__ = ["rational_loop"]
+__all__ = ["rational_loop", "scales_of", "workspace"]
 
 Array = NDArray[np.float64]
+Space = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 
 _VALUE, _X, _XX, _T, _XT = 0, 1, 2, 3, 4
 """Rows of a polynomial's workspace: it and its derivatives (_XX is half the second)."""
@@ -39,15 +38,15 @@ def _step(z: Array, x: Array, y: Array, weight: Array) -> None:
 
 
 @njit(inner=True, error_model="numpy")
-def _prepare(x: Array, t: Array, weights: Array) -> None:
+def _prepare(x: Array, t: Array, scales: Array, weights: Array) -> None:
     """Divide x by S, with ``|x| <= S`` and ``|t| <= S**3``; fill ``weights[n] = S**-n``.
 
-    The errors of x and t become sizes, of which they are at most a fraction UNIT/4.
+    ``scales`` holds 1/S. The errors of x and t become sizes, of which they are at most a fraction
+    UNIT/4.
     """
     degree = weights.shape[0] - 1
     for i in range(BLOCK):
-        size = i + 2 * BLOCK
-        down = 0.5 ** max(0, math.frexp(x[i])[1], math.ceil(math.frexp(t[i])[1] / 3))
+        size, down = i + 2 * BLOCK, scales[i]
         x[size] = max(abs(x[i]), 4.0 / UNIT * x[size]) * down
         t[size] = max(abs(t[i]), 4.0 / UNIT * t[size])
         x[i], x[i + BLOCK] = x[i] * down, x[i + BLOCK] * down
@@ -170,20 +169,24 @@ def _wave(A: Array, B: Array, weights: Array, e: float, sign: float, out: Array)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def rational_loop(
-    tables: Array, parities: NDArray[np.int64], sign: float, x: Array, t: Array, out: Array
+    tables: Array,
+    parities: NDArray[np.int64],
+    sign: float,
+    x: Array,
+    t: Array,
+    scales: Array,
+    space: Space,
+    out: Array,
 ) -> None:
     """Fill ``out`` (3, 3, points) with U, U_xi, U_tau from ``x`` and ``t`` (3, points).
 
     The axis of three is high part, low part and bound of the error. ``tables`` holds the
     coefficients of A and B (2, degree + 1, degree // 3 + 1, 2); ``sign`` is the background; ``x``
-    is ``xi - 6 tau``.
+    is ``xi - 6 tau``; ``scales`` are those of `scales_of`, ``space`` is that of `workspace`.
     """
     degree, points = tables.shape[1] - 1, x.shape[1]
-    weights = np.empty((degree + 1, BLOCK))
     rounding = 4.0 * (degree + 1.0) * UNIT
-    place, time = np.empty(3 * BLOCK), np.empty(3 * BLOCK)
-    values, slopes = np.empty((degree + 1, 3 * BLOCK)), np.empty((degree + 1, 3 * BLOCK))
-    rows, found = np.empty((2, 5, 3 * BLOCK)), np.empty((3, 3, BLOCK))
+    place, time, down, weights, values, slopes, rows, flat, found = space
     for start in range(0, points, BLOCK):
         count = min(BLOCK, points - start)
         for part in range(3):
@@ -191,10 +194,30 @@ def rational_loop(
                 source = start + min(i, count - 1)
                 place[part * BLOCK + i] = x[part, source]
                 time[part * BLOCK + i] = t[part, source]
-        _prepare(place, time, weights)
+        for i in range(BLOCK):
+            down[i] = scales[start + min(i, count - 1)]
+        _prepare(place, time, down, weights)
         for which in range(2):
             _rows(tables[which], parities[which], time, values, slopes)
             _polynomial(values, slopes, place, weights, rows[which])
-        flat = rows.reshape(2, -1)
-        _wave(flat[0], flat[1], weights[1], rounding, sign, found.reshape(-1))
-        out[:, :, start : start + count] = found[:, :, :count]
+        _wave(flat[0], flat[1], weights[1], rounding, sign, found)
+        for row in range(3):
+            for part in range(3):
+                for i in range(count):
+                    out[row, part, start + i] = found[(3 * row + part) * BLOCK + i]
+
+
+def scales_of(x: Array, t: Array) -> Array:
+    """1/S at each point: S is the least power of two, not below 1, of `_prepare`."""
+    exponents = np.maximum(np.frexp(x)[1], np.ceil(np.frexp(t)[1] / 3.0)).astype(np.int64)
+    return np.ldexp(1.0, -np.maximum(exponents, 0))
+
+
+def workspace(degree: int) -> Space:
+    """What `rational_loop` writes to, a block at a time; the same memory once more flat."""
+    rows = np.empty((2, 5, 3 * BLOCK))
+    place, time, found = np.empty(3 * BLOCK), np.empty(3 * BLOCK), np.empty(9 * BLOCK)
+    weights = np.empty((degree + 1, BLOCK))
+    values, slopes = np.empty((degree + 1, 3 * BLOCK)), np.empty((degree + 1, 3 * BLOCK))
+    flat = rows.reshape(2, -1)
+    return place, time, np.empty(BLOCK), weights, values, slopes, rows, flat, found

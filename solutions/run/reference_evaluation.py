@@ -10,7 +10,6 @@ import sympy as sp
 
 from derive.algebra.exact_numbers import exact_number, shown
 from solutions.functions.multiprecision import MpmathFormula
-from solutions.run.linear_phase import Variables
 from solutions.symbols import tau, xi
 
 __all__ = ["check_digits", "evaluate_mp", "exact_point"]
@@ -30,19 +29,21 @@ def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[An
 def evaluate_mp(
     expression: sp.Expr,
     parameters: Mapping[sp.Symbol, sp.Expr],
-    variables: Variables,
+    variables: tuple[sp.Expr, sp.Expr, sp.Expr],
     rates: tuple[sp.Expr, sp.Expr],
     point: tuple[sp.Expr, sp.Expr],
     digits: int,
 ) -> tuple[Any, Any, Any]:
     """U and its xi and tau derivatives times the two ``rates``, to ``digits`` digits, as mpf.
 
-    ``point`` is (x, t) in the caller's ``variables``. Derivatives are by differences, which know
-    nothing of the derivative rules and so are a check of these. The working precision is doubled
-    until two results agree: the printed forms cancel near the ends of their parameters' domains.
+    ``point`` is (x, t); xi = a x + d t and tau = b t for ``variables`` (a, b, d). Derivatives are
+    by differences, which know nothing of the derivative rules and so are a check of these. The
+    working precision is doubled until two results agree: the printed forms cancel near the ends of
+    their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
-    moving = variables.a * point[0] + variables.d * point[1], variables.b * point[1]
+    along, later, drift = variables
+    moving = along * point[0] + drift * point[1], later * point[1]
     exact = (*parameters.values(), *moving, *rates)
     guard, before = GUARD_DIGITS, None
     while True:

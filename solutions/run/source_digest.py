@@ -14,17 +14,30 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from importlib.machinery import SourceFileLoader
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-import numpy as np
-
-__all__ = ["ROOMS", "Sources", "imported_sources", "source_digest"]
+__all__ = [
+    "ROOMS",
+    "Sources",
+    "all_sources",
+    "imported_sources",
+    "runs_as_written",
+    "source_digest",
+    "text_digest",
+]
 
 ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
 """The project's own packages; of all others the version counts."""
+
+
+HOUSE = Path(__file__).resolve().parents[2]
+
+EXACT = ("sympy", "mpmath", "python-flint", "numpy")
+"""Packages that exact numbers are made with."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +64,59 @@ def source_digest(module: str) -> str:
     total = hashlib.sha256()
     for name in sorted(sources.files):
         total.update(_text_digest(sources.files[name]))
-    for name in sorted(sources.loaded):
+    for name in sorted(sources.loaded & sys.modules.keys()):
         total.update(_memory_digest(name))
     versions = [f"{name} {_version(name)}" for name in sorted(sources.packages)]
     total.update("\n".join(versions).encode())
     return total.hexdigest()
+
+
+Files = tuple[tuple[str, Path], ...]
+"""Modules with their files, in order."""
+
+
+@lru_cache
+def all_sources(modules: tuple[str, ...]) -> Files:
+    """Every file of the project that these modules import, which need not be imported for that."""
+    found: dict[str, Path] = {}
+    for module in modules:
+        start = _file(HOUSE, module)
+        if start is not None and module not in found:
+            found |= _sources(module, start).files
+    return tuple(sorted(found.items()))
+
+
+@lru_cache
+def text_digest(sources: Files) -> str:
+    """The digest of their text, and of the versions of Python and of what exact numbers need."""
+    total = hashlib.sha256("\n".join(name for name, _ in sources).encode())
+    for _, path in sources:
+        total.update(_text_digest(path))
+    versions = (f"{name} {_version(name)}" for name in (*EXACT, "sys"))
+    total.update("\n".join(versions).encode())
+    return total.hexdigest()
+
+
+@lru_cache
+def runs_as_written(sources: Files) -> bool:
+    """Whether those of the modules that are imported run what their files say now.
+
+    Not so where Python took old byte code, a file having changed and kept time and size, and
+    perhaps not where a file is younger than the first import of a room.
+    """
+    from derive.lazy_face import BEGUN
+
+    for name, path in sources:
+        module = sys.modules.get(name)
+        loader = getattr(getattr(module, "__spec__", None), "loader", None)
+        if not isinstance(loader, SourceFileLoader):
+            continue
+        state = path.stat()
+        if max(state.st_mtime, state.st_ctime) >= BEGUN:
+            return False
+        if loader.get_code(name) != loader.source_to_code(path.read_bytes(), str(path)):
+            return False
+    return True
 
 
 @lru_cache
@@ -76,7 +137,10 @@ def imported_sources(module: str) -> Sources:
     >>> "solutions.run.doubledouble" in sources.loaded, "mpmath" in sources.packages
     (True, True)
     """
-    start = Path(str(sys.modules[module].__file__)).resolve()
+    return _sources(module, Path(str(sys.modules[module].__file__)).resolve())
+
+
+def _sources(module: str, start: Path) -> Sources:
     root = start.parents[len(_package(module, start))]
     files: dict[str, Path] = {}
     loaded: set[str] = set()
@@ -88,15 +152,24 @@ def imported_sources(module: str) -> Sources:
             continue
         files[name] = path
         loaded |= {name} if early else set()
-        for stem, inner, at_once in _imports(path):
-            above = _absolute(stem, _package(name, path))
-            names = (f"{above}.{inner}", above) if inner else (above,)
-            found = next(((n, f) for n in names if (f := _file(root, n)) is not None), None)
-            if found is not None:
-                waiting.append((*found, early and at_once))
+        for other, file, at_once in _imported(root, name, path):
+            if file is not None:
+                waiting.append((other, file, early and at_once))
             elif early and at_once:
-                packages.add(above.split(".")[0])
+                packages.add(other)
     return Sources(files, loaded, packages)
+
+
+@cache
+def _imported(root: Path, module: str, path: Path) -> tuple[tuple[str, Path | None, bool], ...]:
+    """What a module imports: modules of the project with their files, and packages; if at once."""
+    found: list[tuple[str, Path | None, bool]] = []
+    for stem, inner, at_once in _imports(path):
+        above = _absolute(stem, _package(module, path))
+        names = (f"{above}.{inner}", above) if inner else (above,)
+        files = ((name, file) for name in names if (file := _file(root, name)) is not None)
+        found.append((*next(files, (above.split(".")[0], None)), at_once))
+    return tuple(found)
 
 
 _IMPORT = re.compile(
@@ -155,9 +228,13 @@ def _version(package: str) -> str:
 
 
 def _facts_of_module(module: ModuleType) -> Iterator[str]:
-    """Byte code and constants of a module, one text each."""
+    """Byte code and constants of a module, one text each.
+
+    Functions and classes of other modules are theirs to tell.
+    """
     for name, value in sorted(vars(module).items()):
-        if not (name.startswith("__") and name.endswith("__")):
+        is_own = getattr(value, "__module__", None) in (None, module.__name__)
+        if is_own and not (name.startswith("__") and name.endswith("__")):
             yield from (f"{name}: {fact}" for fact in _facts(value))
 
 
@@ -171,12 +248,19 @@ def _facts(value: Any) -> Iterator[str]:
             inner = _code(getattr(member, "__func__", member))
             if inner is not None:
                 yield from (f"{name}: {fact}" for fact in _code_facts(inner))
-    elif isinstance(value, np.ndarray | np.generic):
+    elif isinstance(value, _array_types()):
         yield f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
     elif isinstance(value, tuple):
         yield from (fact for item in value for fact in _facts(item))
     elif isinstance(value, bool | int | float | complex | str | bytes):
         yield repr(value)
+
+
+@lru_cache(maxsize=1)
+def _array_types() -> Any:
+    import numpy as np  # with kernels; data are kept without
+
+    return np.ndarray, np.generic
 
 
 def _code(value: Any) -> CodeType | None:

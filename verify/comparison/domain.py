@@ -52,7 +52,7 @@ def seam_room(moving: MovingWave) -> float:
     if wave.wavelength is not None:
         return 2.0 * wave.wavelength / eps
     height = float(np.max(np.abs(wave.far_field(0.0, 0.0, "right").Y)))
-    return KINK / (float(wave.normal_form.a) * eps * height)
+    return KINK / (wave.numbers.a * eps * height)
 
 
 def least_window(compared: int) -> int:
@@ -183,11 +183,16 @@ INTERPOLATION_ERROR = 1e-14
 _jit = njit(cache=True, fastmath={"contract"}, error_model="numpy")
 
 
-@_jit
-def _clenshaw(coefficients: Array, u: Array) -> Array:
+def _chebyshev_sums(coefficients: Array, u: Array) -> Array:
     """Sums of coefficients[:, k] T_k(u), of shape (rows of ``coefficients``, u.size)."""
+    found = np.empty((len(coefficients), u.size))
+    _clenshaw(coefficients, u, found)
+    return found
+
+
+@_jit
+def _clenshaw(coefficients: Array, u: Array, found: Array) -> None:
     rows, terms = coefficients.shape
-    found = np.empty((rows, u.size))
     for row in range(rows):
         c = coefficients[row]
         for i in range(u.size):
@@ -195,7 +200,6 @@ def _clenshaw(coefficients: Array, u: Array) -> Array:
             for k in range(terms - 1, 0, -1):
                 one, two = c[k] + 2.0 * u[i] * one - two, one
             found[row, i] = c[0] + u[i] * one - two
-    return found
 
 
 @dataclass(frozen=True)
@@ -215,7 +219,7 @@ class Tail:
         offsets = self.moving.rigid_offsets(self.speed, sites, t)
         if self._coefficients is None:
             return self.moving.rigid_data(self.speed, offsets)
-        y, s = _clenshaw(self._coefficients, self._unit(offsets))
+        y, s = _chebyshev_sums(self._coefficients, self._unit(offsets))
         return y, s
 
     def _unit(self, offsets: Array) -> Array:
@@ -237,7 +241,7 @@ class Tail:
             found[:, 0] = 0.5 * found[:, 0] + level
             between = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1]), [1.0]])
             exact = self._exact(between)
-            error = np.abs(_clenshaw(found, between) - exact).max()
+            error = np.abs(_chebyshev_sums(found, between) - exact).max()
             if error <= INTERPOLATION_ERROR * max(self.moving.eps, np.abs(exact).max()):
                 return found
         return None
@@ -264,7 +268,7 @@ class Window(Domain):
         background = self.moving.wave.constant_background
         if background is None:
             raise ValueError(
-                f"domain must be 'ring' for {self.moving.wave.form.name}, got 'window' "
+                f"domain must be 'ring' for {self.moving.wave.numbers.name}, got 'window' "
                 "(its background is not constant)"
             )
         self.monitor = InflowCheck(self.moving.eps)

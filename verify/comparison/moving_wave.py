@@ -14,17 +14,19 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache
-from typing import Protocol
+from functools import cache, lru_cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-import derive
-from derive.algebra.exact_numbers import exact_number
 from lattice.model import Model, Sites
-from solutions import ClosedForm, Wave, WaveValues
+from solutions import NumericWave, WaveValues, kept_data, kept_wave
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+    from solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
 
@@ -47,25 +49,46 @@ def quarter_period_multiple(name: str, text: str) -> Fraction:
     return Fraction(int(match["times"] or 1), int(match["over"] or 1))
 
 
-def exact_quantity(name: str, value: float | str, k: sp.Expr | None) -> float | sp.Expr:
+def exact_quantity(name: str, value: float | str, k: "sp.Expr | None") -> "float | sp.Expr":
     """``value`` as a wave takes it: a number unchanged, "K/2" as SymPy's elliptic_k(k**2)/2.
 
     ``k`` is the exact modulus, None if the wave has none (then a multiple of K is refused).
     """
     if not isinstance(value, str):
         return value
+    import sympy as sp
+
     multiple = quarter_period_multiple(name, value)
     if k is None:
         raise ValueError(f"{name} must be a number, got {value!r} (K needs the modulus k)")
     return sp.Rational(multiple.numerator, multiple.denominator) * sp.elliptic_k(k**2)
 
 
-def build_wave(form: ClosedForm, constants: Model, values: Mapping[str, float | str]) -> Wave:
-    """The wave of a closed form on a lattice, with numbers in.
+def build_wave(
+    wave: "str | ClosedForm", constants: Model, values: Mapping[str, float | str]
+) -> NumericWave:
+    """The wave of a closed form, or of the one of that name, on a lattice, with numbers in.
 
     Raises ValueError for a parameter outside its domain, K3 != 0 and K4 of the wrong sign for the
     wave's equation.
     """
+    if not isinstance(wave, str):
+        return _make_wave(wave, constants, values)
+    make = partial(_make_named_wave, wave, constants, values)
+    return kept_wave(__name__, f"{wave} {constants} {sorted(values.items())}", make)
+
+
+def _make_named_wave(name: str, constants: Model, values: Mapping[str, float | str]) -> "Wave":
+    from solutions import closed_form
+
+    return _make_wave(closed_form(name, values), constants, values)
+
+
+def _make_wave(form: "ClosedForm", constants: Model, values: Mapping[str, float | str]) -> "Wave":
+    import derive
+    from derive.algebra.exact_numbers import exact_number
+    from solutions import Wave
+
     if constants.K3 != 0:
         raise ValueError(
             f"K3 must be 0 for an mKdV wave, got {constants.K3:g} "
@@ -82,17 +105,35 @@ def build_wave(form: ClosedForm, constants: Model, values: Mapping[str, float | 
     return Wave(form, derive.mkdv_normal_form(constants.K2, constants.K4), **exact)
 
 
-class _InitialVelocity(Protocol):
-    def __call__(self, Y_X: Array, Y_T: Array, c: float, eps: float) -> Array: ...
+Polynomial = list[tuple[float, list[tuple[str, int]]]]
+"""Terms: a coefficient, and the factors with their powers."""
 
 
 @cache
-def _initial_velocity() -> _InitialVelocity:
-    expression = derive.initial_velocity()
-    symbols = {symbol.name: symbol for symbol in expression.free_symbols}
-    arguments = [symbols[name] for name in ("Y_X", "Y_T", "c", "eps")]
-    function: _InitialVelocity = sp.lambdify(arguments, expression, "numpy")
-    return function
+def _initial_velocity() -> Polynomial:
+    """dy/dt of the ansatz as a polynomial in Y_X, Y_T, c and eps."""
+    return kept_data(__name__, "initial velocity", _derived_velocity)
+
+
+def _derived_velocity() -> Polynomial:
+    import derive
+
+    found = []
+    for term in derive.initial_velocity().as_ordered_terms():
+        coefficient, factors = term.as_coeff_mul()
+        powers = (factor.as_base_exp() for factor in factors)
+        found.append((float(coefficient), [(base.name, int(power)) for base, power in powers]))
+    return found
+
+
+def _value(polynomial: Polynomial, values: Mapping[str, "Array | float"]) -> Array:
+    """Its value, term by term and factor by factor from the left."""
+    terms = [
+        math.prod((values[name] ** power for name, power in factors), start=coefficient)
+        for coefficient, factors in polynomial
+    ]
+    total = sum(terms[1:], start=terms[0])
+    return np.asarray(total, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -102,7 +143,7 @@ class MovingWave:
     The later ``times`` are those that count, in order. Raises ValueError if they are not in order.
     """
 
-    wave: Wave
+    wave: NumericWave
     constants: Model
     eps: float
     times: tuple[float, ...]
@@ -167,7 +208,9 @@ class MovingWave:
 
     def _data(self, value: WaveValues, c: float) -> tuple[Array, Array]:
         """Strain and velocity of the ansatz at speed c where the wave has the given values."""
-        return self.eps * value.Y, _initial_velocity()(value.Y_X, value.Y_T, c, self.eps)
+        return self.eps * value.Y, _value(
+            _initial_velocity(), {"Y_X": value.Y_X, "Y_T": value.Y_T, "c": c, "eps": self.eps}
+        )
 
 
 TIMES = 17
@@ -232,7 +275,7 @@ def find_bounds(moving: MovingWave, tolerance: float) -> WaveBounds:
 
 @lru_cache(maxsize=4)
 def _wave_at_all_times(
-    constants: Model, wave: Wave, eps: float, times: tuple[float, ...], tolerance: float
+    constants: Model, wave: NumericWave, eps: float, times: tuple[float, ...], tolerance: float
 ) -> tuple[tuple[float, float], Array]:
     """The wave's ends, infinitely far inside out if nothing rises, and its extreme strains.
 
@@ -261,10 +304,12 @@ def _watched(times: Sequence[float]) -> list[float]:
     return sorted({*np.linspace(t0, end, TIMES).tolist(), *some, *crest})
 
 
-def _places(constants: Model, wave: Wave, eps: float, t: float) -> tuple[Array, Array, Array]:
+def _places(
+    constants: Model, wave: NumericWave, eps: float, t: float
+) -> tuple[Array, Array, Array]:
     """Positions relative to c t in order, the deviation from the far fields there, and Y."""
     origin = constants.sound_speed() * t
-    unit = 1.0 / (float(wave.normal_form.a) * eps)
+    unit = 1.0 / (wave.numbers.a * eps)
     offsets = unit * np.concatenate([-DISTANCES[:0:-1], DISTANCES])
     zeros = wave.phase_zeros(t, eps) or [origin]
     x = np.unique(np.concatenate([zero - origin + offsets for zero in zeros]))

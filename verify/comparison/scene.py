@@ -19,6 +19,8 @@ from verify.comparison.observables import OBSERVABLES, observable_named
 from verify.comparison.scene_fields import read_scene_file
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from solutions import ClosedForm
     from verify.comparison.moving_wave import MovingWave
 
@@ -259,7 +261,7 @@ class Scene:
         """
         from verify.comparison.moving_wave import MovingWave, build_wave
 
-        wave = build_wave(self.form, self.constants, dict(self.parameters))
+        wave = build_wave(self.wave, self.constants, dict(self.parameters))
         times = (self.t0, *self.snapshots)
         return MovingWave(wave, self.constants, self.eps, times, self.compared)
 
@@ -307,6 +309,11 @@ def _numerics(given: Mapping[str, Any]) -> Discretisation | Tolerance:
         )
     stated = found.get("step", 0.0), found.get("domain", ""), found.get("sites", 0)
     return Discretisation(*stated, scheme) if scheme else Discretisation(*stated)
+
+
+def scene_of(run: "xr.Dataset") -> Scene:
+    """The scene that a run carries."""
+    return Scene.from_json(run.attrs["scene"])
 
 
 def with_tolerance(scene: Scene, tolerance: float) -> Scene:

@@ -17,7 +17,7 @@ import numpy as np
 from lattice.model import State
 from lattice.refine import Announce
 from lattice.trial import Progress
-from verify.comparison.scene import Scene
+from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import (
@@ -152,11 +152,6 @@ def record_scene(
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)
-
-
-def scene_of(run: "xr.Dataset") -> Scene:
-    """The scene that a run carries."""
-    return Scene.from_json(run.attrs["scene"])
 
 
 def state_at(run: "xr.Dataset", t: float) -> State:

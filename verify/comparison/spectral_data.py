@@ -79,7 +79,7 @@ class RingData:
     @property
     def steepness(self) -> float:
         """The wave's variable xi per site."""
-        return float(self.moving.wave.normal_form.a) * self.moving.eps
+        return self.moving.wave.numbers.a * self.moving.eps
 
     @property
     def smallest(self) -> float:
@@ -207,7 +207,7 @@ PER_RADIAN = 2.0
 
 def first_density(moving: MovingWave) -> float:
     """Points per site to begin with."""
-    return PER_RADIAN * float(moving.wave.normal_form.a) * moving.eps
+    return PER_RADIAN * moving.wave.numbers.a * moving.eps
 
 
 FEWEST = 16

@@ -7,6 +7,7 @@ through.
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,14 +66,15 @@ SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
 
 
+@lru_cache(maxsize=4)
 def spectral_seconds(scene: Scene) -> float:
     """What rings would take; the wave's peak sets their points and steps, as in the mKdV limit."""
     moving, tolerance = scene.moving_wave, scene.target.tolerance
-    data, normal_form = ring_data(moving, tolerance), moving.wave.normal_form
+    data, numbers = ring_data(moving, tolerance), moving.wave.numbers
     peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
-    turns = float(normal_form.b) * moving.eps**3 * moving.duration * peak**3
+    turns = numbers.b * moving.eps**3 * moving.duration * peak**3
     evaluations = EVALUATIONS * (1.0 + turns) * tolerance ** (-1.0 / ORDER)
-    steepness = float(normal_form.a) * moving.eps * peak
+    steepness = numbers.a * moving.eps * peak
     apart = APART * math.exp(-(math.pi**2) / steepness) * (1.0 + turns) * peak
     if apart > ALIKE * tolerance:
         evaluations = max(evaluations, moving.duration / telling_step(moving.speed))

@@ -186,7 +186,7 @@ class SpectralEngine:
             raise StepTooShortError(f"steps below {step:.2g} for so long")
 
     def _steepness(self, strain: Array) -> float:
-        return float(self._moving.wave.normal_form.a) * float(np.max(np.abs(strain)))
+        return self._moving.wave.numbers.a * float(np.max(np.abs(strain)))
 
     def _apart(self, turns: float) -> float:
         """Bound of y/eps by which the ring's lattices part in time (`sublattices.py`)."""

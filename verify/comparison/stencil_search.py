@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -279,6 +280,7 @@ def _checked(sites: int) -> int:
     )
 
 
+@lru_cache(maxsize=4)
 def stencil_seconds(scene: Scene) -> float:
     """What a window would take, or on a periodic background a ring."""
     moving = scene.moving_wave

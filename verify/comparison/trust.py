@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions import Wave, WaveValues
+from solutions import NumericWave, WaveValues
 from verify.comparison.scene import Scene
 
 Array = NDArray[np.float64]
@@ -109,13 +109,13 @@ def trust_in(scene: Scene, tolerance: float) -> Trust:
         return Trust(0.0, math.inf)
     wave = scene.moving_wave.wave
     per_tau = _fastest_rate(wave)
-    rate = 0.0 if per_tau <= FLOOR else per_tau * float(wave.normal_form.b) * scene.eps**3
+    rate = 0.0 if per_tau <= FLOOR else per_tau * wave.numbers.b * scene.eps**3
     return Trust(rate, horizon(rate, tolerance, UNIT_ROUNDOFF))
 
 
 def has_periodic_background(scene: Scene) -> bool:
     """Whether there is anything that could grow about the scene's far field."""
-    return scene.form.period is not None
+    return scene.moving_wave.wave.wavelength is not None
 
 
 def trust_attributes(scene: Scene) -> dict[str, float]:
@@ -163,21 +163,22 @@ def _most_rate(scene: Scene) -> float:
     """A bound of the growth rate per time: 3 max|(U^2)'|, as the energy of W grows above."""
     wave = scene.moving_wave.wave
     bare = _background(wave)
-    steepest = float(np.max(np.abs(bare.Y * bare.Y_X))) / float(wave.normal_form.a)
-    return 6.0 * steepest * float(wave.normal_form.b) * scene.eps**3
+    steepest = float(np.max(np.abs(bare.Y * bare.Y_X))) / wave.numbers.a
+    return 6.0 * steepest * wave.numbers.b * scene.eps**3
 
 
-def _background(wave: Wave) -> WaveValues:
+@lru_cache(maxsize=4)
+def _background(wave: NumericWave) -> WaveValues:
     """The far field at ``SAMPLES`` points of a wavelength."""
     points = float(wave.wavelength or 0.0) * np.arange(SAMPLES) / SAMPLES
     return wave.far_field(points, 0.0, "left")
 
 
-def _fastest_rate(wave: Wave) -> float:
+def _fastest_rate(wave: NumericWave) -> float:
     """Largest growth rate per tau; the wave's speed is read off where it is steepest."""
     period = float(wave.wavelength or 0.0)
-    a, b, s = (float(getattr(wave.normal_form, name)) for name in ("a", "b", "s"))
+    a, b, s = wave.numbers.a, wave.numbers.b, wave.numbers.s
     bare = _background(wave)
     steepest = int(np.argmax(np.abs(bare.Y_X)))
     speed = -(bare.Y_T[steepest] / b) / (bare.Y_X[steepest] / a)
-    return fastest_rate(bare.Y, a * period, float(speed), int(s))
+    return fastest_rate(bare.Y, a * period, float(speed), s)

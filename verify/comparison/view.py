@@ -106,8 +106,7 @@ class View:
         wave, whose far field is the wave itself.
         """
         wave = self.moving.wave
-        bare = wave.form.period is not None and wave.form.background == 0
-        return wave.constant_background is None and not bare
+        return wave.constant_background is None and not wave.numbers.is_bare
 
     @property
     def error(self) -> float:

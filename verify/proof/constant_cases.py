@@ -240,13 +240,16 @@ def _is_excluded(restriction: Restriction, signs: DomainSigns) -> bool:
 
 
 def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restriction]:
-    """The restriction without factors of known sign and without squares."""
+    """The restriction without factors of known sign and without squares.
+
+    Raises ValueError where it holds only at the zeros of a square.
+    """
     relation = restriction.relation
     if restriction.value.is_number or relation in ("real", "integer"):
         yield restriction
         return
     above, below = sp.fraction(sp.together(restriction.value))
-    rest = sp.S.One
+    rest, squares = sp.S.One, list[sp.Expr]()
     for side, part in ((1, above), (-1, below)):
         number, factors = sp.factor_list(part)
         rest *= sp.sign(number)
@@ -257,8 +260,12 @@ def _simplified(restriction: Restriction, signs: DomainSigns) -> Iterator[Restri
                 rest *= (-1) ** power
             elif power % 2 and relation != "!=":
                 rest *= factor
-            elif not signs.is_nonzero(factor) and (relation != ">=" or side < 0):
-                yield Restriction(factor, "!=")
+            elif not signs.is_nonzero(factor):
+                squares.append(factor)
+                if relation != ">=" or side < 0:
+                    yield Restriction(factor, "!=")
+    if relation == ">=" and squares and rest.is_negative:
+        raise ValueError(f"values are real only where {squares[0]} = 0")
     if rest.is_number or relation != "!=":
         yield Restriction(sp.expand(rest), relation)
 
@@ -279,10 +286,9 @@ def _lies_in(case: ConstantCase, other: ConstantCase) -> bool:
     """Whether the values of a case satisfy those of another one, which is proved."""
     if not other.proved or not set(other.restrictions) <= set(case.restrictions):
         return False
-    return all(
-        sp.simplify(put_in(case.values, s) - put_in(case.values, value)) == 0
-        for s, value in other.values.items()
-    )
+    zeros = [s - value for s, value in other.values.items()]
+    zeros += [p for p in other.implicit if p not in case.implicit]
+    return all(sp.simplify(put_in(case.values, zero)) == 0 for zero in zeros)
 
 
 def _decided(case: ConstantCase) -> ConstantCase:

@@ -129,8 +129,14 @@ def _root_of_quotient(quotient: sp.Expr) -> sp.Expr:
     if above.is_number and above.is_negative:
         above, below = -above, -below
     if above.is_number or below.is_number:
-        return sp.sqrt(above) / sp.sqrt(below)
-    return sp.sqrt(sp.expand(above * below)) / below
+        return _root_of_sum(above) / _root_of_sum(below)
+    return _root_of_sum(sp.expand(above * below)) / below
+
+
+def _root_of_sum(total: sp.Expr) -> sp.Expr:
+    number, rest = total.primitive()
+    root = sp.sqrt(number)
+    return root * sp.sqrt(rest) if root.is_Rational else sp.sqrt(total)
 
 
 def _parted(quotient: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
@@ -155,7 +161,12 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     >>> tidy(sp.exp(k) / 2 - sp.exp(-k) / 2)
     sinh(k)
     """
-    found = sp.factor(sp.cancel(sp.together(expression)))
+    powers = (p for p in expression.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2)
+    names = {sp.sqrt(p.base): sp.Dummy(positive=True) for p in powers if p.free_symbols}
+    below = {1 / root: 1 / name for root, name in names.items()}
+    found = expression.xreplace(names).xreplace(below)
+    found = sp.factor(sp.cancel(sp.together(found)))
+    found = found.xreplace({name: root for root, name in names.items()})
     if found.has(sp.exp) and found.count_ops() <= SHORT:
         return min(found, sp.simplify(found), key=lambda e: e.count_ops())
     if found.is_number or any(p.base.is_Rational for p in found.atoms(sp.Pow) if p.exp.q != 1):

@@ -18,8 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from verify.comparison.scene import ENGINES, Scene
-from verify.comparison.scene_run import run
+from verify.comparison import ENGINES, Scene, run
 from verify.processes import Job, Key, OutOfTime, time_limit
 from verify.studies.causal_reference import CausalReference, SoftenedError
 from verify.studies.estimate_scenes import RandomScene, random_scene

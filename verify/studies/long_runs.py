@@ -14,7 +14,7 @@ import xarray as xr
 from lattice.trial import Progress
 from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
 from verify.comparison.moving_wave import find_bounds
-from verify.comparison.scene_run import scene_of
+from verify.comparison.scene import scene_of
 from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
 from verify.processes import Job, Key
 

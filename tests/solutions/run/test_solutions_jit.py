@@ -220,3 +220,43 @@ def test_an_inner_function_is_refused_from_python_and_serves_kernels() -> None:
     assert quarter(4.0) == 1.0
     with pytest.raises(TypeError, match="half must be called from compiled code"):
         half(4.0)
+
+
+ORDER = """
+import numpy as np
+from solutions.run.jit import njit
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def summed(a, b, out):
+    for i in range(out.size):
+        out[i] += a[i] * b[i]
+
+@njit(cache=True, error_model="numpy")
+def product(a, b, out):
+    for i in range(out.size):
+        out[i] = a[i] * b[i]
+"""
+
+CALL = """
+import hashlib, sys
+import numpy as np
+from solutions.order import product, summed
+a, b, c = np.random.default_rng(0).standard_normal((3, 1, 1998)).view(complex)
+out = c.copy()
+{first}
+summed(a[0], b[0], out[0])
+print(hashlib.sha256(out.tobytes()).hexdigest())
+"""
+
+
+def test_machine_code_does_not_depend_on_what_was_compiled_before(
+    house: Path, tmp_path: Path
+) -> None:
+    """Numba compiles the product of complex numbers with the flags of what needs it first."""
+    (house / "solutions" / "order.py").write_text(ORDER)
+    other = "product(a[0], b[0], c[0])"
+    found = {
+        first: call(house, CALL.format(first=first), NUMBA_CACHE_DIR=str(tmp_path / str(place)))
+        for place, first in enumerate(("", other))
+    }
+    assert found[""] == found[other]

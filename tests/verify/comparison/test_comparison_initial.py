@@ -1,11 +1,12 @@
 """Catches: a missing chain-rule term or power of eps in s_n, data at the wrong sites or time."""
 
+import pickle
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from verify.comparison import Scene
+from verify.comparison import Scene, load_scene
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])
@@ -46,3 +47,11 @@ def test_rigid_data_move_rigidly(window_scene: Callable[..., Scene]) -> None:
     np.testing.assert_allclose(later[1], begun[1], rtol=0, atol=1e-12)
     slope = np.gradient(later[0], sites)[1:-1]
     assert np.corrcoef(slope, later[1][1:-1])[0, 1] == pytest.approx(-1.0, abs=1e-3)
+
+
+def test_a_scene_that_has_been_looked_at_goes_to_another_process() -> None:
+    scene = load_scene("rogue_cn_k_0.5")
+    before = scene.moving_wave.wave.at(3.0, 0.0, 0.05)
+    found = pickle.loads(pickle.dumps(scene)).moving_wave.wave
+    assert found.at(3.0, 0.0, 0.05) == before
+    assert repr(found) == repr(scene.moving_wave.wave)

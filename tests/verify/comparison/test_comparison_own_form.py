@@ -12,7 +12,7 @@ import sympy as sp
 
 from solutions import ClosedForm, closed_form
 from verify.comparison import Scene, load_run, resume, run, save_run
-from verify.comparison.scene_run import scene_of
+from verify.comparison.scene import scene_of
 
 SHIPPED = closed_form("kink")
 OWN = ClosedForm(

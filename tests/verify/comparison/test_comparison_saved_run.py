@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from verify.comparison import Scene, load_run, resume, run, save_run
-from verify.comparison.scene_run import scene_of
+from verify.comparison.scene import scene_of
 
 NAMES = ("strain", "state", "error_curve")
 

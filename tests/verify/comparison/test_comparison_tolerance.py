@@ -160,7 +160,7 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
     window_scene: Callable[..., Scene],
 ) -> None:
     """So that it can be repeated to the bit without planning again."""
-    from verify.comparison.scene_run import scene_of
+    from verify.comparison.scene import scene_of
 
     measured = run(with_tolerance(window_scene(observables=("strain",)), 1e-3))
     stated = scene_of(measured)

@@ -69,6 +69,13 @@ ANSWERS = [
         ],
     ),
     (
+        LADDER,
+        "u[n] = a*sech(b*(n - v*t))*exp(I*(p*n - w*t))",
+        "b: b>0; a: a>0",
+        "a, w, v",
+        ["a = sinh(b); w = -exp(b)*cos(p) + 2 - exp(-b)*cos(p); v = 2*sin(p)*sinh(b)/b"],
+    ),
+    (
         "u_t - u_xx - u*(1 - u)",
         "u = 1/(1 + a*exp(k*(x - c*t)))**2",
         "a: a>0; k: k>0",
@@ -184,6 +191,12 @@ def test_domains_cut_the_cases() -> None:
     assert cn.detail == "holds if and only if m = a**2, c = 2*a**2 - 1 where 2*a**2 - 1 < 0"
     whole = solved("u_t - u_xx", "u = exp(x/j + t/j**2)", "j: integer, j>0", "j")
     assert whole.detail == "holds for all values of j"
+    squared = solved(KDV, "u = a*sech(k*(x - c*t))**2", "a: a<0; k: k!=0", "a, c")
+    assert squared.detail == "holds for no value of a, c"
+    sum_ = solved("u_xx + u_yy + c*u", "u = exp(k*x + l*y)", "c: c>0", "c")
+    assert sum_.detail == "holds for no value of c"
+    empty = solved("u_x - k", "u = m - x", "k: real; m: 0<m<k", "k")
+    assert empty.detail == "holds for no value of k"
     third = solved("u_x - 1", "u = 3*j*x", "j: integer", "j")
     assert third.detail == "holds for no value of j"
     real = solved("u_t + 2*u_xx", "u = exp(k*x + t)", "", "k")
@@ -198,6 +211,10 @@ def test_where_arguments_become_constant_is_a_case_of_its_own() -> None:
     verdict = solved("u_t + u_x", "u = a + b*tanh(k*x - w*t)", "", "w")
     assert "w = k" in verdict.detail
     assert "b = 0 (trivial)" in verdict.detail
+    laplace = solved("u_xx + u_yy", "u = exp(k*x + l*y)", "", "k, l")
+    assert laplace.detail == "holds if and only if k = 0, l = 0 (trivial)"
+    fourth = solved("u_xxxx + u_yyyy", "u = exp(k*x + l*y)", "", "k, l")
+    assert fourth.detail == laplace.detail
     power = solved("u_xx - u_x", "u = exp(k*x) + exp(l*x)", "", "k, l")
     values = [tuple(map(str, case.values.values())) for case in power.cases]
     assert set(values) == {("0", "0"), ("0", "1"), ("1", "0"), ("1", "1")}
@@ -214,6 +231,9 @@ def test_equal_arguments_are_looked_at() -> None:
 def test_elliptic_functions_at_the_ends_of_their_parameter() -> None:
     verdict = solved("u_xx + c*u", "u = jacobi_sn(x, m)", "", "c, m")
     assert {"c = 1", "m = 0"} in cases(verdict)
+    equal = "u = a*jacobi_cn(x, m) + b*jacobi_dn(x, m)"
+    sech = solved("u_xx - u + 2*u**3", equal, "m: real", "a, b, m")
+    assert {"a = 1 - b", "m = 1"} in cases(sech)
     tanh = solved("u_xx + 2*u - 2*u**3", "u = jacobi_sn(x, m)", "m: 0<m<1", "m")
     assert tanh.detail == "holds for no value of m"
     kink = solved("u_xx + 2*u - 2*u**3", "u = jacobi_sn(x, m)", "m: real", "m")
@@ -233,6 +253,11 @@ def test_what_is_not_known_to_be_independent_is_not_called_complete() -> None:
 def test_functions_of_constants_are_left_out_by_name() -> None:
     verdict = solved("u_x - a*sin(b)", "u = x", "", "a")
     assert verdict.detail == "holds if and only if a = 1/sin(b)"
+    circle = "u_x - a ;; v_x - b ;; a*u_x + b*v_x - 1"
+    turn = solved(circle, "u = x*sin(p) ;; v = x*cos(p)", "", "a, b")
+    assert turn.detail.startswith(
+        "holds if and only if a = sin(p), b = cos(p), apart from where cos"
+    )
     more = solved("u_x - a*sin(b) - c*cos(b)", "u = x", "", "a")
     assert (
         more.detail

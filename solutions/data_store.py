@@ -1,0 +1,78 @@
+"""Data that are kept from one process to the next, so that the next needs no SymPy to make them.
+
+What is kept is found under a key made of what is asked for, in a folder named by a digest of the
+sources: of all files that making it may read. It is written only by a process that ran what these
+files say (`runs_as_written`). A cache can only save time: whatever is missing, damaged or cannot be
+written is made anew.
+"""
+
+import hashlib
+import pickle
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from solutions.catalogue import CATALOGUE
+from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
+from solutions.run.source_digest import Files, all_sources, runs_as_written, text_digest
+
+__all__ = ["DataStore", "kept_data", "open_store"]
+
+MOST_FILES = 512
+"""Files in a folder; the oldest go first. A wave has up to five, of 1 to 40 kB."""
+
+Data = TypeVar("Data")
+
+
+def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
+    """Plain data that ``make``, a function of the module ``maker``, makes; kept if it can be.
+
+    They must follow from ``key`` and from the sources alone: from no other file and no setting.
+    """
+    store = open_store(maker, key)
+    kept = None if store is None else store.read("data")
+    if kept is None:
+        kept = make()
+        if store is not None:
+            store.write("data", kept)
+    return cast("Data", kept)
+
+
+class DataStore:
+    """The files of one key, which begin with ``stem``."""
+
+    def __init__(self, stem: Path, sources: Files) -> None:
+        self._stem, self._sources = stem, sources
+
+    def read(self, part: str) -> Any:
+        """What was kept under that name, None if nothing was."""
+        data = read_whole(self._path(part))
+        with suppress(Exception):  # of another version of NumPy, say
+            return None if data is None else pickle.loads(data)
+        return None
+
+    def write(self, part: str, value: object) -> None:
+        """Keep it, if what is in memory is what the files say."""
+        if not runs_as_written(self._sources):
+            return
+        with suppress(pickle.PicklingError, TypeError, AttributeError):
+            write_whole(self._path(part), pickle.dumps(value))
+        with suppress(OSError):
+            files = sorted(self._stem.parent.iterdir(), key=lambda path: path.stat().st_mtime)
+            for path in files[:-MOST_FILES]:
+                path.unlink(missing_ok=True)
+
+    def _path(self, part: str) -> Path:
+        return self._stem.with_name(f"{self._stem.name}.{part}")
+
+
+def open_store(maker: str, key: str) -> DataStore | None:
+    """The store for what the module ``maker`` makes, with the closed forms, of ``key``.
+
+    None where no folder can be written.
+    """
+    sources = all_sources((maker, __name__, *CATALOGUE.modules))
+    folder = cache_folder(__name__, text_digest(sources))
+    stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
+    return None if folder is None else DataStore(folder / stem, sources)

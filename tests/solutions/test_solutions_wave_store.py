@@ -1,0 +1,211 @@
+"""Catches: a kept wave that is not the one that is made, or not the one of these sources."""
+
+import ast
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive import mkdv_normal_form
+from solutions import Wave, closed_form, data_store, kept_data, kept_wave
+from solutions.run import source_digest
+from solutions.run.source_digest import all_sources, text_digest
+
+HOUSE = Path(__file__).parents[2]
+SITES = np.linspace(-4000.0, 4000.0, 301)
+WAVES: dict[str, dict[str, float]] = {
+    "rogue_cn": {"k": 0.5},
+    "rational_2": {},
+    "kink": {"A": 1.2},
+    "soliton_dn": {"k": 0.999},
+}
+
+
+def made(name: str) -> Wave:
+    form = closed_form(name)
+    return Wave(form, mkdv_normal_form(1, form.equation.s), **WAVES[name])
+
+
+def values(wave: Any) -> Iterator[Any]:
+    """Everything that a lattice asks of a wave."""
+    for eps in (0.05, np.float64(0.05), 1):
+        yield from wave.at(SITES, -1000.0, eps)
+        yield from wave.background_at(SITES, 7.0, eps)
+        yield from wave.far_field_at(SITES, 7.0, eps, "right")
+    yield from wave(SITES, 0.1)
+    yield from wave.pairs_at(SITES, 3.0, 0.05)
+    yield from (wave.phase_zeros(3.0, 0.05), [wave.wavelength], [wave.constant_background])
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", WAVES)
+def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
+    """To the bit; the second one is not made at all."""
+    exact = made(name)
+    kept_wave(__name__, name, lambda: exact)
+    first = kept_wave(__name__, name, lambda: exact)
+    assert all(np.array_equal(a, b) for a, b in zip(values(first), values(exact), strict=True))
+    assert len(list(folder.iterdir())) == 4
+
+    def never() -> Wave:
+        raise AssertionError
+
+    second = kept_wave(__name__, name, never)
+    assert all(np.array_equal(a, b) for a, b in zip(values(second), values(exact), strict=True))
+    assert second.numbers == exact.numbers
+    with pytest.raises(AssertionError):
+        second.mp(0, 0)
+    assert first.mp(0, 0) == exact.mp(0, 0)
+    assert repr(first) == repr(exact)
+
+
+def test_what_is_damaged_is_made_anew(folder: Path) -> None:
+    exact = made("kink")
+    wave = kept_wave(__name__, "kink", lambda: exact)
+    wave.at(SITES, 0.0, 0.05)
+    for path in folder.iterdir():
+        path.write_bytes(path.read_bytes()[:-7] + b"damaged")
+    again = kept_wave(__name__, "kink", lambda: exact)
+    assert np.array_equal(again.at(SITES, 0.0, 0.05).Y, exact.at(SITES, 0.0, 0.05).Y)
+
+
+def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(data_store, "MOST_FILES", 3)
+    for number in range(8):
+        kept_data(__name__, str(number), lambda: [1.0])
+    assert len(list(folder.iterdir())) == 3
+
+
+def test_data_are_made_once(folder: Path) -> None:
+    calls: list[int] = []
+    for _ in range(3):
+        assert kept_data(__name__, "data", lambda: calls.append(1) or [1.5]) == [1.5]
+    assert calls == [1]
+
+
+def test_nothing_is_kept_of_what_the_files_do_not_say(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(data_store, "runs_as_written", lambda _: False)
+    assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]
+    assert not list(folder.iterdir())
+
+
+def test_every_file_that_makes_a_wave_is_in_the_key() -> None:
+    """The closed forms, the normal form's derivation, the compiler; and the text of each counts."""
+    files = dict(all_sources(("verify.comparison.moving_wave", "solutions.forms.rogue_cn")))
+    for module in (
+        "derive.models.mkdv",
+        "derive.multiscale",
+        "derive.algebra.exact_numbers",
+        "solutions.wave",
+        "solutions.record",
+        "solutions.forms.rogue_cn",
+        "solutions.functions.jacobi",
+        "solutions.compile.lowering",
+        "solutions.run.program",
+        "solutions.functions.multiprecision",
+    ):
+        assert module in files, module
+
+
+def test_another_text_is_another_key(tmp_path: Path) -> None:
+    path = tmp_path / "form.py"
+    path.write_text("x = 1\n")
+    before = text_digest((("form", path),))
+    source_digest._text_digest.cache_clear()
+    text_digest.cache_clear()
+    path.write_text("x = 2\n")
+    assert text_digest((("form", path),)) != before
+    text_digest.cache_clear()
+    source_digest._text_digest.cache_clear()
+
+
+STALE = """
+import os, sys, time
+from pathlib import Path
+from solutions.run.source_digest import runs_as_written
+import derive
+lazy_face = sys.modules["derive.lazy_face"]
+path = Path("old.py")
+path.write_text("value = 1\\n")
+os.utime(path, (1e9, 1e9))
+lazy_face.BEGUN = time.time() + 10.0
+import old
+assert runs_as_written((("old", path.resolve()),))
+path.write_text("value = 2\\n")
+os.utime(path, (1e9, 1e9))
+del sys.modules["old"]
+import old
+runs_as_written.cache_clear()
+print(old.value, runs_as_written((("old", path.resolve()),)))
+lazy_face.BEGUN = 0.0
+path.write_text("value = 1\\n")
+runs_as_written.cache_clear()
+print(runs_as_written((("old", path.resolve()),)))
+"""
+
+
+def test_old_byte_code_and_young_files_are_seen(tmp_path: Path) -> None:
+    """Python runs old byte code where a change keeps time and size."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path += [{str(HOUSE)!r}]\n{STALE}"],
+        env={name: value for name, value in os.environ.items() if not name.startswith("PYTHON")},
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["1", "False", "False"]
+
+
+WARM = """
+import sys
+from longwave.__main__ import main
+status = main(["run", "rogue_cn_k_0.5_long", "--tolerance", "1e-2"])
+heavy = {"sympy", "numba", "xarray", "pandas", "scipy", "matplotlib"}
+print("imported:", *sorted(heavy & set(sys.modules)), file=sys.stderr)
+sys.exit(status)
+"""
+
+
+def test_a_warm_run_imports_nothing_heavy_and_prints_the_same() -> None:
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", WARM], capture_output=True, text=True, cwd=HOUSE, check=True
+        )
+        for _ in range(2)
+    ]
+    tables = [run.stdout.partition("spectral")[0] for run in runs]
+    assert tables[0] == tables[1]
+    assert runs[1].stderr.split() == ["imported:"]
+
+
+def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
+    """Without Python's parser; every file of the house."""
+
+    def imported(body: list[Any], at_once: bool = True) -> Iterator[tuple[str, str, bool]]:
+        for node in body:
+            if isinstance(node, ast.Import):
+                yield from ((alias.name, "", at_once) for alias in node.names)
+            elif isinstance(node, ast.ImportFrom):
+                stem = "." * node.level + (node.module or "")
+                yield from ((stem, alias.name, at_once) for alias in node.names)
+            for inner in ("body", "orelse", "finalbody", "handlers", "cases"):
+                yield from imported(getattr(node, inner, []), at_once=False)
+
+    for room in source_digest.ROOMS:
+        for path in (HOUSE / room).rglob("*.py"):
+            found = source_digest._imports(path)
+            assert sorted(found) == sorted(imported(ast.parse(path.read_bytes()).body)), path
