@@ -3,8 +3,8 @@
 Prints every finding (wrong, error, slow) with a script to paste, and a table by kind.  The exit
 status is 1 if a verdict is wrong, an error escaped, or nothing came back in time.
 
-    python benchmarks/verdicts.py [--count 100000] [--seed 0] [--workers 2] [--kind all]
-                                  [--undecided]
+    python benchmarks/verdicts.py [--count 100000] [--minutes 600] [--seed 0] [--workers 2]
+                                  [--kind all] [--undecided]
 
 With ``--kind all`` the kinds take turns: one real unknown as SymPy objects, then in text systems,
 complex fields, compositions and shifts of lattice sites.
@@ -102,13 +102,19 @@ class Worker:
         return self.done < len(self.numbers)
 
 
-def search(kinds: Kinds, seed: int, count: int, workers: int, report: Progress) -> list[Judgement]:
-    """All judgements, from ``workers`` processes that take every so manieth statement."""
+def search(
+    kinds: Kinds, seed: int, count: int, workers: int, minutes: float, report: Progress
+) -> list[Judgement]:
+    """All judgements, from ``workers`` processes that take every so manieth statement.
+
+    After ``minutes`` it ends with those that it has.
+    """
     task = report.add_task("statements", total=count)
     found: list[Judgement] = []
     starts = range(min(workers, count))
     team = [Worker(kinds, seed, range(start, count, workers)) for start in starts]
-    while team:
+    end = time.monotonic() + 60 * minutes
+    while team and time.monotonic() < end:
         ready = wait([worker.pipe for worker in team], timeout=1.0)
         for worker in team:
             if worker.pipe in ready:
@@ -161,6 +167,7 @@ def main() -> int:
     """Read the options, search, print; 1 if there is a finding."""
     parser = argparse.ArgumentParser(description="The search for wrong verdicts.")
     parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--minutes", type=float, default=600.0, help="where it stops, done or not")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--kind", choices=(*SEARCH_KINDS, "all"), default="all")
@@ -169,7 +176,7 @@ def main() -> int:
     console, start = Console(width=WIDTH), time.monotonic()
     with Progress(console=console) as report:
         kinds = SEARCH_KINDS if options.kind == "all" else (options.kind,)
-        found = search(kinds, options.seed, options.count, options.workers, report)
+        found = search(kinds, options.seed, options.count, options.workers, options.minutes, report)
     console.print(table(found, options.kind, time.monotonic() - start))
     console.print(f"digest {digest(found)}")
     if options.undecided:

@@ -240,6 +240,7 @@ def test_the_completion_script_asks_by_the_variable_that_is_answered(
         ("longwave ver", ["verify"]),
         ("longwave run rogue_cn_k_0.5", ["rogue_cn_k_0.5", "rogue_cn_k_0.5_long"]),
         ("longwave prove rog", ["rogue_cn"]),
+        ("longwave prove --library kdv_pos", ["kdv_positon", "kdv_positon_speed"]),
         ("longwave list sc", ["schemes", "scenes"]),
         ("longwave verify --me", ["--method"]),
         ("longwave run mine/", ["mine/"]),

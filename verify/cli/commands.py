@@ -36,6 +36,15 @@ def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[st
     return [name for name in CATALOGUE.names if name.startswith(begun)]
 
 
+def complete_provable(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+    """The closed forms whose names begin like that, or with --library the statements there."""
+    if not context.params.get("library"):
+        return complete_waves(context, parameter, begun)
+    from verify.cli.published import published
+
+    return [text.name for text in published() if text.name.startswith(begun)]
+
+
 _only = click.option(
     "--only",
     multiple=True,
@@ -53,7 +62,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
     epilog=example("longwave prove rogue_cn --output rogue_cn.json")
     + '\n  longwave prove --equation "u_t + c*u_x" --solution "u = sin(x - c*t)"'
 )
-@click.argument("names", nargs=-1, metavar="[NAME|FILE.toml]...", shell_complete=complete_waves)
+@click.argument("names", nargs=-1, metavar="[NAME|FILE.toml]...", shell_complete=complete_provable)
 @click.option("--equation", "equations", multiple=True, metavar="TEXT", help="As u_t + u*u_x = 0.")
 @click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
 @click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")

@@ -64,7 +64,8 @@ STAGES = {
 class Options:
     """The texts of a statement, or the files of many; how to decide and what to print.
 
-    ``library`` has names in the library of published solutions; none of them mean all of it.
+    ``library`` has names in the library of published solutions; none of them mean all of it,
+    without hints at what would hold, which take longer than the verdicts.
     """
 
     equations: Sequence[str] = ()
@@ -91,7 +92,9 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         path = None if options.certificate is None else Path(options.certificate)
         if path is not None:
             path.touch()
-        found, complete = finished(tracked(decided(problems, limit), len(problems), "deciding"))
+        hinting = 0.0 if options.library == () else HINT_SECONDS
+        verdicts = decided(problems, limit, hinting=hinting)
+        found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
             _write_certificates(path, [verdict for _, verdict in found])
     except FormulaError as error:
@@ -152,15 +155,20 @@ class _Running:
 
 
 def decided(
-    problems: Sequence[StatedProblem], limit: float = LIMIT, processes: int | None = None
+    problems: Sequence[StatedProblem],
+    limit: float = LIMIT,
+    processes: int | None = None,
+    hinting: float = HINT_SECONDS,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
     Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
+    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one.
     """
     if not hasattr(os, "fork"):
         for place, problem in enumerate(problems):
-            yield place, with_hint(problem.statement, answer(problem.statement))
+            verdict = answer(problem.statement)
+            yield place, with_hint(problem.statement, verdict, hinting) if hinting else verdict
         return
     waiting = iter(enumerate(problems))
     running: dict[Connection, _Running] = {}
@@ -168,7 +176,7 @@ def decided(
     try:
         while True:
             for place, problem in islice(waiting, count - len(running)):
-                connection, started = _start(place, problem.statement, limit)
+                connection, started = _start(place, problem.statement, limit, hinting)
                 running[connection] = started
             if not running:
                 return
@@ -184,9 +192,11 @@ def decided(
             connection.close()
 
 
-def _start(place: int, statement: Statement, limit: float) -> tuple[Connection, _Running]:
+def _start(
+    place: int, statement: Statement, limit: float, hinting: float
+) -> tuple[Connection, _Running]:
     reading, writing = get_context("fork").Pipe(duplex=False)
-    process = get_context("fork").Process(target=_decide, args=(statement, limit, writing))
+    process = get_context("fork").Process(target=_decide, args=(statement, limit, hinting, writing))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # threads elsewhere; the child has one
         process.start()
@@ -224,7 +234,7 @@ def _last_word(statement: Statement, job: _Running, limit: float) -> StatementVe
     return undecided(statement, f"{why} (it had come to {job.stage})", limit if late else 0.0)
 
 
-def _decide(statement: Statement, limit: float, writing: Connection) -> None:
+def _decide(statement: Statement, limit: float, hinting: float, writing: Connection) -> None:
     """In the child: send stages and the verdict, then the one with a hint."""
     ignore_interrupt()
     limit_memory(MEMORY)
@@ -247,9 +257,9 @@ def _decide(statement: Statement, limit: float, writing: Connection) -> None:
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"
         verdict = undecided(statement, f"the prover failed ({words[:200]})")
     writing.send(verdict)
-    left = limit - (time.monotonic() - begun)
+    left = min(limit - (time.monotonic() - begun), hinting)
     if verdict.outcome is Outcome.REFUTED and left > 0:
-        writing.send(_hinted(statement, verdict, min(left, HINT_SECONDS)))
+        writing.send(_hinted(statement, verdict, left))
     writing.close()
 
 

@@ -80,13 +80,9 @@ def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str
 
     A letter that the witness leaves out may have any value of its range.
     """
-    point = dict(given.point(random.Random(given.index)))
-    for letter in given.letters:
-        if letter.name not in witness:
-            continue
-        value = point[letter.name] = Fraction(witness[letter.name])
-        if not letter.holds(value):
-            return Mark.WRONG, f"REFUTED at {witness}, where {letter.name} is not in its range"
+    point = {**given.point(random.Random(given.index)), **_shown(given, witness)}
+    if not given.holds_at(point):
+        return Mark.WRONG, f"REFUTED at {witness}, which is not in the domain"
     try:
         fails = Judge(given).fails_at(point)
     except Unsaid as reason:
@@ -96,6 +92,11 @@ def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str
     if given.truth is Truth.TRUE:
         return Mark.ERROR, f"called true, but it fails at {witness}"
     return Mark.RIGHT, ""
+
+
+def _shown(given: TextStatement, witness: dict[str, str]) -> dict[str, Fraction]:
+    names = {letter.name for letter in given.letters} & witness.keys()
+    return {name: Fraction(witness[name]) for name in names}
 
 
 def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextStatement:

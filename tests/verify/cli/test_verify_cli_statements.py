@@ -335,12 +335,20 @@ def test_two_processes_decide_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert time.monotonic() - begun < 1.9
 
 
+def test_without_time_for_it_there_is_no_hint() -> None:
+    given = [problem(KDV, MISPRINT)]
+    (hinted,) = (verdict for _, verdict in decided(given, 30.0))
+    (bare,) = (verdict for _, verdict in decided(given, 30.0, hinting=0.0))
+    assert hinted.hint
+    assert (bare.outcome, bare.hint) == (hinted.outcome, "")
+
+
 def test_ctrl_c_prints_what_is_decided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Output
 ) -> None:
     whole = command.decided
 
-    def stopped(problems: Any, limit: float) -> Any:
+    def stopped(problems: Any, limit: float, **_: float) -> Any:
         yield from whole(problems[:1], limit)
         raise KeyboardInterrupt
 

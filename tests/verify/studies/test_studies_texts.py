@@ -11,7 +11,14 @@ from verify.studies.statements.random_statement import Truth
 from verify.studies.texts import ball_judge
 from verify.studies.texts.ball_judge import Judge, Unsaid, precision
 from verify.studies.texts.composition_statements import COMPOSED
-from verify.studies.texts.drafts import Draft, Known, letter_of, shown_false, transformed
+from verify.studies.texts.drafts import (
+    Draft,
+    Known,
+    letter_of,
+    shown_false,
+    stay_under,
+    transformed,
+)
 from verify.studies.texts.rewordings import reworded
 from verify.studies.texts.text_library import TEXT_KINDS, text_statement
 from verify.studies.texts.text_statement import Letter, TextStatement
@@ -214,3 +221,17 @@ def test_numbers_of_a_letter_lie_in_its_range() -> None:
         assert all(letter.holds(number) for number in numbers)
         assert len(set(numbers)) > 1
     assert not Letter("n", integer=True).holds(Fraction(1, 2))
+
+
+def test_a_letter_stays_under_another() -> None:
+    draft = Draft(random.Random(4))
+    draft.letter("x")
+    draft.letter("a>0")
+    difference = stay_under(draft, "a")
+    draft.equations, draft.solutions = [read("u_x - 1", ("u",))], {"u": read("x") + difference}
+    made = draft.statement("by hand", falsehood=0.0)
+    assert made is not None
+    assert made.parameters == "a1: a1>0; a: 0<a<a1"
+    point = {**made.point(random.Random(5)), "a1": Fraction(1)}
+    assert made.holds_at({**point, "a": Fraction(1, 2)})
+    assert not made.holds_at({**point, "a": Fraction(2)})

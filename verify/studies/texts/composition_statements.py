@@ -13,6 +13,7 @@ from verify.studies.texts.drafts import (
     random_formula,
     random_parameters,
     random_phase,
+    stay_under,
 )
 from verify.studies.texts.text_statement import Letter, TextStatement
 from verify.studies.texts.trees import Tree, derivative, mapped, name, put, read
@@ -236,6 +237,9 @@ def _within(made: Draft, entry: Composed) -> Tree:
             return made.letter("a>0") * name("x")
         return name("x")
     made.letter("x")
+    if low == 0 and high is None and draw.random() < 0.2:
+        made.letter("a>0")
+        return stay_under(made, "a") * draw.choice((read("exp(x)"), read("1 + x**2")))
     place = {"Z": random_phase(made, "xt", random_parameters(made, 1))}
     if low is None:
         return place["Z"] if draw.random() < 0.7 else random_formula(made, "xt", [])

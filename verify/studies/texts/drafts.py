@@ -112,6 +112,7 @@ class Draft:
             used |= {letter for _, steps, _ in jets for letter in steps}
             used |= {"n" for _, _, shift in jets if shift is not None}
             used |= {c for node in tree.nodes() if node.head == "diff" for c in str(node.value)}
+        used |= {self.letters[key].under for key in used & self.letters.keys()}
         letters = tuple(made for key, made in self.letters.items() if key in used)
         sited = any(made.name == "n" for made in letters)
         return TextStatement(
@@ -239,9 +240,20 @@ def _choose(made: Draft, letter: Letter) -> None:
         ends = draw.choice(((end, None), (None, end), (end - 1, end + 2)))
         made.letters[letter.name] = Letter(letter.name, ends[0], ends[1])
         return
+    elif chance < 0.76 and letter.low == 0 and letter.high is None:
+        stay_under(made, letter.name)
+        return
     else:
         return
     _put_everywhere(made, {letter.name: image})
+
+
+def stay_under(made: Draft, own: str) -> Tree:
+    """The difference, from now on positive, of a new parameter and a positive one."""
+    most = Letter(f"{own}1", Fraction(0))
+    rest = {key: letter for key, letter in made.letters.items() if key != own}
+    made.letters = {most.name: most, **rest, own: Letter(own, Fraction(0), under=most.name)}
+    return name(most.name) - name(own)
 
 
 def _put_everywhere(made: Draft, images: Mapping[str, Tree]) -> None:
@@ -309,7 +321,9 @@ def renamed(made: Draft) -> Draft:
     images = {key: name(fresh) for key, fresh in chosen.items()}
     made.definitions = {key: put(tree, images) for key, tree in made.definitions.items()}
     made.letters = {
-        chosen.get(key, key): replace(letter, name=chosen.get(key, key))
+        chosen.get(key, key): replace(
+            letter, name=chosen.get(key, key), under=chosen.get(letter.under, letter.under)
+        )
         for key, letter in made.letters.items()
     }
     return made

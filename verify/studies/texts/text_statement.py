@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor
 
@@ -24,18 +24,25 @@ LARGEST_DENOMINATOR = 60
 class Letter:
     """A variable or parameter, and the open interval of its values; None for no end.
 
+    ``under`` is a parameter that it stays below, which is stated before.
+
     >>> Letter("k", Fraction(0)).text, Letter("n", integer=True).text
     ('k>0', 'integer')
+    >>> Letter("a", Fraction(0), under="b").text
+    '0<a<b'
     """
 
     name: str
     low: Fraction | None = None
     high: Fraction | None = None
     integer: bool = False
+    under: str = ""
 
     @property
     def text(self) -> str:
         """The range in the grammar."""
+        if self.under:
+            return f"{self.low}<{self.name}<{self.under}"
         if self.low is None and self.high is None:
             return "integer" if self.integer else "real"
         if self.high is None:
@@ -56,7 +63,7 @@ class Letter:
         return found if found else self.number(draw)
 
     def holds(self, value: Fraction) -> bool:
-        """Whether ``value`` lies in the range."""
+        """Whether ``value`` lies between the ends that are numbers."""
         above = self.low is None or value > self.low
         below = self.high is None or value < self.high
         return above and below and (value.denominator == 1 or not self.integer)
@@ -94,7 +101,19 @@ class TextStatement:
 
     def point(self, draw: random.Random) -> TextPoint:
         """A random admissible point."""
-        return {letter.name: letter.number(draw) for letter in self.letters}
+        found: dict[str, Fraction] = {}
+        for letter in self.letters:
+            own = replace(letter, high=found[letter.under]) if letter.under else letter
+            found[letter.name] = own.number(draw)
+        return found
+
+    def holds_at(self, point: TextPoint) -> bool:
+        """Whether the point lies in all ranges."""
+        return all(
+            letter.holds(point[letter.name])
+            and (not letter.under or point[letter.name] < point[letter.under])
+            for letter in self.letters
+        )
 
     def script(self) -> str:
         """Python source that asks the prover about the statement."""
