@@ -70,13 +70,16 @@ def test_a_kept_wave_is_the_one_that_is_made(name: str, folder: Path) -> None:
 
 
 def test_what_is_damaged_is_made_anew(folder: Path) -> None:
-    exact = made("kink")
-    wave = kept_wave(__name__, "kink", lambda: exact)
-    wave.at(SITES, 0.0, 0.05)
-    for path in folder.iterdir():
-        path.write_bytes(path.read_bytes()[:-7] + b"damaged")
-    again = kept_wave(__name__, "kink", lambda: exact)
-    assert np.array_equal(again.at(SITES, 0.0, 0.05).Y, exact.at(SITES, 0.0, 0.05).Y)
+    """One bit, wherever it is: of a number, of the code, of a length."""
+    exact = made("soliton_dn")
+    expected = exact.at(SITES, 0.0, 0.05).Y
+    kept_wave(__name__, "wave", lambda: exact).at(SITES, 0.0, 0.05)
+    path = next(folder.glob("*.wave"))
+    whole = path.read_bytes()
+    for place in np.linspace(40, len(whole) - 1, 60).astype(int):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 16]) + whole[place + 1 :])
+        again = kept_wave(__name__, "wave", lambda: exact)
+        assert np.array_equal(again.at(SITES, 0.0, 0.05).Y, expected)
 
 
 def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -209,3 +212,10 @@ def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
         for path in (HOUSE / room).rglob("*.py"):
             found = source_digest._imports(path)
             assert sorted(found) == sorted(imported(ast.parse(path.read_bytes()).body)), path
+
+
+def test_without_a_folder_the_wave_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(data_store, "cache_folder", lambda *_: None)
+    exact = made("kink")
+    assert kept_wave(__name__, "kink", lambda: exact) is exact
+    assert kept_data(__name__, "data", lambda: [1.5]) == [1.5]

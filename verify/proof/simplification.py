@@ -210,7 +210,8 @@ class Rewriting:
             return self._absolute(inner)
         if not (self.signs.is_positive(inner) or self.signs.is_positive(-inner)):
             return None
-        self.found[sp.Abs(inner)] = self._absolute(inner)
+        if isinstance(size := sp.Abs(inner), sp.Abs):
+            self.found[size] = self._absolute(inner)
         return sp.S.One if self.signs.is_positive(inner) else sp.S.NegativeOne
 
     def _real_part(self, node: sp.Expr) -> sp.Expr | None:

@@ -82,6 +82,7 @@ def test_what_no_kernel_takes_is_refused(arguments: tuple[Any, ...]) -> None:
 def test_a_wrong_number_of_dimensions_is_no_entry() -> None:
     """It would read past the end."""
     point = (1.0, 0.0, 0.0)
+    _fill(point, point, point, np.zeros(3), np.zeros(3), np.zeros((4, 3)))
     with pytest.raises(Exception, match=r"(?s)No implementation|index|getitem"):
         _fill(point, point, point, np.zeros(3), np.zeros(3), np.zeros(4))
 

@@ -12,7 +12,7 @@ import scipy.optimize
 from lattice import stepper
 from lattice.model import State, empty_state
 from lattice.schemes import SCHEMES, Scheme
-from solutions import Wave
+from solutions.numeric_wave import NumericWave
 from verify.comparison import Scene, load_scene, run
 from verify.comparison import observables as measures
 from verify.comparison.observables import (
@@ -53,7 +53,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
         monkeypatch.setattr(owner, name, counting)
 
     for name in WAVE_CALLS:
-        count(Wave, name)
+        count(NumericWave, name)
     count(measures, "ring_energy")
     count(scipy.optimize, "least_squares")
     count(np.fft, "rfft")

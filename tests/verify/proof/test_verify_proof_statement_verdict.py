@@ -279,3 +279,13 @@ def test_the_latex_has_jets_sites_and_domains() -> None:
     proved = verified_sentence(right, decide_statement(right))
     assert "\n\\[ 2 u u_{x} + u_{xxt} = 0 \\]\n" in proved
     assert r"for all real $a, t, x$ with $-1 \le a < 1$" in proved
+
+
+@pytest.mark.parametrize(
+    ("formula", "domain", "outcome"),
+    [("x", "x>0", "PROVED"), ("x", "x<0", "REFUTED"), ("x - 1", "x>2", "PROVED")],
+)
+def test_the_sign_of_what_is_declared_positive(formula: str, domain: str, outcome: str) -> None:
+    """SymPy's absolute value of a positive symbol is the symbol itself."""
+    statement = read_statement("sign(u) - 1", f"u = {formula}", domain=domain)
+    assert decide_statement(statement).outcome.value == outcome
