@@ -182,11 +182,7 @@ def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number])
         yield found.text()
         yield from map(Check.text, checks_of_envelope(found))
         return
-    numbers = (
-        found.coefficients(chosen, None, **values)
-        if chosen is not None and values
-        else None
-    )
+    numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
     if wanted.form == "json":
         data = json.loads(found.json())
         if numbers:
