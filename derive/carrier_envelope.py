@@ -14,7 +14,7 @@ from math import comb
 from typing import Any
 
 import mpmath
-from sympy import Expr, I, Integer, Symbol, cos, factor, pi, sin, symbols
+from sympy import Expr, I, Integer, Symbol, cos, factor, pi, simplify, sin, symbols
 
 from derive.algebra.exact_numbers import Number, exact, instance, shown
 from derive.algebra.jets import DifferentialPolynomial
@@ -134,10 +134,11 @@ class Envelope(Displayed):
             factor(_reduced(part) / _reduced(below)).subs(self.constants)
             for part in (real, imaginary)
         ]
-        if self.wavenumber == pi:
-            parts = [factor(part.subs({_SINE: 1, _COSINE: 0})) for part in parts]
-        actual = {_SINE: sin(k / 2), _COSINE: cos(k / 2)}
-        return parts[0].subs(actual) + I * parts[1].subs(actual)
+        angle = k if self.wavenumber is None else self.wavenumber
+        actual = {_SINE: sin(angle / 2), _COSINE: cos(angle / 2)}
+        real, imaginary = (factor(part.subs(actual)) for part in parts)
+        found = real + I * imaginary
+        return found if self.wavenumber is None else simplify(found)
 
     def coefficients(
         self, k: Number | None = None, branch: str | int | None = None, **constants: Number

@@ -75,10 +75,10 @@ class Expansion:
         matrix = self._uniform_forces()
         found = (matrix.nullspace().to_list(), matrix.transpose().nullspace().to_list())
         if any(len(vectors) != 1 for vectors in found):
-            many = len(found[0]) > 1
+            apart, held = "its fields move apart at no cost", "pinned: derive a carrier's envelope"
             raise ValueError(
                 f"lattice must have one wave of vanishing frequency, got {len(found[0])} "
-                + ("(its fields move apart at no cost)" if many else "(its sites are held: pinned)")
+                f"({apart if len(found[0]) > 1 else held})"
             )
         right, left = (_normalised(vectors[0]) for vectors in found)
         return right, left

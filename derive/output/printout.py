@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from sympy import Expr, pi
+from sympy import Expr
 
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
 from derive.algebra.formula_text import Vocabulary, read_formula
@@ -174,7 +174,7 @@ def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number])
     branch = wanted.branch or "acoustic"
     found = envelope(
         lattice,
-        k=pi if chosen == pi else None,
+        k=chosen,
         branch=int(branch) if branch.isdecimal() and len(branch) < 4 else branch,
         **(values if chosen is not None and not lattice.definitions else {}),
     )

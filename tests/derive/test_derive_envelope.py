@@ -131,6 +131,14 @@ def test_at_the_zone_boundary_the_next_order_vanishes() -> None:
     assert numbers == envelope(FPUT).coefficients(pi, K2=4, K3=1, K4=2)
 
 
+def test_at_a_wavenumber_the_coefficients_are_those_of_all_wavenumbers(strain: Envelope) -> None:
+    found = envelope(FPUT, k=2 * pi / 3)
+    for name, value in found.expressions.items():
+        assert k not in value.free_symbols
+        assert simplify(value - strain.expressions[name].subs(k, 2 * pi / 3)) == 0, name
+    assert all(check.passed for check in checks_of_envelope(found))
+
+
 def test_plane_waves_are_unstable_where_p_q_is_positive() -> None:
     """3 K2 K4 > 2 K3^2 (1 + 1/s^2): only short waves, for these constants."""
     rows = modulation_map(
