@@ -167,7 +167,7 @@ def test_balances_are_found(name: str) -> None:
 
 
 def test_a_pinned_lattice_has_no_long_wave() -> None:
-    with pytest.raises(ValueError, match=r"no scaling fits klein_gordon: .* got 0 \(pinned: derive"):
+    with pytest.raises(ValueError, match=r"no scaling fits klein_gordon: .* \(pinned: "):
         find_scaling(LATTICES["klein_gordon"])
 
 
