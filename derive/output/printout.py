@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from sympy import Expr
 
@@ -28,8 +27,6 @@ from derive.scaling import Scaling
 
 MOST_ORDERS = 13
 
-Form = Literal["text", "latex", "json"]
-
 
 @dataclass(frozen=True)
 class Wanted:
@@ -43,7 +40,7 @@ class Wanted:
     orders: str | None = None
     carrier: str | None = None
     branch: str | None = None
-    form: Form = "text"
+    form: str = "text"
     check: bool = False
 
 

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from functools import cached_property, lru_cache
 from importlib import import_module
 from pathlib import Path
+from types import MethodType
 from typing import Any
 
 import numpy as np
@@ -81,6 +82,10 @@ class Kernel:
             if value is not NotImplemented:
                 return value
         return self._other(arguments)
+
+    def __get__(self, instance: object, owner: type | None = None) -> Any:
+        """The kernel, bound to an instance as functions are: for Python's inspection it is one."""
+        return self if instance is None else MethodType(self, instance)
 
     def _other(self, arguments: tuple[Any, ...]) -> Any:
         """The value for arguments of types that were not met before."""

@@ -83,7 +83,8 @@ class ConditionalVerdict(StatementVerdict):
         names = ", ".join(self.solved)
         ending = f", {self._ending}" if self._ending else ""
         if not self.cases:
-            found = "no value was found" if self.unknown else "holds for no value"
+            open_ends = self.unknown or self.left_out
+            found = "no value was found" if open_ends else "holds for no value"
             return f"{found} of {names}{ending}"
         if any(case.proved and case.text == ALL for case in self.cases):
             return f"holds for all values of {names}"
@@ -257,7 +258,7 @@ def _verdict(
     outcome, witness = Outcome.UNDECIDED, None
     if certificates and all(case.proved or case.trivial for case in cases):
         outcome = Outcome.PROVED
-    elif not (cases or reason or search.unknown):
+    elif not (cases or reason or search.unknown or search.left_out):
         whole = decide_statement(statement)
         if whole.outcome is Outcome.REFUTED:
             outcome, witness = whole.outcome, whole.witness

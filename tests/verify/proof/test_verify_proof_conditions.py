@@ -250,6 +250,17 @@ def test_what_is_not_known_to_be_independent_is_not_called_complete() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("equation", "formula", "wanted"),
+    [("u_x - abs(k)*u", "exp(k*x)", "k"), ("u_x - sin(a)", "x/2", "a")],
+)
+def test_what_is_left_out_is_not_refuted(equation: str, formula: str, wanted: str) -> None:
+    """They hold for k >= 0 and at a = pi/6, which the answer leaves out by name."""
+    verdict = solved(equation, f"u = {formula}", "", wanted)
+    assert verdict.outcome == "UNDECIDED"
+    assert verdict.detail.startswith(f"no value was found of {wanted}, apart from where ")
+
+
 def test_functions_of_constants_are_left_out_by_name() -> None:
     verdict = solved("u_x - a*sin(b)", "u = x", "", "a")
     assert verdict.detail == "holds if and only if a = 1/sin(b)"
