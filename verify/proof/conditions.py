@@ -30,6 +30,7 @@ from .residual_system import ResidualSystem
 from .statement_problem import residual_of, with_exponentials
 from .statement_text import Statement
 from .statement_verdict import (
+    NO_VERDICT,
     StatementVerdict,
     decide_statement,
     equation_text,
@@ -226,7 +227,7 @@ class _Search:
                     phase.residual, sp.S.Zero, phase.variables, stated=domains
                 )
                 system.add(problem)
-            except (ValueError, TypeError, NotImplementedError, RecursionError) as error:
+            except NO_VERDICT as error:
                 words = f"the residual has no known generators: {error}"
                 raise ValueError(words) from None
             system.judge_phase(phase.rest, statement.variables)

@@ -38,6 +38,9 @@ Progress = Callable[[str], None]
 
 SMOOTH = "wherever the formulas are smooth"
 
+NO_VERDICT = (ValueError, TypeError, RecursionError, NotImplementedError, OverflowError)
+"""What a way that decides nothing ends with; exponents past 64 bits overflow in FLINT."""
+
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
@@ -147,7 +150,7 @@ def _decide_equation(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     for way in (_as_it_is, _by_substitution, _by_residual):
         try:
             verdict = way(statement, equation)
-        except (ValueError, TypeError, RecursionError, NotImplementedError) as error:
+        except NO_VERDICT as error:
             reasons.append(" ".join(str(error).split()) or type(error).__name__)
             continue
         if verdict.outcome is not Outcome.UNDECIDED:

@@ -289,3 +289,11 @@ def test_the_sign_of_what_is_declared_positive(formula: str, domain: str, outcom
     """SymPy's absolute value of a positive symbol is the symbol itself."""
     statement = read_statement("sign(u) - 1", f"u = {formula}", domain=domain)
     assert decide_statement(statement).outcome.value == outcome
+
+
+def test_exponents_past_all_bounds_are_no_crash() -> None:
+    """n**(1 - 1e-40) is a polynomial in a root of n of a degree that no machine word holds."""
+    off = f"{10**40 - 1}/{10**40}"
+    equation = "exp(-u[n+1] - u[n]) - n*(n + 1)"
+    statement = read_statement(equation, f"u[n] = -({off})*log(n)", domain="n > 0")
+    assert decide_statement(statement).outcome.value != "PROVED"
