@@ -57,7 +57,7 @@ def installed(wheel: Path) -> Path:
 
 @pytest.mark.slow
 def test_the_wheel_holds_every_source_and_every_file_that_is_read(wheel: Path) -> None:
-    read = (".py", ".toml", ".j2", "py.typed")
+    read = (".py", ".toml", ".j2", ".gp", ".mac", ".v", "py.typed")
     expected = {
         str(path.relative_to(HOUSE))
         for room in ROOMS
