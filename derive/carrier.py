@@ -90,7 +90,7 @@ class Carrier:
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
         for index, share in enumerate(self.carried[0]):
-            self._add(index, 1, share * self._letter(A) if share else self._nothing)
+            self._add(index, 1, share * self._letter(A))
 
     def solve(self) -> None:
         """Find all parts up to G_1."""
@@ -117,7 +117,7 @@ class Carrier:
             if integral is None:
                 raise EnvelopeError(f"the mean must be an X-integral, got none at eps^{order}")
             known = integral
-        found = (-1 / factor) * known if known else known
+        found = (-1 / factor) * known
         self.means.append(found)
         later = {0: found, 1: self._letter(MEAN_LETTER)}
         self.mean = self._with_mean(self.mean, later)
@@ -127,7 +127,7 @@ class Carrier:
         """The group velocity or G at this order, then the rest of harmonic 1."""
         row = self._weighted(self.carried[1], self._rows(order, 1))
         inertia = self._inertia(self.carried)
-        found = (1 / (2 * self.field(w) * inertia)) * row if row else row
+        found = (1 / (2 * self.field(w) * inertia)) * row
         if order == 2:
             self.velocity = -found.coefficient((1, LETTER))
         else:
@@ -151,10 +151,7 @@ class Carrier:
                 "is on the dispersion relation (two waves interact: there is no NLS equation)"
             )
         for index, weights in zip(kept_columns, inverse(part), strict=True):
-            terms = (
-                -weight * rows[i] for i, weight in zip(kept_rows, weights, strict=True)
-                if weight and rows[i]
-            )  # fmt: skip
+            terms = (-weight * rows[i] for i, weight in zip(kept_rows, weights, strict=True))
             self._add(index, order, sum(terms, self._nothing), real=j == 0)
 
     # rows of the equations of motion
@@ -185,15 +182,13 @@ class Carrier:
         total = self._time_derivative(self._time_derivative(own))
         if share and self.is_displacement:
             mean = self._series(self.mean.parts, order)
-            drift = (self.velocity**2) * mean.derivative(0).delayed(1) if self.velocity else mean
-            slow = (-2 * self.velocity) * self._slow(mean).delayed(2) if self.velocity else mean
-            total = total + share * (drift + slow) if self.velocity else total
+            drift = self.velocity**2 * mean.derivative(0).delayed(1)
+            slow = -2 * self.velocity * self._slow(mean).delayed(2)
+            total = total + share * (drift + slow)
         return total
 
     def _time_derivative(self, series: EpsSeries) -> EpsSeries:
-        total = self._slow(series).delayed(2)
-        if self.velocity:
-            total = total + (-self.velocity) * series.derivative(0).delayed(1)
+        total = self._slow(series).delayed(2) + -self.velocity * series.derivative(0).delayed(1)
         turned = (
             (order, part.map_terms(lambda m, value: -harmonic(m) * self.field(w) * value))
             for order, part in series.parts.items()
@@ -325,7 +320,7 @@ class Carrier:
         return EpsSeries.collect(self.field, limit, parts.items())
 
     def _weighted(self, weights: Column, rows: Rows) -> DifferentialPolynomial:
-        terms = (a * row for a, row in zip(weights, rows, strict=True) if a and row)
+        terms = (a * row for a, row in zip(weights, rows, strict=True))
         return sum(terms, self._nothing)
 
     def _add(
