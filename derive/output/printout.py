@@ -6,14 +6,13 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sympy import Expr
 
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
 from derive.algebra.formula_text import Vocabulary, read_formula
 from derive.balances import find_scaling
-from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, wavenumber
-from derive.checks import Check, checks_of_envelope, checks_of_reduction
 from derive.command_line import fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import Lattice
@@ -24,6 +23,9 @@ from derive.multiscale import reduce
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 from derive.scaling import Scaling
+
+if TYPE_CHECKING:
+    from derive.carrier_envelope import Envelope, EnvelopeNumbers
 
 MOST_ORDERS = 13
 
@@ -78,6 +80,8 @@ def _lattice(model: str | None) -> Lattice:
 def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
     reduction = _reduction(lattice, wanted)
     if wanted.check:
+        from derive.checks import Check, checks_of_reduction
+
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))
         return
@@ -159,6 +163,9 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
 
 
 def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
+    from derive.carrier_envelope import envelope
+    from derive.checks import Check, checks_of_envelope
+
     for option, given in (
         ("--background", wanted.background),
         ("--amplitude", wanted.amplitude),
@@ -218,6 +225,8 @@ def _carrier(text: str) -> Expr | None:
         found = read_formula(value, Vocabulary({}), "k")
     except ValueError as error:
         raise ValueError(f"--envelope: {error}") from None
+    from derive.carrier_envelope import wavenumber
+
     return wavenumber(found)
 
 
