@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import hashlib
 import random
-import time
 from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
 from derive.algebra.formula_text import FormulaError
-from verify.processes import OutOfTime, time_limit
 from verify.proof.text_prover import prove
 from verify.studies.statements.library import statement
 from verify.studies.statements.random_statement import RandomStatement, Truth
 from verify.studies.texts.ball_judge import Judge, Unsaid
 from verify.studies.texts.text_library import TEXT_KINDS, text_statement
 from verify.studies.texts.text_statement import TextStatement
-from verify.studies.verdict_search import LIMIT, Judgement, Mark, judge
+from verify.studies.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
 from verify.verdict import Outcome, ProofVerdict
 
 SEARCH_KINDS = ("real", *TEXT_KINDS)
@@ -40,19 +38,16 @@ def ask_text(given: TextStatement) -> ProofVerdict:
 
 def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
     """Ask the prover and compare with the truth; every error is caught and told."""
-    start = time.process_time()
-    try:
-        with time_limit(limit):
-            verdict = ask_text(given)
-        mark, words = marked_text(given, verdict)
-    except OutOfTime:
-        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
-    except FormulaError as error:
+
+    def refused(error: Exception) -> tuple[Mark, str] | None:
+        if not isinstance(error, FormulaError):
+            return None
         mark = Mark.RIGHT if given.truth is Truth.VOID else Mark.UNDECIDED
-        words = f"refused: {error}"
-    except Exception as error:  # a crash of the prover is a finding, not the end of the search
-        mark, words = Mark.ERROR, f"{type(error).__name__}: {error}"
-    seconds = time.process_time() - start
+        return mark, f"refused: {error}"
+
+    mark, words, seconds = marked_answer(
+        lambda: ask_text(given), lambda verdict: marked_text(given, verdict), refused, limit
+    )
     return Judgement(given.kind, given.truth, given.seed, given.index, mark, True, words, seconds)
 
 

@@ -67,22 +67,42 @@ def ask(given: RandomStatement) -> ProofVerdict:
 
 def judge(given: RandomStatement, limit: float = LIMIT) -> Judgement:
     """Ask the prover and compare with the truth; every error is caught and told."""
-    start = time.process_time()
-    try:
-        with time_limit(limit):
-            verdict = ask(given)
-        mark, words = marked(given, verdict)
-    except OutOfTime:
-        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
-    except (ValueError, TypeError) as error:
-        refused = given.truth is Truth.VOID and "\n" not in str(error)
-        mark, words = Mark.RIGHT if refused else Mark.ERROR, f"{type(error).__name__}: {error}"
-    except Exception as error:  # a crash of the prover is a finding, not the end of the search
-        mark, words = Mark.ERROR, f"{type(error).__name__}: {error}"
-    seconds = time.process_time() - start
+
+    def refused(error: Exception) -> tuple[Mark, str] | None:
+        expected = given.truth is Truth.VOID and isinstance(error, (ValueError, TypeError))
+        plain = "\n" not in str(error)
+        return (Mark.RIGHT, error_words(error)) if expected and plain else None
+
+    mark, words, seconds = marked_answer(
+        lambda: ask(given), lambda verdict: marked(given, verdict), refused, limit
+    )
     return Judgement(
         given.kind, given.truth, given.seed, given.index, mark, is_supported(given), words, seconds
     )
+
+
+def marked_answer(
+    asked: Callable[[], ProofVerdict],
+    marked: Callable[[ProofVerdict], tuple[Mark, str]],
+    refused: Callable[[Exception], tuple[Mark, str] | None],
+    limit: float,
+) -> tuple[Mark, str, float]:
+    """The mark of an answer, its words and seconds; ``refused`` marks errors that are answers."""
+    start = time.process_time()
+    try:
+        with time_limit(limit):
+            verdict = asked()
+        mark, words = marked(verdict)
+    except OutOfTime:
+        mark, words = Mark.SLOW, f"no verdict in {limit:g} s"
+    except Exception as error:  # a crash of the prover is a finding, not the end of the search
+        mark, words = refused(error) or (Mark.ERROR, error_words(error))
+    return mark, words, time.process_time() - start
+
+
+def error_words(error: Exception) -> str:
+    """The kind of an error and what it says."""
+    return f"{type(error).__name__}: {error}"
 
 
 def marked(given: RandomStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
