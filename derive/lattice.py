@@ -79,7 +79,7 @@ class Bond:
                 f"force must be a polynomial in derive.symbols.x where it depends on eps, got "
                 f"{shown(self.force)} (expand the force law about zero stretch)"
             )
-        for value in (self.taylor(0), self.taylor(1)):
+        for value in (self._derivative(0), self._derivative(1)):
             if value.has(*SINGULAR) or value.is_real is False:
                 raise ValueError(
                     f"force must be real and smooth about zero stretch, got {shown(self.force)} "
@@ -97,7 +97,11 @@ class Bond:
 
     def taylor(self, power: int) -> Expr:
         """The factor of ``x**power`` in the force about zero stretch."""
-        return simplify(self.force.diff(x, power).subs(x, 0) / factorial(power))
+        return simplify(self._derivative(power) / factorial(power))
+
+    def _derivative(self, power: int) -> Expr:
+        """The force's derivative at zero stretch."""
+        return self.force.diff(x, power).subs(x, 0)
 
     def stiffness(self, stretch: Expr) -> Expr:
         """The force's slope at a uniform ``stretch``: its linearisation."""
