@@ -21,6 +21,15 @@ from sympy import Expr, S, Symbol
 from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
 from derive.algebra.rational_functions import Exponents, RationalFunction, RationalFunctions
 from derive.algebra.series import EpsSeries
+from derive.algebra.small_matrices import (
+    Column,
+    Matrix,
+    determinant,
+    inverse,
+    null_space,
+    transposed,
+    without,
+)
 from derive.lattice import Bond, Lattice
 
 z, w = Symbol("z"), Symbol("w")
@@ -36,8 +45,6 @@ LAST = 4
 """The power of eps at which G_1 is found."""
 
 Rows = tuple[DifferentialPolynomial, ...]
-Column = list[RationalFunction]
-Matrix = list[Column]
 Terms = list[tuple[Exponents, int]]
 
 
@@ -144,7 +151,7 @@ class Carrier:
         kept_columns, kept_rows = ([i for i in range(count) if i != out] for out in places)
         if not kept_rows:
             return
-        part = [[matrix[i][j] for j in kept_columns] for i in kept_rows]
+        part = without(matrix, places[1], places[0])
         if not determinant(part):
             raise EnvelopeError(
                 f"harmonic {j} must not be a wave of the lattice, got a resonance: its frequency "
@@ -366,57 +373,19 @@ class Carrier:
         return DifferentialPolynomial.monomial(self.field, (j for j in monomial if j[1] != without))
 
 
-def determinant(matrix: Matrix) -> RationalFunction:
-    """The determinant, by the first row."""
-    if len(matrix) == 1:
-        return matrix[0][0]
-    total = matrix[0][0].field.zero
-    for j, value in enumerate(matrix[0]):
-        if value:
-            minor = determinant([[*row[:j], *row[j + 1 :]] for row in matrix[1:]])
-            total = total + value * minor * (-1) ** j
-    return total
-
-
-def inverse(matrix: Matrix) -> Matrix:
-    """The inverse, by cofactors; the determinant is not 0."""
-    whole, count = determinant(matrix), len(matrix)
-    if count == 1:
-        return [[1 / whole]]
-    return [[_cofactor(matrix, i, j) / whole for i in range(count)] for j in range(count)]
-
-
-def _cofactor(matrix: Matrix, row: int, column: int) -> RationalFunction:
-    rest = [[v for j, v in enumerate(r) if j != column] for i, r in enumerate(matrix) if i != row]
-    return determinant(rest) * (-1) ** (row + column)
-
-
 def _null_vectors(matrix: Matrix) -> tuple[Column, Column]:
-    """Right and left null vector of a matrix of rank one less than full: cofactors."""
-    count, field = len(matrix), matrix[0][0].field
-    if count == 1:
-        return [field.one], [field.one]
-    adjugate = [[_cofactor(matrix, i, j) for i in range(count)] for j in range(count)]
-    places = [(i, j) for i in range(count) for j in range(count) if adjugate[i][j]]
-    if not places or determinant(matrix):
+    """The right and the left null vector."""
+    found = (null_space(matrix), null_space(transposed(matrix)))
+    if any(len(vectors) != 1 for vectors in found):
         raise EnvelopeError(
             "the wave must be one wave of the lattice, got several of the same frequency "
             "(several waves interact: there is no single NLS equation)"
         )
-    row, column = places[0]
-    return (
-        _normalised([adjugate[i][column] for i in range(count)]),
-        _normalised(adjugate[row]),
-    )
+    return found[0][0], found[1][0]
 
 
 def _is_number(value: RationalFunction) -> bool:
     return bool(value.numer.is_constant() and value.denom.is_constant())
-
-
-def _normalised(vector: Column) -> Column:
-    first = next(value for value in vector if value)
-    return [value / first for value in vector]
 
 
 def _reflected(terms: Terms, degree: int) -> Terms:

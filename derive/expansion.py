@@ -17,18 +17,23 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from sympy import QQ, Expr, S
-from sympy.polys.fields import FracElement, FracField
-from sympy.polys.matrices import DomainMatrix
+from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
 from derive.algebra.exact_numbers import instance
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.series import EpsSeries, Operator
+from derive.algebra.small_matrices import (
+    Column,
+    Matrix,
+    inverse,
+    null_space,
+    transposed,
+    without,
+)
 from derive.lattice import Bond, Cell, Lattice
 from derive.scaling import Scaling
 from derive.symbols import check_constants, powers_of_eps
-
-Column = tuple[FracElement, ...]
 
 
 def coefficient_field(lattice: Lattice, scaling: Scaling) -> FracField:
@@ -73,15 +78,14 @@ class Expansion:
         The first entry of each that is not 0 is 1.  Raises ValueError unless there is one of each.
         """
         matrix = self._uniform_forces()
-        found = (matrix.nullspace().to_list(), matrix.transpose().nullspace().to_list())
+        found = (null_space(matrix), null_space(transposed(matrix)))
         if any(len(vectors) != 1 for vectors in found):
             apart, held = "its fields move apart at no cost", "pinned: derive a carrier's envelope"
             raise ValueError(
                 f"lattice must have one wave of vanishing frequency, got {len(found[0])} "
                 f"({apart if len(found[0]) > 1 else held})"
             )
-        right, left = (_normalised(vectors[0]) for vectors in found)
-        return right, left
+        return found[0][0], found[1][0]
 
     @property
     def is_displacement(self) -> bool:
@@ -116,13 +120,13 @@ class Expansion:
         column = next(j for j, value in enumerate(right) if value)
         row = next(i for i, value in enumerate(left) if value)
         rows, columns = ([i for i in range(count) if i != out] for out in (row, column))
-        inverse = self._uniform_forces().extract(rows, columns).inv().to_list()
+        solved = inverse(without(self._uniform_forces(), row, column))
         for order in range(self.scaling.amplitude + 1, self.limit + 1):
             short = replace(self, limit=order)
             known = short.residuals(tuple(parts))
             nothing = DifferentialPolynomial.zero(self.field)
             rest = [known[i].parts.get(order, nothing) for i in rows]
-            for weights, j in zip(inverse, columns, strict=True):
+            for weights, j in zip(solved, columns, strict=True):
                 terms = (w * part for w, part in zip(weights, rest, strict=True) if w and part)
                 found = [(order, sum(terms, nothing)), *parts[j].parts.items()]
                 parts[j] = EpsSeries.collect(self.field, self.limit, found)
@@ -165,7 +169,7 @@ class Expansion:
     def _wave(self) -> DifferentialPolynomial:
         return DifferentialPolynomial.monomial(self.field, ((0,) * len(self.scaling.axes),))
 
-    def _uniform_forces(self) -> DomainMatrix:
+    def _uniform_forces(self) -> Matrix:
         """The linear forces about the mean at wavenumber zero: row = field that feels them."""
         mean = sum(
             (powers_of_eps(b).get(0, 0) for p, b in self.scaling.background if p == 0), S.Zero
@@ -178,7 +182,7 @@ class Expansion:
             for end in bond.action:
                 for part in bond.stretch:
                     total[end.field][part.field] += end.weight * part.weight * slope
-        return DomainMatrix(total, (count, count), self.field.to_domain())
+        return total
 
     def _stretch(self, bond: Bond, fields: Sequence[EpsSeries]) -> EpsSeries:
         total = EpsSeries(self.field, self.limit, {})
@@ -201,12 +205,6 @@ class Expansion:
             self.limit,
             ((p, self.field.from_expr(part) * self._one) for p, part in parts),
         )
-
-
-def _normalised(vector: Sequence[FracElement]) -> Column:
-    """The vector with 1 as its first entry that is not 0."""
-    first = next(value for value in vector if value)
-    return tuple(value / first for value in vector)
 
 
 def expand(lattice: Lattice, scaling: Scaling, limit: int) -> Expansion:

@@ -187,7 +187,7 @@ def reduce(
             name: (weight, part)
             for name, weight, part in zip(names, expansion.together[0], slaved, strict=True)
         },
-        left=expansion.together[1],
+        left=tuple(expansion.together[1]),
     )
 
 

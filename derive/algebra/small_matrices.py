@@ -1,0 +1,78 @@
+"""Linear algebra for the few fields of a cell, over any field of exact elements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+Column = list[Any]
+Matrix = Sequence[Column]
+
+
+def determinant(matrix: Matrix) -> Any:
+    """The determinant, by the first row."""
+    if len(matrix) == 1:
+        return matrix[0][0]
+    total = matrix[0][0].field.zero
+    for j, value in enumerate(matrix[0]):
+        if value:
+            minor = determinant([[*row[:j], *row[j + 1 :]] for row in matrix[1:]])
+            total = total + value * minor * (-1) ** j
+    return total
+
+
+def inverse(matrix: Matrix) -> list[Column]:
+    """The inverse, by cofactors; the determinant is not 0."""
+    whole, count = determinant(matrix), len(matrix)
+    if count == 1:
+        return [[1 / whole]]
+    return [[_cofactor(matrix, i, j) / whole for i in range(count)] for j in range(count)]
+
+
+def _cofactor(matrix: Matrix, row: int, column: int) -> Any:
+    return determinant(without(matrix, row, column)) * (-1) ** (row + column)
+
+
+def without(matrix: Matrix, row: int | None, column: int | None) -> list[Column]:
+    """The matrix less a row and a column."""
+    return [[v for j, v in enumerate(r) if j != column] for i, r in enumerate(matrix) if i != row]
+
+
+def null_space(matrix: Matrix) -> list[Column]:
+    """A basis of the vectors that the matrix takes to 0; the first entry that is not 0 is 1.
+
+    >>> from sympy import Symbol
+    >>> from derive.algebra.rational_functions import RationalFunctions
+    >>> k = RationalFunctions((Symbol("k"),))(Symbol("k"))
+    >>> null_space([[k, -k], [-k, k]])
+    [[1, 1]]
+    """
+    count, field = len(matrix), matrix[0][0].field
+    rows = [[*row] for row in matrix]
+    pivots: list[int] = []
+    for column in range(count):
+        place = next((i for i in range(len(pivots), count) if rows[i][column]), None)
+        if place is None:
+            continue
+        top = len(pivots)
+        rows[top], rows[place] = rows[place], rows[top]
+        rows[top] = [value / rows[top][column] for value in rows[top]]
+        for i in range(count):
+            if i != top and rows[i][column]:
+                factor = rows[i][column]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[top], strict=True)]
+        pivots.append(column)
+    found = []
+    for free in (j for j in range(count) if j not in pivots):
+        vector = [field.zero] * count
+        vector[free] = field.one
+        for row, pivot in zip(rows, pivots, strict=False):
+            vector[pivot] = -row[free]
+        first = next(value for value in vector if value)
+        found.append([value / first for value in vector])
+    return found
+
+
+def transposed(matrix: Matrix) -> list[Column]:
+    """The matrix with rows and columns exchanged."""
+    return [list(column) for column in zip(*matrix, strict=True)]

@@ -1,0 +1,43 @@
+"""Linear algebra of small matrices against SymPy's, over both fields of the derivation."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import QQ, Matrix, Symbol, cancel
+from sympy.polys.fields import FracField
+from sympy.polys.orderings import lex
+
+from derive.algebra.rational_functions import RationalFunctions
+from derive.algebra.small_matrices import determinant, inverse, null_space, transposed
+
+x, y = Symbol("x"), Symbol("y")
+FIELDS: list[Any] = [RationalFunctions((x, y)), FracField((x, y), QQ, lex)]
+ENTRIES = (0, 1, -1, 2, x, -x, y, x + y, x * y)
+
+matrices = st.integers(1, 3).flatmap(
+    lambda count: st.lists(
+        st.lists(st.sampled_from(ENTRIES), min_size=count, max_size=count),
+        min_size=count,
+        max_size=count,
+    )
+)
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@given(rows=matrices)
+def test_it_is_that_of_sympy(field: Any, rows: Any) -> None:
+    own = [[field.from_expr(Matrix([[v]])[0]) for v in row] for row in rows]
+    known = Matrix(rows)
+    assert cancel(determinant(own).as_expr() - known.det()) == 0
+    kernel = null_space(own)
+    assert len(kernel) == len(rows) - known.rank() == len(null_space(transposed(own)))
+    for vector in kernel:
+        assert not any(
+            sum((a * b for a, b in zip(row, vector, strict=True)), field.zero) for row in own
+        )
+        assert next(value for value in vector if value) == field.one
+    if not kernel:
+        product = known * Matrix([[v.as_expr() for v in row] for row in inverse(own)])
+        assert product.applyfunc(cancel) == Matrix.eye(len(rows))
