@@ -10,15 +10,16 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.kernels.native_code import native_function
-from lattice.kernels.row_code import ENTRY, carried_doubles, passage_text
 from lattice.kernels.streams import Flow, flow_of
-from lattice.numeric_lattice import NumericLattice
+
+if TYPE_CHECKING:
+    from lattice.numeric_lattice import NumericLattice
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -38,13 +39,20 @@ HALO = 4
 TOGETHER = 2
 """Stages that go up the rows together."""
 
-_DOUBLES, _INDICES = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int64)
 _ARGUMENTS = (*[ctypes.c_void_p] * 8, *[ctypes.c_int64] * 6)
 
 
 @lru_cache(maxsize=64)
 def _passages(flow: Flow, lanes: int, count: int) -> Callable[..., None]:
-    return native_function(passage_text(flow, lanes, TOGETHER, count), ENTRY, _ARGUMENTS)
+    """The machine code; on disk it is found by what it is written from."""
+
+    def written() -> str:
+        from lattice.kernels.row_code import passage_text
+
+        return passage_text(flow, lanes, TOGETHER, count)
+
+    key = f"{flow!r} {lanes} {TOGETHER} {count}"
+    return native_function(__name__, key, written, "passages", _ARGUMENTS)
 
 
 class Layout(NamedTuple):
@@ -109,7 +117,7 @@ def advance_stages(
         held[:, margin : margin + layout.cells.size] = ring[:, layout.cells.ravel()]
     repeated = kicks.size + each
     a, b = (np.ascontiguousarray(np.resize(weights, repeated)) for weights in (drifts, kicks))
-    carried = _aligned(carried_doubles(flow, lanes, TOGETHER, each + TOGETHER) + ALIGNMENT)
+    carried = _aligned((each + TOGETHER) * flow.kept(TOGETHER) * lanes)
     numbers_array = np.array([*numbers, 0.0])
     passages = _passages(flow, lanes, len(numbers))
 

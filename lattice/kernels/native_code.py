@@ -34,13 +34,17 @@ def _machine() -> Any:
     )
 
 
-def native_function(text: str, name: str, arguments: Sequence[Any]) -> Callable[..., None]:
-    """The function ``name`` of the module ``text``; it takes ``arguments`` (ctypes) and gives none.
+def native_function(
+    module: str, key: str, written: Callable[[], str], name: str, arguments: Sequence[Any]
+) -> Callable[..., None]:
+    """The function ``name``, which takes ``arguments`` (ctypes) and gives none.
 
-    Other threads may run while it does.
+    It is in the LLVM module that ``written`` gives as text. That is asked for once only: the
+    machine code is kept under the ``key`` and the sources of the project's ``module``. Other
+    threads may run while the function does.
     """
     with _lock:
-        code = _object_code(text)
+        code = _object_code(module, key, written)
         triple = binding.get_process_triple()
         engine = binding.create_mcjit_compiler(
             binding.parse_assembly(f'target triple = "{triple}"'), _machine()
@@ -51,20 +55,20 @@ def native_function(text: str, name: str, arguments: Sequence[Any]) -> Callable[
         return ctypes.CFUNCTYPE(None, *arguments)(engine.get_function_address(name))
 
 
-def _object_code(text: str) -> bytes:
+def _object_code(module: str, key: str, written: Callable[[], str]) -> bytes:
     """The machine code, as it was kept or compiled now."""
-    folder = cache_folder(__name__, source_digest(__name__))
-    key = hashlib.sha256(f"{processor()}\n{text}".encode()).hexdigest()[:24]
-    path = None if folder is None else folder / f"{key}.object"
+    folder = cache_folder(module, source_digest(module))
+    digest = hashlib.sha256(f"{processor()}\n{key}".encode()).hexdigest()[:24]
+    path = None if folder is None else folder / f"{digest}.object"
     kept = None if path is None else read_whole(path)
     if kept is not None:
         return kept
-    module = binding.parse_assembly(text)
-    module.verify()
+    parsed = binding.parse_assembly(written())
+    parsed.verify()
     options = binding.create_pipeline_tuning_options(speed_level=3)
     builder = binding.create_pass_builder(_machine(), options)
-    builder.getModulePassManager().run(module, builder)
-    code: bytes = _machine().emit_object(module)
+    builder.getModulePassManager().run(parsed, builder)
+    code: bytes = _machine().emit_object(parsed)
     if path is not None:
         write_whole(path, code)
     return code

@@ -7,18 +7,15 @@ behind the one before, and what a stream keeps stays in registers as far as ther
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
-from lattice.kernels.streams import Flow, Law, Term
+from lattice.kernels.streams import Flow, Law, Tap
 
-__all__ = ["ENTRY", "ROWS", "carried_doubles", "passage_text"]
-
-ENTRY = "passages"
-"""The function's name."""
+__all__ = ["passage_text"]
 
 ROWS = 256
 """Rows by which a block moves up, as in `lattice.kernels.blocked`."""
@@ -29,15 +26,6 @@ WHOLE = 64
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
 _CONTRACT = ("contract",)
-
-
-def carried_doubles(flow: Flow, lanes: int, together: int, stages: int) -> int:
-    """The numbers that are kept between blocks: those of as many stages, ``together`` of them."""
-    return -(-stages // together) * sum(map(sum, _depths(flow, together))) * lanes
-
-
-def _depths(flow: Flow, together: int) -> list[list[int]]:
-    return [flow.depths(followed=behind < together - 1) for behind in range(together)]
 
 
 class _Code:
@@ -154,10 +142,7 @@ def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
     if law.program:
         return _run_program(code, x, law.program, numbers)
     builder = code.builder
-    if law.leading is None:
-        found = None
-    else:
-        found = builder.fmul(numbers[law.leading], x)
+    found = None if law.leading is None else builder.fmul(numbers[law.leading], x)
     for factor in law.factors:
         factor = None if factor is None else numbers[factor]
         if found is None:
@@ -211,12 +196,10 @@ class _Stage:
             for stream in flow.streams
             if stream.kind == "kicked" and stream.number is not None
         }
-        self.slots = [
-            [code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths
-        ]
+        self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
         self._latest: list[Any] = []
 
-    def value(self, term: Term, lag: int) -> Any:
+    def value(self, term: Tap, lag: int) -> Any:
         """The stream's value where another with that ``lag`` now wants it."""
         behind = lag - term.shift - self._flow.streams[term.stream].lag
         if behind == 0:
@@ -231,18 +214,18 @@ class _Stage:
         ]
         self._latest += velocities
         for stream in flow.streams[2 * flow.fields :]:
-            values = [self.value(term, stream.lag) for term in stream.terms]
+            values = [self.value(term, stream.lag) for term in stream.taps]
             if stream.kind == "force":
                 made = _force(code, values[0], stream.law, self._numbers)
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             else:
-                made = self._sum(stream.terms, values)
+                made = self._sum(stream.taps, values)
                 if stream.number is not None:
                     made = code.builder.fadd(made, self._numbers[stream.number])
             self._latest.append(made)
 
-    def _sum(self, terms: Sequence[Term], values: Sequence[Any]) -> Any:
+    def _sum(self, terms: Sequence[Tap], values: Sequence[Any]) -> Any:
         code, total = self._code, None
         for term, value in zip(terms, values, strict=True):
             weight = None if term.number is None else self._numbers[term.number]
@@ -264,8 +247,8 @@ class _Stage:
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
         flow = self._flow
-        positions = [self.value(Term(place), lag) for place in range(flow.fields)]
-        return positions, [self.value(Term(place), lag) for place in flow.kicked]
+        positions = [self.value(Tap(place), lag) for place in range(flow.fields)]
+        return positions, [self.value(Tap(place), lag) for place in flow.kicked]
 
     def latest(self, place: int) -> Any:
         """A stream's value that was formed last."""
@@ -309,7 +292,8 @@ class _Writer:
         flow, builder = self._flow, code.builder
         numbers = [code.number(data, place) for place in range(self._count)]
         stages = []
-        for behind, depths in enumerate(_depths(flow, together)):
+        for behind in range(together):
+            depths = flow.depths(followed=behind < together - 1)
             place = builder.add(level, _INDEX(behind))
             weights = code.number(drifts, place), code.number(kicks, place)
             stages.append(_Stage(code, flow, numbers, weights, depths))
@@ -342,7 +326,7 @@ class _Writer:
     def _passages(self, groups: dict[int, Any]) -> None:
         """The function that is called: ``passages`` times ``stages`` stages over all rows."""
         kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 6]
-        function, code = self._function(ENTRY, kinds, internal=False)
+        function, code = self._function("passages", kinds, internal=False)
         f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
         copies, plane, rows, stages, passages, period = counts
         builder = code.builder
@@ -366,7 +350,7 @@ class _Writer:
     ) -> None:
         """All stages once over the rows, a block of them at a time."""
         builder, skew = code.builder, _INDEX(self._flow.skew)
-        sizes = {size: sum(map(sum, _depths(self._flow, size))) * self._lanes for size in groups}
+        sizes = {size: self._flow.kept(size) * self._lanes for size in groups}
         together = self._together
         paired = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(together))
         carried = data[2]
@@ -394,6 +378,3 @@ class _Writer:
 def passage_text(flow: Flow, lanes: int, together: int, count: int) -> str:
     """The module of that chain's stages, which take ``count`` numbers, as text."""
     return _Writer(flow, lanes, together, count).text()
-
-
-Passages = Callable[..., None]

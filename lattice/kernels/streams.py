@@ -17,10 +17,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from lattice.force_program import ForceProgram
-from lattice.numeric_lattice import Entry, NumericLattice
+if TYPE_CHECKING:
+    from lattice.force_program import ForceProgram
+    from lattice.numeric_lattice import Entry, NumericLattice
 
 Kind = Literal["position", "velocity", "sum", "force", "kicked"]
 Polynomial = Mapping[int, float]
@@ -47,7 +48,7 @@ class Law(NamedTuple):
     program: tuple[tuple[str, float], ...] = ()
 
 
-class Term(NamedTuple):
+class Tap(NamedTuple):
     """``weight`` times a stream's value at the cell at offset ``shift``.
 
     If ``number`` is given, the factor is the one that stands there.
@@ -67,7 +68,7 @@ class Stream(NamedTuple):
     """
 
     kind: Kind
-    terms: tuple[Term, ...]
+    taps: tuple[Tap, ...]
     lag: int
     lowest: int
     field: int = 0
@@ -99,12 +100,16 @@ class Flow(NamedTuple):
         """How many earlier values of each stream are kept; ``followed`` if a stage goes behind."""
         kept = [0] * len(self.streams)
         for stream in self.streams:
-            for term in stream.terms:
-                other = self.streams[term.stream].lag
-                kept[term.stream] = max(kept[term.stream], stream.lag - term.shift - other)
+            for tap in stream.taps:
+                other = self.streams[tap.stream].lag
+                kept[tap.stream] = max(kept[tap.stream], stream.lag - tap.shift - other)
         for place in (*range(self.fields), *self.kicked) if followed else ():
             kept[place] = max(kept[place], self.skew - self.streams[place].lag)
         return kept
+
+    def kept(self, together: int) -> int:
+        """How many values that many stages keep between two rows."""
+        return sum(sum(self.depths(behind < together - 1)) for behind in range(together))
 
     @property
     def operations(self) -> int:
@@ -115,8 +120,8 @@ class Flow(NamedTuple):
         total = self.fields
         for stream in self.streams:
             if stream.kind == "sum":
-                scaled = stream.terms[0].weight != 1.0 or stream.terms[0].number is not None
-                total += len(stream.terms) - 1 + scaled + (stream.number is not None)
+                scaled = stream.taps[0].weight != 1.0 or stream.taps[0].number is not None
+                total += len(stream.taps) - 1 + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
             elif stream.kind == "kicked":
@@ -196,7 +201,7 @@ def _part(unit: float, stream: int, stencil: dict[int, float]) -> _Part:
 
 
 def _quotient(stencil: Polynomial, step: int, sign: int) -> dict[int, float] | None:
-    """The stencil divided by that of ``value[n + step] + sign value[n]``; None if it is not whole."""
+    """The stencil divided by ``value[n + step] + sign value[n]``; None if that leaves a rest."""
     left = dict(stencil)
     found: dict[int, float] = {}
     lowest = min(stencil)
@@ -234,11 +239,11 @@ class _Builder:
             self.numbers.append(value)
         return self.numbers.index(value)
 
-    def add(self, kind: Kind, terms: Sequence[Term], least: int = -MOST, **more: object) -> int:
-        """The place of a stream of these terms; one that is there already is not formed twice."""
-        lag = max(least, *(term.shift + self.streams[term.stream].lag for term in terms))
-        lowest = min(term.shift + self.streams[term.stream].lowest for term in terms)
-        made = Stream(kind, tuple(terms), lag, lowest, **more)  # type: ignore[arg-type]
+    def add(self, kind: Kind, taps: Sequence[Tap], least: int = -MOST, **more: object) -> int:
+        """The place of a stream of these taps; one that is there already is not formed twice."""
+        lag = max(least, *(tap.shift + self.streams[tap.stream].lag for tap in taps))
+        lowest = min(tap.shift + self.streams[tap.stream].lowest for tap in taps)
+        made = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
         if made not in self.streams:
             self.streams.append(made)
         return self.streams.index(made)
@@ -261,19 +266,19 @@ class _Builder:
         factors = tuple(self.number(value / unit) if value else None for value in lower)
         return Law(factors, leading), unit
 
-    def stretch(self, entries: Sequence[Entry], offset: float) -> Term:
+    def stretch(self, entries: Sequence[Entry], offset: float) -> Tap:
         """What a bond of a cell is stretched by."""
-        terms = []
+        taps = []
         for place in range(self.fields):
             stencil = _merged(entry for entry in entries if entry.field == place)
-            terms += [Term(place, shift, weight) for shift, weight in stencil.items()]
-        terms.sort(key=lambda term: term.weight != 1.0)
-        if len(terms) == 1 and terms[0].weight == 1.0 and offset == 0.0:
-            return terms[0]
+            taps += [Tap(place, shift, weight) for shift, weight in stencil.items()]
+        taps.sort(key=lambda tap: tap.weight != 1.0)
+        if len(taps) == 1 and taps[0].weight == 1.0 and offset == 0.0:
+            return taps[0]
         number = self.number(offset) if offset else None
-        return Term(self.add("sum", terms, number=number))
+        return Tap(self.add("sum", taps, number=number))
 
-    def force(self, stretch: Term, law: Law) -> int:
+    def force(self, stretch: Tap, law: Law) -> int:
         """The force of such a bond."""
         return self.add("force", [stretch], law=law)
 
@@ -283,16 +288,16 @@ class _Builder:
             return self.fields + place
         unit = parts[0].factor
         total = self.total([part._replace(factor=part.factor / unit) for part in parts])
-        velocity = Term(self.fields + place)
+        velocity = Tap(self.fields + place)
         number = self.number(unit / mass)
         return self.add("kicked", [velocity, total], 0, field=place, number=number)
 
-    def total(self, parts: Sequence[_Part]) -> Term:
+    def total(self, parts: Sequence[_Part]) -> Tap:
         """The sum of the parts, with as few instructions as common divisors of stencils give."""
         if len(parts) == 1 and len(parts[0].stencil) == 1 and parts[0].factor == 1.0:
             [(shift, weight)] = parts[0].stencil.items()
             if weight == 1.0:
-                return Term(parts[0].stream, shift)
+                return Tap(parts[0].stream, shift)
         widest = max(max(part.stencil) - min(part.stencil) for part in parts)
         for step in range(1, widest + 1):
             for sign in (-1, 1):
@@ -301,9 +306,9 @@ class _Builder:
                     inner = self.total(divided)
                     upper = inner._replace(shift=inner.shift + step)
                     lower = inner._replace(weight=sign * inner.weight)
-                    return Term(self.add("sum", [upper, lower]))
-        terms = [term for part in parts for term in self._terms(part, alone=len(parts) == 1)]
-        return Term(self.add("sum", terms))
+                    return Tap(self.add("sum", [upper, lower]))
+        taps = [tap for part in parts for tap in self._terms(part, alone=len(parts) == 1)]
+        return Tap(self.add("sum", taps))
 
     def _divided(self, parts: Sequence[_Part], step: int, sign: int) -> list[_Part] | None:
         found = []
@@ -314,14 +319,14 @@ class _Builder:
             found.append(part._replace(stencil=quotient))
         return found
 
-    def _terms(self, part: _Part, alone: bool) -> list[Term]:
-        """The part's terms; a factor that is not 1 is applied to their sum."""
+    def _terms(self, part: _Part, alone: bool) -> list[Tap]:
+        """The part's taps; a factor that is not 1 is applied to their sum."""
         factor, stream, stencil = part
         if abs(factor) == 1.0 and alone:
-            return [Term(stream, shift, factor * weight) for shift, weight in stencil.items()]
+            return [Tap(stream, shift, factor * weight) for shift, weight in stencil.items()]
         if len(stencil) == 1:
             [(shift, weight)] = stencil.items()
-            inner = Term(stream, shift, weight)
+            inner = Tap(stream, shift, weight)
         else:
             inner = self.total([part._replace(factor=1.0)])
         factor *= inner.weight
