@@ -135,7 +135,7 @@ def test_balances_are_found_about_a_mean() -> None:
 
 @pytest.mark.parametrize("values", [{"K9": Integer(1)}, {"K2": Integer(0)}])
 def test_a_value_that_fits_no_constant_is_refused(values: dict[str, Expr]) -> None:
-    with pytest.raises(ValueError, match="must (be among K2|satisfy K2 > 0)"):
+    with pytest.raises(ValueError, match=r"must (be among K2|satisfy K2 > 0)"):
         LATTICES["fput"].with_values(values)
 
 
