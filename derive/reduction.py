@@ -110,6 +110,13 @@ class Reduction:
         definitions = self.lattice.definitions
         return {**{symbol: value.xreplace(values) for symbol, value in definitions}, **values}
 
+    def values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
+        """The value of every symbol that coefficients have, the frame's speed among them.
+
+        Raises ValueError as coefficients does.
+        """
+        return self._at(self._checked(constants))
+
     def coefficients(self, **constants: Number) -> Coefficients:
         """Speed and coefficients in the lattice's constants, or at given values of them.
 
@@ -120,7 +127,7 @@ class Reduction:
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
         Coefficients(c=2, terms={'Y^2 Y_X': 3/4, 'Y_XXX': 1/12})
         """
-        at = self._at(self._checked(constants))
+        at = self.values(constants)
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
