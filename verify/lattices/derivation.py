@@ -69,7 +69,9 @@ def equation_name(form: NormalForm) -> str:
     """
     if form.equation in ("mKdV", "Gardner", "NLS"):
         return f"{'focusing' if form.s == 1 else 'defocusing'} {form.equation}"
-    return f"{form.equation}-{'I' if form.s == -1 else 'II'}" if form.is_transverse else form.equation
+    return (
+        f"{form.equation}-{'I' if form.s == -1 else 'II'}" if form.is_transverse else form.equation
+    )
 
 
 def declared_lattice(scene: LatticeScene) -> Lattice:

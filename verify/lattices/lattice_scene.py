@@ -40,8 +40,8 @@ class LatticeScene:
     accepted of what is compared, in units of eps to the power with which it is small.
 
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
-    of the fields, which may be a formula in the constants; what is not given is found. A ``carrier``,
-    its wavenumber, makes the wave an envelope, on a ``branch``.
+    of the fields, which may be a formula in the constants; what is not given is found. A
+    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.
 
     Raises ValueError in one line: argument, condition, value, remedy.
 

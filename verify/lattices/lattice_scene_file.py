@@ -6,8 +6,8 @@
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
 
-``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the lattice
-itself, as a table with the keys of such a file.
+``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
+lattice itself, as a table with the keys of such a file.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def lattice_scene_fields(document: Mapping[str, Any], folder: Path) -> dict[str,
     >>> lattice_scene_fields({"colour": 3}, Path())
     Traceback (most recent call last):
     ...
-    ValueError: keys must be known ones, got colour (one of title, wave, ..., lattice, constants, ...)
+    ValueError: keys must be known ones, got colour (one of title, ..., constants, ...)
     """
     refuse_unknown(document, (*TOP, "lattice", *TABLES), "")
     found = {key: document[key] for key in TOP if key in document}
