@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from sympy import Expr, pi, sqrt
 
@@ -27,6 +27,8 @@ from verify.lattices.long_wave_data import LongWaveData
 
 if TYPE_CHECKING:
     from derive import Envelope
+
+Sign: TypeAlias = "Expr | int"
 
 FURTHER = 2
 """Orders behind the reduced equation that data of the next order take."""
@@ -46,7 +48,8 @@ class Derivation:
     @property
     def equation(self) -> str:
         """The equation's name, with its sign where waves depend on it."""
-        return equation_name(self.normal_form)
+        form = self.normal_form
+        return equation_name(form.equation, form.s, form.r)
 
     @property
     def slow(self) -> int:
@@ -60,18 +63,20 @@ class Derivation:
         return f"{self.equation} envelope: {self.source.text()}"
 
 
-def equation_name(form: NormalForm) -> str:
-    """The equation's name, with its sign where its waves depend on it.
+def equation_name(name: str, s: Sign, r: Sign = 1) -> str:
+    """The equation's name with its signs, where its waves depend on them.
 
-    >>> from derive import mkdv_normal_form
-    >>> equation_name(mkdv_normal_form(K2=1, K4=-1))
-    'defocusing mKdV'
+    >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
+    ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
     """
-    if form.equation in ("mKdV", "Gardner", "NLS"):
-        return f"{'focusing' if form.s == 1 else 'defocusing'} {form.equation}"
-    return (
-        f"{form.equation}-{'I' if form.s == -1 else 'II'}" if form.is_transverse else form.equation
-    )
+    if s not in (1, -1):
+        return name
+    if name in ("mKdV", "Gardner", "NLS"):
+        return f"{'focusing' if s == 1 else 'defocusing'} {name}"
+    if name.endswith("KP"):
+        return f"{name}-{'I' if s == -1 else 'II'}"
+    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
+    return name + signs.get(name, "")
 
 
 def declared_lattice(scene: LatticeScene) -> Lattice:
@@ -116,8 +121,13 @@ def _derivation(scene: LatticeScene) -> Derivation:
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     raise ValueError(
         f"wave must solve the {names} equation, which is derived from {lattice.name} here, got "
-        f"{form.name} of the {form.equation.name} equation ({remedy})"
+        f"{form.name} of the {equation_of_form(form)} equation ({remedy})"
     )
+
+
+def equation_of_form(form: ClosedForm) -> str:
+    """The name of the equation that a closed form solves."""
+    return equation_name(form.equation.normal, form.equation.s, form.equation.r)
 
 
 def _fits(form: ClosedForm, normal: NormalForm) -> bool:
