@@ -14,13 +14,14 @@ from math import comb
 from typing import Any
 
 import mpmath
-from sympy import Expr, I, Integer, Symbol, cos, factor, pi, simplify, sin, symbols
+from sympy import Expr, I, Integer, S, Symbol, cos, factor, pi, simplify, sin, sqrt, symbols
 
-from derive.algebra.exact_numbers import Number, exact, instance, shown
+from derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.rational_functions import RationalFunction
-from derive.carrier import Carrier, EnvelopeError
+from derive.carrier import Carrier, EnvelopeError, w
 from derive.lattice import Lattice
+from derive.normal_form import NormalForm, normal_form_of
 from derive.output.notation import Displayed, Printed, latex_of, text_of
 from derive.symbols import k
 
@@ -30,11 +31,17 @@ _SINE, _COSINE = symbols("s C", real=True)
 DIGITS = 60
 """Of the numbers at a given wavenumber, before they are rounded."""
 
+GUARD = 20
+"""Further digits that are carried; a cancellation costs some."""
+
 RESONANT = 1e-40
 """A denominator so small, beside the sum of its terms without their signs, is taken for 0."""
 
 ROUNDING = 1e-12
 """An imaginary part so small, beside the whole, is none."""
+
+_MAPPED = ("v", "p", "q")
+"""What the normal form depends on."""
 
 TURNED = ("p", "q")
 """Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A``."""
@@ -121,22 +128,10 @@ class Envelope(Displayed):
         }
 
     def _expression(self, element: RationalFunction) -> Expr:
-        (real, imaginary), (below, below_imaginary) = (
-            _trigonometric(element, below=line) for line in (False, True)
-        )
-        if below_imaginary:
-            real, imaginary = (
-                real * below + imaginary * below_imaginary,
-                imaginary * below - real * below_imaginary,
-            )
-            below = below**2 + below_imaginary**2
-        parts = [
-            factor(_reduced(part) / _reduced(below)).subs(self.constants)
-            for part in (real, imaginary)
-        ]
         angle = k if self.wavenumber is None else self.wavenumber
         actual = {_SINE: sin(angle / 2), _COSINE: cos(angle / 2)}
-        real, imaginary = (factor(part.subs(actual)) for part in parts)
+        parts = (part.subs(self.constants).subs(actual) for part in _in_sines(element))
+        real, imaginary = (factor(part) for part in parts)
         found = real + I * imaginary
         return found if self.wavenumber is None else simplify(found)
 
@@ -148,15 +143,41 @@ class Envelope(Displayed):
         Raises EnvelopeError (a ValueError) at a resonance, and ValueError for a wavenumber outside
         of 0 < k <= pi, constants that are missing or unknown, and an unstable lattice.
         """
-        chosen = self.wavenumber if k is None else wavenumber(k)
-        if chosen is None:
-            raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
-        values = self._values(constants)
-        number = self.branch if branch is None else _branch(branch, self.lattice)
-        with mpmath.workdps(DIGITS):
-            angle = mpmath.mpf(chosen.evalf(DIGITS))
-            turn = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
-            return self._numbers(angle, turn, number, values)
+        found = self._numbers(k, branch, constants)
+        return EnvelopeNumbers(**{name: _plain(value) for name, value in found.items()})
+
+    def normal_form(
+        self, k: Number | None = None, branch: str | int | None = None, **constants: Number
+    ) -> NormalForm:
+        """The map to ``i U_tau + U_xixi + 2 s |U|^2 U = 0``; arguments as for coefficients.
+
+        With one field in a cell the values are exact, with several they are those of the lattice to
+        `DIGITS` digits.  Without a wavenumber and constants they are expressions in those.  Raises
+        what coefficients does, and ValueError where q vanishes.
+
+        >>> from derive import LATTICES
+        >>> envelope(LATTICES["fput_strain"], k=pi).normal_form(K2=1, K3=0, K4=1)
+        NormalForm(a=1, b=-1/4, s=1, c=0, equation=NLS, h=sqrt(6)/6)
+        """
+        if self.wavenumber is None and k is None and not constants and not self.constants:
+            return _nls_form({name: self.expressions[name] for name in _MAPPED})
+        found = self._numbers(k, branch, constants)
+        if abs(found["q"]) <= RESONANT:
+            return _nls_form({**dict.fromkeys(_MAPPED, S.One), "q": S.Zero})
+        if len(self.lattice.fields) == 1:
+            chosen = self.wavenumber if k is None else wavenumber(k)
+            return _nls_form(self._exact_numbers(chosen, self._values(constants)))
+        texts = {name: mpmath.nstr(found[name].real, DIGITS) for name in _MAPPED}
+        return _nls_form({n: parse_rational(n, text) for n, text in texts.items()}, DIGITS)
+
+    def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
+        """v, p and q where the dispersion relation is linear in omega^2."""
+        relation, root = self.carrier.relation, self.carrier.field(w)
+        at = {_SINE: sin(angle / 2), _COSINE: cos(angle / 2), **values}
+        squared = relation / (relation.diff(w) / (2 * root)) - root**2
+        at[omega] = sqrt(_in_sines(squared)[0].subs(at))
+        parts = {name: _in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
+        return {name: part.subs(at) for name, part in parts.items()}
 
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         lattice = self.carrier.lattice
@@ -179,27 +200,38 @@ class Envelope(Displayed):
         return values
 
     def _numbers(
-        self, angle: mpmath.mpf, turn: mpmath.mpc, number: int, values: Mapping[Symbol, Expr]
-    ) -> EnvelopeNumbers:
-        """At these values; the digits are set."""
-        point = {str(s): mpmath.mpf(value.evalf(DIGITS)) for s, value in values.items()}
-        frequency = _frequency(self.carrier, {**point, "z": turn}, number)
-        at = {**point, "z": turn, "w": 1j * frequency}
-        second = _evaluated(self.carrier.second_harmonic, at)
-        if second is None:
+        self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
+    ) -> dict[str, mpmath.mpc]:
+        """omega and all coefficients at a wavenumber, to `DIGITS` digits."""
+        chosen = self.wavenumber if k is None else wavenumber(k)
+        if chosen is None:
+            raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
+        values = self._values(constants)
+        number = self.branch if branch is None else _branch(branch, self.lattice)
+        with mpmath.workdps(DIGITS + GUARD):
+            angle = mpmath.mpf(chosen.evalf(DIGITS + GUARD))
+            turn = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
+            point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
+            point["z"] = turn
+            frequency = _frequency(self.carrier, point, number)
+            return {"omega": frequency, **self._at({**point, "w": 1j * frequency}, angle)}
+
+    def _at(self, point: Mapping[str, mpmath.mpc], angle: mpmath.mpf) -> dict[str, mpmath.mpc]:
+        """The coefficients at these values; the digits are set."""
+        if _evaluated(self.carrier.second_harmonic, point) is None:
             raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", angle))
-        found: dict[str, mpmath.mpf] = {}
+        found: dict[str, mpmath.mpc] = {}
         for name, element in self.parts.items():
-            value = _evaluated(element, at)
+            value = _evaluated(element, point)
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", angle))
             found[name] = value / 1j if name in TURNED else value
-        if abs(found["p"]) < ROUNDING * frequency:
+        if abs(found["p"]) < ROUNDING * abs(point["w"]):
             raise EnvelopeError(
                 f"k must be no zero of the dispersion p, got {mpmath.nstr(angle, 8)} "
                 "(there the third derivative of omega takes its place)"
             )
-        return EnvelopeNumbers(float(frequency), **{n: _plain(v) for n, v in found.items()})
+        return found
 
     def lines(self, printed: Printed = text_of) -> Iterator[str]:
         """Equation and coefficients, one a line."""
@@ -234,6 +266,11 @@ _LATEX = {
     "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
     "a3": "a_3", "a1": "a_1", "a2": "a_2",
 }  # fmt: skip
+
+
+def _nls_form(found: Mapping[str, Expr], digits: int | None = None) -> NormalForm:
+    v, p, q = (found[name] for name in _MAPPED)
+    return normal_form_of(v, {"A_XX": p, "|A|^2 A": q}, digits)
 
 
 def envelope(
@@ -383,6 +420,20 @@ def _trigonometric(element: RationalFunction, *, below: bool) -> tuple[Expr, Exp
             quarter = (power + (i if count > 0 else -i)) % 4
             parts[quarter % 2] += term if quarter < 2 else -term
     return parts[0].expand(), parts[1].expand()
+
+
+def _in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
+    """Real and imaginary part in sin(k/2), cos(k/2), omega and the constants, in factors."""
+    (real, imaginary), (below, below_imaginary) = (
+        _trigonometric(element, below=line) for line in (False, True)
+    )
+    if below_imaginary:
+        real, imaginary = (
+            real * below + imaginary * below_imaginary,
+            imaginary * below - real * below_imaginary,
+        )
+        below = below**2 + below_imaginary**2
+    return factor(_reduced(real) / _reduced(below)), factor(_reduced(imaginary) / _reduced(below))
 
 
 def _reduced(expression: Expr) -> Expr:

@@ -1,62 +1,309 @@
-"""The map from a reduced mKdV equation to the form the closed solutions are written in.
+"""The map from a reduced equation to the normal form that its closed solutions are written in.
 
-It takes beta and delta = -gamma_3 of the paper's eq. (15) to a and b of the paper's eq. (22).
-
-With ``Y(X, T) = U(xi, tau)``, ``xi = a X``, ``tau = b T``, the equation
-``Y_T + beta Y^2 Y_X + delta Y_XXX = 0`` becomes ``U_tau + 6 s U^2 U_xi + U_xixixi = 0`` when
-``b = delta a^3`` and ``beta a = 6 s b``: hence ``a^2 = |beta/(6 delta)|``, s its sign.
+``Y(X, Z, T) = h U(a (X - drift T), e Z, b T)`` turns the reduced equation into a multiple of the
+normal form.  Each equation is one entry: the terms it is known by, and the scales, from the
+coefficients of these terms.  For mKdV the map takes beta and delta = -gamma_3 of the paper's
+eq. (15) to a and b of the paper's eq. (22).  Where an equation keeps its form under a scaling, the
+simplest map is taken: h = 1 for mKdV, a = 1 for KdV, KP and NLS.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 
-from sympy import Abs, Expr, latex, sign, sqrt
+from sympy import Abs, Expr, S, latex, sign, sqrt
 
-from derive.algebra.exact_numbers import exact
+from derive.algebra.exact_numbers import exact, shown
+
+Scales = dict[str, Expr]
 
 
 @dataclass(frozen=True)
-class NormalForm:
-    """``Y(X, T) = U(a X, b T)`` with ``X = eps (n - c t)``, ``T = eps^3 t``; s = +-1.
+class NormalEquation:
+    """An equation that closed solutions are known of.
 
-    s = +1 is the focusing equation (K4 > 0), s = -1 the defocusing one.  All four are exact
-    SymPy expressions; numbers are made so.  Raises ValueError for anything else, and for a
-    number s other than 1 and -1.
+    ``terms``: those of the reduced equation besides Y_T, in the order in which ``scales`` takes
+    their coefficients; a term in Y_X only makes the solution drift.
+    """
+
+    name: str
+    terms: tuple[str, ...]
+    text: str
+    latex: str
+    scales: Callable[..., Scales]
+
+
+def _kdv(quadratic: Expr, third: Expr) -> Scales:
+    return {"a": S.One, "b": third, "h": 6 * third / quadratic}
+
+
+def _mkdv(cubic: Expr, third: Expr) -> Scales:
+    ratio = cubic / (6 * third)
+    a = sqrt(Abs(ratio))
+    return {"a": a, "b": third * a**3, "s": sign(ratio)}
+
+
+def _gardner(cubic: Expr, quadratic: Expr, third: Expr) -> Scales:
+    ratio = 6 * cubic * third
+    a = Abs(quadratic) / sqrt(Abs(ratio))
+    return {"a": a, "b": third * a**3, "h": sign(ratio) * quadratic / cubic, "s": sign(ratio)}
+
+
+def _kawahara(quadratic: Expr, third: Expr, fifth: Expr) -> Scales:
+    a = sqrt(Abs(third / fifth))
+    b = -fifth * a**5
+    return {"a": a, "b": b, "h": 6 * b / (quadratic * a), "s": -sign(third / fifth)}
+
+
+def _modified_kawahara(cubic: Expr, third: Expr, fifth: Expr) -> Scales:
+    square = Abs(third / fifth)
+    a = sqrt(square)
+    return {
+        "a": a,
+        "b": -fifth * a**5,
+        "h": square * sqrt(6 * Abs(fifth / cubic)),
+        "s": -sign(third / fifth),
+        "r": -sign(cubic * fifth),
+    }
+
+
+def _fifth_kdv(quadratic: Expr, fifth: Expr) -> Scales:
+    return {"a": S.One, "b": -fifth, "h": -6 * fifth / quadratic}
+
+
+def _fifth_mkdv(cubic: Expr, fifth: Expr) -> Scales:
+    ratio = -6 * fifth / cubic
+    return {"a": S.One, "b": -fifth, "h": sqrt(Abs(ratio)), "r": sign(ratio)}
+
+
+def _kp(quadratic: Expr, third: Expr, across: Expr) -> Scales:
+    e = sqrt(3 * Abs(third / across))
+    return {**_kdv(quadratic, third), "e": e, "s": sign(third * across)}
+
+
+def _generalised_kp(cubic: Expr, third: Expr, across: Expr) -> Scales:
+    along = _mkdv(cubic, third)
+    e = sqrt(3 * Abs(third / across)) * along["a"] ** 2
+    return {**along, "r": along["s"], "e": e, "s": sign(third * across)}
+
+
+def _nls(dispersion: Expr, cubic: Expr) -> Scales:
+    ratio = 2 * dispersion / cubic
+    return {"a": S.One, "b": dispersion, "h": sqrt(Abs(ratio)), "s": sign(ratio)}
+
+
+_U = r"U_\tau"
+_THIRD, _FIFTH = r"U_{\xi\xi\xi}", r"U_{5\xi}"
+_ACROSS = r"3 s U_{\zeta\zeta}"
+
+NORMAL_EQUATIONS = {
+    equation.name: equation
+    for equation in (
+        NormalEquation(
+            "KdV",
+            ("Y Y_X", "Y_XXX"),
+            "U_tau + 6 U U_xi + U_xixixi = 0",
+            rf"{_U} + 6 U U_\xi + {_THIRD} = 0",
+            _kdv,
+        ),
+        NormalEquation(
+            "mKdV",
+            ("Y^2 Y_X", "Y_XXX"),
+            "U_tau + 6 s U^2 U_xi + U_xixixi = 0",
+            rf"{_U} + 6 s U^2 U_\xi + {_THIRD} = 0",
+            _mkdv,
+        ),
+        NormalEquation(
+            "Gardner",
+            ("Y^2 Y_X", "Y Y_X", "Y_XXX"),
+            "U_tau + 6 U U_xi + 6 s U^2 U_xi + U_xixixi = 0",
+            rf"{_U} + 6 U U_\xi + 6 s U^2 U_\xi + {_THIRD} = 0",
+            _gardner,
+        ),
+        NormalEquation(
+            "Kawahara",
+            ("Y Y_X", "Y_XXX", "Y_5X"),
+            "U_tau + 6 U U_xi + s U_xixixi - U_5xi = 0",
+            rf"{_U} + 6 U U_\xi + s {_THIRD} - {_FIFTH} = 0",
+            _kawahara,
+        ),
+        NormalEquation(
+            "modified Kawahara",
+            ("Y^2 Y_X", "Y_XXX", "Y_5X"),
+            "U_tau + 6 r U^2 U_xi + s U_xixixi - U_5xi = 0",
+            rf"{_U} + 6 r U^2 U_\xi + s {_THIRD} - {_FIFTH} = 0",
+            _modified_kawahara,
+        ),
+        NormalEquation(
+            "fifth-order KdV",
+            ("Y Y_X", "Y_5X"),
+            "U_tau + 6 U U_xi - U_5xi = 0",
+            rf"{_U} + 6 U U_\xi - {_FIFTH} = 0",
+            _fifth_kdv,
+        ),
+        NormalEquation(
+            "fifth-order mKdV",
+            ("Y^2 Y_X", "Y_5X"),
+            "U_tau + 6 r U^2 U_xi - U_5xi = 0",
+            rf"{_U} + 6 r U^2 U_\xi - {_FIFTH} = 0",
+            _fifth_mkdv,
+        ),
+        NormalEquation(
+            "KP",
+            ("Y Y_X", "Y_XXX", "Y_ZZ"),
+            "(U_tau + 6 U U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
+            rf"({_U} + 6 U U_\xi + {_THIRD})_\xi + {_ACROSS} = 0",
+            _kp,
+        ),
+        NormalEquation(
+            "generalised KP",
+            ("Y^2 Y_X", "Y_XXX", "Y_ZZ"),
+            "(U_tau + 6 r U^2 U_xi + U_xixixi)_xi + 3 s U_zetazeta = 0",
+            rf"({_U} + 6 r U^2 U_\xi + {_THIRD})_\xi + {_ACROSS} = 0",
+            _generalised_kp,
+        ),
+        NormalEquation(
+            "NLS",
+            ("A_XX", "|A|^2 A"),
+            "i U_tau + U_xixi + 2 s |U|^2 U = 0",
+            r"i U_\tau + U_{\xi\xi} + 2 s |U|^2 U = 0",
+            _nls,
+        ),
+    )
+}
+"""The equations by name."""
+
+
+@dataclass(frozen=True, repr=False)
+class NormalForm:
+    """``Y(X, Z, T) = h U(a (X - drift T), e Z, b T)``, where U solves the ``equation``.
+
+    ``c`` is the frame speed, ``X = eps (n - c t)``; for NLS it is the group velocity, and Y is A.
+    ``s`` and ``r`` are the signs in the normal form, 1 or -1 (1 where it has none); b may be
+    negative, and e is 0 where there is no Z.  ``equation`` is a name of `NORMAL_EQUATIONS`.
+
+    All are exact SymPy expressions; numbers are made so.  ``digits`` is None, or says to how many
+    digits they are those of the lattice.  Raises ValueError for anything else, for a number s or r
+    other than 1 and -1, and for a scale that is 0.
     """
 
     a: Expr
     b: Expr
     s: Expr
     c: Expr
+    equation: str = "mKdV"
+    h: Expr = S.One
+    e: Expr = S.Zero
+    r: Expr = S.One
+    drift: Expr = S.Zero
+    digits: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("a", "b", "s", "c"):
+        for name in ("a", "b", "s", "c", "h", "e", "r", "drift"):
             object.__setattr__(self, name, exact(name, getattr(self, name)))
-        if self.s.is_number and self.s not in (1, -1):
-            raise ValueError(f"s must be 1 or -1, got {self.s} (1 is the focusing equation)")
+        for name in ("s", "r"):
+            value = getattr(self, name)
+            if value.is_number and value not in (1, -1):
+                raise ValueError(
+                    f"{name} must be 1 or -1, got {shown(value)} (it is a sign in the normal form)"
+                )
+        if self.equation not in NORMAL_EQUATIONS:
+            raise ValueError(
+                f"equation must be one of {', '.join(NORMAL_EQUATIONS)}, got {shown(self.equation)}"
+            )
+        for name in ("a", "b", "h", "e")[: 4 if self.is_transverse else 3]:
+            if getattr(self, name).is_zero:
+                raise ValueError(f"{name} must not be 0, got 0 (the map must have an inverse)")
+
+    @property
+    def is_transverse(self) -> bool:
+        """Whether there is a second slow variable of space."""
+        return "Y_ZZ" in NORMAL_EQUATIONS[self.equation].terms
+
+    @property
+    def map_text(self) -> str:
+        """The map in plain text, without what is 1 or 0."""
+        along = "a X" if self.drift == 0 else "a (X - drift T)"
+        across = ("Z, ", ", e Z") if self.is_transverse else ("", "")
+        unknown = "A" if self.equation == "NLS" else "Y"
+        factor = "" if self.h == 1 else "h "
+        return f"{unknown}(X, {across[0]}T) = {factor}U({along}{across[1]}, b T)"
+
+    @property
+    def values(self) -> dict[str, Expr]:
+        """The scales of the map and the signs of the normal form, by name."""
+        told = ["a", "b"] + ["e"] * self.is_transverse
+        told += [name for name, usual in (("h", 1), ("drift", 0)) if getattr(self, name) != usual]
+        told += [name for name in "sr" if f" {name} " in NORMAL_EQUATIONS[self.equation].text]
+        return {name: getattr(self, name) for name in told}
+
+    def __repr__(self) -> str:
+        told = (i for i in fields(self) if i.name in "absc" or getattr(self, i.name) != i.default)
+        return f"NormalForm({', '.join(f'{i.name}={getattr(self, i.name)}' for i in told)})"
 
     def _repr_latex_(self) -> str:
-        equation = r"U_\tau + 6 s U^2 U_\xi + U_{\xi\xi\xi} = 0,\quad Y(X, T) = U(a X, b T)"
-        values = [f"{name} = {latex(getattr(self, name))}" for name in ("a", "b", "s", "c")]
-        return rf"$\displaystyle {', '.join([equation, *values])}$"
+        told = self.map_text.replace("drift", _LATEX["drift"])
+        parts = [rf"{NORMAL_EQUATIONS[self.equation].latex},\quad {told}"]
+        parts += (f"{_LATEX.get(name, name)} = {latex(v)}" for name, v in self.values.items())
+        return rf"$\displaystyle {', '.join(parts)}$"
 
-    @classmethod
-    def of_coefficients(cls, c: Expr, nonlinear: Expr, dispersive: Expr) -> NormalForm:
-        """The normal form at the frame speed, and the coefficients of Y^2 Y_X and Y_XXX.
 
-        Raises ValueError if one of the two coefficients is 0.
+_LATEX = {"drift": r"\nu"}
 
-        >>> from sympy import Rational, S
-        >>> NormalForm.of_coefficients(S(2), Rational(3, 4), Rational(1, 12))
-        NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)
-        """
-        for name, value in (("nonlinear", nonlinear), ("dispersive", dispersive)):
-            if value.is_zero:
-                raise ValueError(
-                    f"the {name} coefficient must not vanish, got 0 "
-                    "(take a nonzero cubic stiffness and a dispersive lattice)"
-                )
-        ratio = nonlinear / (6 * dispersive)
-        a = sqrt(Abs(ratio))
-        return cls(a=a, b=dispersive * a**3, s=sign(ratio), c=c)
+
+def equation_of(terms: Iterable[str]) -> NormalEquation | None:
+    """The equation with these terms, one in Y_X apart; None if there is none."""
+    wanted = {*terms} - {"Y_X"}
+    return next((e for e in NORMAL_EQUATIONS.values() if {*e.terms} == wanted), None)
+
+
+def normal_form_of(
+    c: Expr, coefficients: Mapping[str, Expr], digits: int | None = None
+) -> NormalForm:
+    """The normal form of an equation by the coefficients of its terms, those that vanish left out.
+
+    A term is called as in `NORMAL_EQUATIONS`.  Raises ValueError for any other equation.
+
+    >>> from sympy import Rational
+    >>> normal_form_of(S(2), {"Y^2 Y_X": Rational(3, 4), "Y_XXX": Rational(1, 12)})
+    NormalForm(a=sqrt(6)/2, b=sqrt(6)/16, s=1, c=2)
+    >>> normal_form_of(S(2), {"Y Y_X": S(3), "Y_XXX": S(1)})
+    NormalForm(a=1, b=1, s=1, c=2, equation=KdV, h=2)
+    """
+    found = {term: value for term, value in coefficients.items() if not _vanishes(value)}
+    drift = found.pop("Y_X", S.Zero)
+    entry = equation_of(found)
+    if entry is None:
+        raise ValueError(_unknown(found, [term for term in coefficients if term not in found]))
+    scales = {"s": S.One, **entry.scales(*(found[term] for term in entry.terms))}
+    return NormalForm(c=c, equation=entry.name, drift=drift, digits=digits, **scales)
+
+
+def _vanishes(value: Expr) -> bool:
+    return bool(value.equals(0) if value.is_number else value.is_zero)
+
+
+def _unknown(found: Mapping[str, Expr], vanished: Sequence[str]) -> str:
+    """Why there is no normal form."""
+    lost = [term for term in vanished if term != "Y_X"]
+    if lost:
+        return (
+            f"the coefficient of {lost[0]} must not vanish, got 0, which leaves "
+            f"{', '.join(found) or 'nothing'} ({_REMEDY.get(lost[0], 'take other constants')})"
+        )
+    known = "; ".join(f"{e.name}: {', '.join(e.terms)}" for e in NORMAL_EQUATIONS.values())
+    return (
+        "the terms must be those of an equation with a normal form, got "
+        f"{', '.join(found) or 'none'} ({known})"
+    )
+
+
+_REMEDY = {
+    "Y Y_X": "a cubic force balances at the next lower power of eps",
+    "Y^2 Y_X": "take a nonzero cubic stiffness",
+    "Y_XXX": "a slower time eps^5 t brings in Y_5X",
+    "Y_ZZ": "take springs across",
+    "A_XX": "the third derivative of omega takes its place",
+    "|A|^2 A": "the next nonlinear order takes its place",
+}

@@ -10,11 +10,11 @@ from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 from sympy.polys.fields import FracElement
 
 from derive.algebra.exact_numbers import Number, exact, shown
-from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.jets import DifferentialPolynomial, Monomial
 from derive.algebra.series import EpsSeries
 from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
-from derive.normal_form import NormalForm
+from derive.normal_form import NormalForm, equation_of, normal_form_of
 from derive.output.notation import Notation, latex_of, text_of
 from derive.output.report import latex_report, reduction_data, text_report
 from derive.scaling import Scaling
@@ -134,19 +134,27 @@ class Reduction:
         )
 
     def normal_form(self, **constants: Number) -> NormalForm:
-        """The map to ``U_tau + 6 s U^2 U_xi + U_xixixi = 0``; arguments as for coefficients.
+        """The map to the normal form of the equation; arguments as for coefficients.
+
+        Raises ValueError for an equation that is none of `NORMAL_EQUATIONS`.
 
         >>> from derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).normal_form(K2=6, K4=-1)
         NormalForm(a=1, b=sqrt(6)/24, s=-1, c=sqrt(6))
         """
-        if not self.pde.is_mkdv:
-            raise ValueError(
-                "the equation must have the terms Y^2 Y_X and Y_XXX alone, got "
-                f"{self.pde.text()} (the normal form is that of mKdV)"
-            )
         values = self.coefficients(**constants)
-        return NormalForm.of_coefficients(values.c, values.nonlinear, values.dispersive)
+        terms = {self._term(monomial): values.terms[n] for n, monomial in values.monomials.items()}
+        return normal_form_of(values.c, terms)
+
+    @property
+    def has_normal_form(self) -> bool:
+        """Whether the equation is one of `NORMAL_EQUATIONS`, by its terms."""
+        monomials = (*self.pde.flow.terms, *self.pde.transverse.terms)
+        return equation_of(map(self._term, monomials)) is not None
+
+    def _term(self, monomial: Monomial) -> str:
+        """A term's name in normal forms."""
+        return Notation(("X", *"ZVW"[: len(self.notation.axes) - 2], "T")).monomial_text(monomial)
 
     def _checked(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
         own = (s for s in self.scaling.constants if s != self.scaling.frame_symbol)

@@ -20,6 +20,7 @@ from derive.lattice_file import read_lattice
 from derive.models.lattices import FPUT_STRAIN, LATTICES
 from derive.models.mkdv import initial_velocity, initial_velocity_latex
 from derive.multiscale import reduce
+from derive.normal_form import NORMAL_EQUATIONS
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 from derive.scaling import Scaling
@@ -151,12 +152,10 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
     yield f"coefficients{' at ' + given if given else ''}:"
     yield f"  c = {text_of(coefficients.c)}"
     yield from (f"  of {name}: {text_of(value)}" for name, value in coefficients.terms.items())
-    if reduction.pde.is_mkdv:
+    if reduction.has_normal_form:
         form = reduction.normal_form(**values)
-        yield "normal form U_tau + 6 s U^2 U_xi + U_xixixi = 0, Y(X, T) = U(a X, b T):"
-        yield f"  a = {text_of(form.a)}"
-        yield f"  b = {text_of(form.b)}"
-        yield f"  s = {text_of(form.s)}"
+        yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
+        yield from (f"  {name} = {text_of(value)}" for name, value in form.values.items())
 
 
 # envelopes

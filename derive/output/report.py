@@ -7,7 +7,7 @@ as numerator and denominator, each a list of [exponents, "p/q"] over the documen
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from sympy import QQ
@@ -16,6 +16,7 @@ from sympy.polys.rings import PolyElement
 
 from derive.algebra.exact_numbers import Number, parse_rational
 from derive.algebra.jets import DifferentialPolynomial
+from derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from derive.output.notation import Notation, aligned, latex_of, text_of
 
 if TYPE_CHECKING:
@@ -95,9 +96,10 @@ def latex_report(reduction: Reduction, constants: Mapping[str, Number]) -> str:
     if constants:
         named = ((reduction.notation.monomial_latex(values.monomials[n]), n) for n in values.terms)
         rows += [(rf"\text{{of }} {name}:", latex_of(values.terms[term])) for name, term in named]
-    if reduction.pde.is_mkdv:
+    if reduction.has_normal_form:
         form = reduction.normal_form(**constants)
-        rows += [("", f"{key} = {latex_of(getattr(form, key))}") for key in ("a", "b", "s")]
+        rows.append((r"\text{normal form}:", NORMAL_EQUATIONS[form.equation].latex))
+        rows += [("", f"{key} = {latex_of(value)}") for key, value in form.values.items()]
     return aligned(rows)
 
 
@@ -157,12 +159,20 @@ def _number_data(reduction: Reduction, constants: Mapping[str, Number]) -> Data:
     values = reduction.coefficients(**constants)
     terms = {name: text_of(value) for name, value in values.terms.items()}
     data["coefficients"] = {"c": text_of(values.c), "terms": terms}
-    if reduction.pde.is_mkdv:
+    if reduction.has_normal_form:
         form = reduction.normal_form(**constants)
-        data["normal_form"] = {
-            item.name: text_of(getattr(form, item.name)) for item in fields(form)
-        }
+        data["normal_form"] = form_data(form)
     return data
+
+
+def form_data(form: NormalForm) -> Data:
+    """A normal form as JSON-ready data."""
+    return {
+        "equation": form.equation,
+        "normal_form": NORMAL_EQUATIONS[form.equation].text,
+        "map": form.map_text,
+        **{name: text_of(value) for name, value in {**form.values, "c": form.c}.items()},
+    }
 
 
 def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> Data:

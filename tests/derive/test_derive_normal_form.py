@@ -24,7 +24,7 @@ from sympy import (
     zoo,
 )
 
-from derive import LATTICES, Scaling, initial_velocity, mkdv_normal_form, mkdv_reduction, reduce
+from derive import initial_velocity, mkdv_normal_form, mkdv_reduction
 from derive.algebra.exact_numbers import exact, parse_rational
 from derive.symbols import K2, K4, c, eps
 
@@ -138,12 +138,6 @@ def test_violated_condition_is_refused_with_its_reason() -> None:
 def test_unknown_constant_is_refused() -> None:
     with pytest.raises(ValueError, match="constants must be among K2, K3, K4, got K5"):
         mkdv_reduction().coefficients(K5=1)
-
-
-def test_kdv_has_no_mkdv_normal_form() -> None:
-    kdv = reduce(LATTICES["fput_strain"], Scaling(amplitude=2), orders=6)
-    with pytest.raises(ValueError, match=r"must have the terms Y\^2 Y_X and Y_XXX alone"):
-        kdv.normal_form(K2=1)
 
 
 def test_initial_velocity_is_the_chain_rule() -> None:

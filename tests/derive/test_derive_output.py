@@ -37,8 +37,21 @@ def test_json_round_trip(mkdv: Reduction) -> None:
 
 
 def test_json_of_an_equation_without_normal_form() -> None:
+    linear = reduce(LATTICES["fput_strain"], Scaling(amplitude=3), orders=7)
+    assert "normal_form" not in json.loads(linear.json())
+
+
+def test_json_of_a_normal_form() -> None:
     kdv = reduce(LATTICES["fput_strain"], Scaling(amplitude=2), orders=6)
-    assert "normal_form" not in json.loads(kdv.json())
+    assert json.loads(kdv.json(K2=4, K3=2))["normal_form"] == {
+        "equation": "KdV",
+        "normal_form": "U_tau + 6 U U_xi + U_xixixi = 0",
+        "map": "Y(X, T) = h U(a X, b T)",
+        "a": "1",
+        "b": "1/12",
+        "h": "1/2",
+        "c": "2",
+    }
 
 
 def test_json_refuses_expressions_for_numbers(mkdv: Reduction) -> None:
