@@ -21,11 +21,10 @@ ORDERS = ("leading", "slaved", "corrected")
 
 @dataclass(frozen=True)
 class RingState:
-    """A state on a ring of cells: ``cells`` are consecutive along each axis, ``f`` and ``v`` of
-    shape (fields, *sites).
+    """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
 
     ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
-    ``lattice`` has the bonds stretched by it. A kernel is given ``lattice``, ``f`` and ``v``.
+    ``lattice`` has its bonds stretched by that.  A kernel is given ``lattice``, ``f`` and ``v``.
     """
 
     lattice: NumericLattice
@@ -35,18 +34,13 @@ class RingState:
     f: Array
     v: Array
 
-    def whole(self, f: ArrayLike) -> Array:
-        """The fields where their periodic parts, of this ring at a later time, are ``f``."""
-        return np.asarray(f, dtype=np.float64) + _growth(self.mean_strain, self.cells)
-
 
 class LatticeWave(ABC):
     """A long wave or an envelope on a lattice with numbers.
 
     ``lattice``: without mean strain.  ``eps``, ``order``: the ansatz, one of `ORDERS`.  ``power``:
-    errors of what is compared are told in units of ``eps**power``, that of the wave itself.
-    ``slow``: the power of eps in ``T = eps**slow t``.  ``speed``: the frame moves so many cells a
-    unit of time along the first axis.
+    what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
+    frame moves so many cells a unit of time along the first axis.
     """
 
     lattice: NumericLattice
@@ -58,26 +52,37 @@ class LatticeWave(ABC):
 
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
-        """Fields and their time derivatives, (fields, *sites), at cells and a time: the data at
-        the first time, the theory at later ones.
+        """Fields and their time derivatives, (fields, *sites): data at the first time.
 
         Of displacements all of them, with what grows with the cell.
         """
 
     @abstractmethod
-    def compared(self, f: Array) -> Array:
-        """What is compared, from all fields on consecutive cells: an array (quantities, *sites)."""
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """What is compared, (quantities, *sites): the theory at a time."""
+
+    @abstractmethod
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the periodic parts of the fields on a ring with this mean strain."""
 
     @abstractmethod
     def support(self, t: float) -> tuple[float, float]:
-        """The cells, the first and the last along the first axis, between which there is a wave.
-
-        Infinite where the wave fills the line.
+        """The cells, along the first axis, between which there is a wave; infinite where it fills
+        the line.
         """
 
     @abstractmethod
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain, one entry an axis."""
+
+    @property
+    def scale(self) -> float:
+        """The unit in which errors are told."""
+        return float(self.eps**self.power)
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """What the wave deviates from, as `strain`; 0 unless overridden."""
+        return np.zeros_like(self.strain(cells, t))
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
         """What displacements grow by in a cell, on average over a ring of these cells.
@@ -90,41 +95,35 @@ class LatticeWave(ABC):
     def ring(self, cells: ArrayLike, t: float) -> RingState:
         """The state at a time on a ring of these consecutive cells.
 
-        Where the wave does not end, its ring has a seam: it is then as long as signals need.
+        Where the wave does not end, its ring has a seam, which must be farther from what is
+        compared than signals come.
         """
         where = np.asarray(cells, dtype=np.float64)
         mean = self.mean_strain(where, t)
         f, v = self.state(where, t)
-        return RingState(self.strained(mean), mean, where, t, f - _growth(mean, where), v)
+        axes = where if len(mean) > 1 else where[np.newaxis]
+        grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
+        return RingState(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
 
     def error(self, ring: RingState, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
-        """sup |lattice - theory| / eps**power over the cells ``within`` at a later time.
+        """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
 
-        ``f`` are the ring's periodic parts then; ``within`` says of each of its cells whether it
-        is compared.
+        ``f`` are the fields' periodic parts on the ring then; ``within`` says of each of its cells
+        whether it is compared.
         """
-        theory = self.compared(self.state(ring.cells, t)[0])
-        apart = np.abs(self.compared(ring.whole(f)) - theory) / self.eps**self.power
-        kept = within[tuple(slice(0, size) for size in apart.shape[1:])]
-        return float(np.max(apart[:, kept]))
+        apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
+        return float(np.max(np.abs(apart[:, within]))) / self.scale
 
-    def signal_speed(self, f: Array, mean_strain: tuple[float, ...]) -> float:
-        """The largest group velocity of any wave about a state's stiffest and softest bonds.
+    def signal_speed(self, ring: RingState) -> float:
+        """The largest group velocity of any wave about the stiffest and softest bonds of a state.
 
-        It bounds, but for tails that fall faster than exponentially, how fast a change spreads.
+        But for tails that fall faster than exponentially no change spreads faster.
         """
-        lattice = self.strained(mean_strain)
-        stretches = lattice.stretches(f)
-        pairs = zip(lattice.bonds, stretches, strict=True)
+        stretches = ring.lattice.stretches(ring.f)
+        pairs = zip(ring.lattice.bonds, stretches, strict=True)
         slopes = [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
         ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
-        return max(largest_group_velocity(lattice, found) for found in ends)
-
-
-def _growth(mean_strain: tuple[float, ...], cells: Array) -> Array:
-    axes = cells if len(mean_strain) > 1 else cells[np.newaxis]
-    parts = [slope * axis for slope, axis in zip(mean_strain, axes, strict=True)]
-    return np.asarray(sum(parts))
+        return max(largest_group_velocity(ring.lattice, found) for found in ends)
 
 
 def largest_group_velocity(lattice: NumericLattice, slopes: list[float]) -> float:
