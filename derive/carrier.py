@@ -85,7 +85,7 @@ class Carrier:
                 "the dispersion relation must be linear in one of the lattice's constants, got "
                 f"none among {', '.join(map(str, constants))} (write a symbol for a number)"
             )
-        self.fixed = next((s for s in solvable if _is_number(self.relation.diff(s))), solvable[0])
+        self.fixed = next((s for s in solvable if self.relation.diff(s).is_number), solvable[0])
         self.values = {s: value for s, value in (values or {}).items() if s != self.fixed}
         value = determinant(self.matrix(1)).solved_for(self.fixed)
         if value is None:
@@ -391,10 +391,6 @@ def _null_vectors(matrix: Matrix) -> tuple[Column, Column]:
             "(several waves interact: there is no single NLS equation)"
         )
     return found[0][0], found[1][0]
-
-
-def _is_number(value: RationalFunction) -> bool:
-    return bool(value.numer.is_constant() and value.denom.is_constant())
 
 
 def _reflected(terms: Terms, degree: int) -> Terms:
