@@ -85,7 +85,7 @@ class Carrier:
                 "the dispersion relation must be linear in one of the lattice's constants, got "
                 f"none among {', '.join(map(str, constants))} (write a symbol for a number)"
             )
-        self.fixed = next((s for s in solvable if _is_number(self.relation.diff(s))), solvable[0])
+        self.fixed = next((s for s in solvable if self.relation.diff(s).is_number), solvable[0])
         self.values = {s: value for s, value in (values or {}).items() if s != self.fixed}
         value = determinant(self.matrix(1)).solved_for(self.fixed)
         if value is None:
@@ -305,6 +305,15 @@ class Carrier:
             for bond in self.lattice.bonds
         )
 
+    @cached_property
+    def mean_flow(self) -> EpsSeries:
+        """The T-derivative of the X-integral of the mean, at its first order."""
+        first = self._series({2: self.means[0]} if self.means else {}, 2)
+        integral = self._slow(first).parts.get(2, self._nothing).antiderivative()
+        if integral is None:
+            raise EnvelopeError("the mean must be conserved, got none in A_T (take strains)")
+        return self._series({2: integral})
+
     def _inertia(self, vectors: tuple[Column, Column]) -> RationalFunction:
         masses = (self.number(mass) for mass in self.lattice.masses)
         return sum(
@@ -382,10 +391,6 @@ def _null_vectors(matrix: Matrix) -> tuple[Column, Column]:
             "(several waves interact: there is no single NLS equation)"
         )
     return found[0][0], found[1][0]
-
-
-def _is_number(value: RationalFunction) -> bool:
-    return bool(value.numer.is_constant() and value.denom.is_constant())
 
 
 def _reflected(terms: Terms, degree: int) -> Terms:

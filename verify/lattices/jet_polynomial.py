@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import mpmath
 import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Symbol
-from sympy.polys.fields import FracElement
 
 from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.rational_functions import RationalFunction
 from derive.algebra.series import EpsSeries
 
 Array = NDArray[np.float64]
@@ -99,18 +98,17 @@ def _number(value: Expr) -> Any:
     return _EXACT.mpf(str(value.evalf(DIGITS)))
 
 
-def _at(element: FracElement, numbers: Mapping[Symbol, Any]) -> Any:
+def _at(element: RationalFunction, numbers: Mapping[Symbol, Any]) -> Any:
     """A rational function of the constants at their values."""
-    return _sum(element.numer, numbers) / _sum(element.denom, numbers)
+    above, below = (_sum(element, line, numbers) for line in (False, True))
+    return above / below
 
 
-def _sum(polynomial: Any, numbers: Mapping[Symbol, Any]) -> Any:
-    terms: Iterable[tuple[tuple[int, ...], Any]] = polynomial.terms()
+def _sum(element: RationalFunction, below: bool, numbers: Mapping[Symbol, Any]) -> Any:
     total = _EXACT.mpf(0)
-    for exponents, coefficient in terms:
-        exact = Fraction(int(coefficient.numerator), int(coefficient.denominator))
-        product = _EXACT.mpf(exact.numerator) / exact.denominator
-        for symbol, power in zip(polynomial.ring.symbols, exponents, strict=True):
+    for exponents, coefficient in element.terms(below=below):
+        product = _EXACT.mpf(coefficient)
+        for symbol, power in zip(element.field.symbols, exponents, strict=True):
             if not power:
                 continue
             if symbol not in numbers:
