@@ -10,8 +10,9 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
 from sympy import Expr, pi, sqrt
 
 from derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
@@ -28,25 +29,30 @@ from verify.lattices.long_wave_data import LongWaveData
 if TYPE_CHECKING:
     from derive import Envelope
 
+Sign: TypeAlias = "Expr | int"
+
 FURTHER = 2
 """Orders behind the reduced equation that data of the next order take."""
 
 
 @dataclass(frozen=True)
 class Derivation:
-    """What a scene's lattice is found to be: with numbers, its reduction or envelope, its map.
+    """What a scene's lattice is found to be: its reduction or envelope, and the map of that.
 
-    ``lattice`` has eps in the places of constants that are small.
+    Before a reduction the numbers are put into ``lattice``, with eps where they are small; an
+    envelope has symbols, whose values are ``numbers``.
     """
 
     lattice: Lattice
     source: Reduction | Envelope
     normal_form: NormalForm
+    numbers: Mapping[str, Expr]
 
     @property
     def equation(self) -> str:
         """The equation's name, with its sign where waves depend on it."""
-        return equation_name(self.normal_form)
+        form = self.normal_form
+        return equation_name(form.equation, form.s, form.r)
 
     @property
     def slow(self) -> int:
@@ -57,21 +63,23 @@ class Derivation:
         """The equation as it was derived, in one line."""
         if isinstance(self.source, Reduction):
             return f"{self.equation}: {self.source.pde.text()}"
-        return f"{self.equation} envelope: {self.source.text()}"
+        return f"{self.equation} envelope: i A_T + p A_XX + q |A|^2 A = 0"
 
 
-def equation_name(form: NormalForm) -> str:
-    """The equation's name, with its sign where its waves depend on it.
+def equation_name(name: str, s: Sign, r: Sign = 1) -> str:
+    """The equation's name with its signs, where its waves depend on them.
 
-    >>> from derive import mkdv_normal_form
-    >>> equation_name(mkdv_normal_form(K2=1, K4=-1))
-    'defocusing mKdV'
+    >>> equation_name("mKdV", -1), equation_name("KP", -1), equation_name("Kawahara", -1)
+    ('defocusing mKdV', 'KP-I', 'Kawahara (s = -1)')
     """
-    if form.equation in ("mKdV", "Gardner", "NLS"):
-        return f"{'focusing' if form.s == 1 else 'defocusing'} {form.equation}"
-    return (
-        f"{form.equation}-{'I' if form.s == -1 else 'II'}" if form.is_transverse else form.equation
-    )
+    if s not in (1, -1):
+        return name
+    if name in ("mKdV", "Gardner", "NLS"):
+        return f"{'focusing' if s == 1 else 'defocusing'} {name}"
+    if name.endswith("KP"):
+        return f"{name}-{'I' if s == -1 else 'II'}"
+    signs = {"Kawahara": f" (s = {s})", "modified Kawahara": f" (s = {s}, r = {r})"}
+    return name + signs.get(name, "")
 
 
 def declared_lattice(scene: LatticeScene) -> Lattice:
@@ -106,8 +114,11 @@ def _derivation(scene: LatticeScene) -> Derivation:
             f"constant {missing[0]} of {symbolic.name} must be given, got none (it takes "
             f"{', '.join(map(str, symbolic.constants))})"
         )
-    lattice = symbolic.with_values(values)
-    found = list(_envelopes(scene, lattice) if scene.is_envelope else _reductions(scene, lattice))
+    numeric = symbolic.with_values(values)
+    if scene.is_envelope:
+        found = [_envelope(scene, symbolic, values)]
+    else:
+        found = list(_reductions(scene, numeric))
     for one in found:
         if _fits(form, one.normal_form):
             return one
@@ -115,9 +126,14 @@ def _derivation(scene: LatticeScene) -> Derivation:
     fitting = [f.name for f in CATALOGUE if any(_fits(f, one.normal_form) for one in found)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     raise ValueError(
-        f"wave must solve the {names} equation, which is derived from {lattice.name} here, got "
-        f"{form.name} of the {form.equation.name} equation ({remedy})"
+        f"wave must solve the {names} equation, which is derived from {symbolic.name} here, got "
+        f"{form.name} of the {equation_of_form(form)} equation ({remedy})"
     )
+
+
+def equation_of_form(form: ClosedForm) -> str:
+    """The name of the equation that a closed form solves."""
+    return equation_name(form.equation.normal, form.equation.s, form.equation.r)
 
 
 def _fits(form: ClosedForm, normal: NormalForm) -> bool:
@@ -138,7 +154,7 @@ def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[Derivation]:
         try:
             orders = scaling.leading_order + FURTHER
             reduction = reduce(lattice, scaling, orders)
-            yield Derivation(lattice, reduction, reduction.normal_form())
+            yield Derivation(lattice, reduction, reduction.normal_form(), {})
             refused = []
         except ValueError as error:
             refused.append(str(error))
@@ -168,12 +184,14 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
     return kept
 
 
-def _envelopes(scene: LatticeScene, lattice: Lattice) -> Iterator[Derivation]:
+def _envelope(
+    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]
+) -> Derivation:
     from derive import envelope
 
     k = formula("k", scene.carrier, {})
-    found = envelope(lattice, k=k, branch=scene.branch)
-    yield Derivation(lattice, found, found.normal_form())
+    found = envelope(lattice, k=k, branch=scene.branch, **numbers)
+    return Derivation(lattice, found, found.normal_form(**numbers), numbers)
 
 
 def formula(name: str, value: Value, names: Mapping[str, Expr]) -> Expr:
@@ -220,4 +238,18 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
         return LongWaveData(found.source, {}, wave, scene.eps, scene.order, found.lattice)
     from verify.lattices.envelope_data import EnvelopeData
 
-    return EnvelopeData(found.source, {}, wave, scene.eps, scene.order)
+    far = mean_square_far(wave) if scene.order == "leading" else 0.0
+    return EnvelopeData(
+        found.source, found.numbers, wave, scene.eps, scene.order, mean_square=far
+    )
+
+
+FAR, SAMPLES = 200.0, 4096
+"""Where an envelope is far from its middle, in units of its width, and the points of a mean."""
+
+
+def mean_square_far(wave: Wave) -> float:
+    """The mean of |A|^2 far away, which a uniform strain in the data belongs to."""
+    reach = FAR / float(wave.normal_form.a)
+    X = np.concatenate([sign * np.linspace(reach, 2.0 * reach, SAMPLES) for sign in (-1.0, 1.0)])
+    return float(np.mean(np.abs(wave(X, 0.0).Y) ** 2))

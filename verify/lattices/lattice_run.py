@@ -34,20 +34,26 @@ class LatticeRun:
 
     ``cells``, (time, sites) or (time, axes, *sites); ``measured``, ``theory``, ``background``:
     (time, quantities, *sites). All are what is compared, as it stands; errors are in units of
-    ``scale``. ``error_estimate`` is how far the lattice is estimated to be from the infinite one.
+    eps to the ``power``. ``error_estimate`` is how far the lattice is estimated to be from the
+    infinite one.
     """
 
     scene: LatticeScene
     derived: Derivation
     times: tuple[float, ...]
     speed: float
-    scale: float
+    power: int
     cells: Array
     measured: Array
     theory: Array
     background: Array
     error_estimate: float
     cost: dict[str, Any]
+
+    @property
+    def scale(self) -> float:
+        """The unit of errors."""
+        return float(self.scene.eps**self.power)
 
     @cached_property
     def errors(self) -> Array:
@@ -59,6 +65,11 @@ class LatticeRun:
         """The same in units of the wave's largest deviation from its background."""
         sizes = self._largest(self.theory - self.background)
         return np.asarray(self.errors * self.scale / np.where(sizes > 0.0, sizes, math.nan))
+
+    @property
+    def unit(self) -> str:
+        """The scale in words: the power of eps with which what is compared is small."""
+        return "eps" if self.power == 1 else f"eps^{self.power}"
 
     @property
     def slow_times(self) -> Array:
@@ -88,7 +99,7 @@ class LatticeRun:
             "background": (places, self.background[:, 0]),
             "n": (("time", "site"), along.astype(np.int64)),
             "error": ("time", self.relative_errors),
-            "sup_error": ("time", self.errors, {"units": "eps^power"}),
+            "sup_error": ("time", self.errors, {"units": self.unit}),
             "slow_time": ("time", self.slow_times),
         }
         if self.measured.shape[1] > 1:
@@ -161,11 +172,11 @@ def run_lattice_scene(
         derived,
         times,
         wave.speed,
-        wave.scale,
+        wave.power,
         np.array(cells),
         np.array(record.measured) * wave.scale,
         np.array([wave.strain(place, t) for place, t in zip(cells, times, strict=True)]),
-        np.array([wave.background(place, t) for place, t in zip(cells, times, strict=True)]),
+        np.array([wave.background(p, t) for p, t in zip(cells, times, strict=True)], dtype=float),
         found.error,
         _cost(record, found.trial.seconds, perf_counter() - begun, wave),
     )
