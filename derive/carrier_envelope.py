@@ -199,10 +199,10 @@ class Envelope(Displayed):
             raise ValueError(f"{missing[0]} must be given, got none (a number, as {missing[0]}=1)")
         return values
 
-    def _numbers(
+    def point(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
     ) -> dict[str, mpmath.mpc]:
-        """omega and all coefficients at a wavenumber, to `DIGITS` digits."""
+        """exp(i k), i omega and the constants by name, to `DIGITS` digits, and the ``angle`` k."""
         chosen = self.wavenumber if k is None else wavenumber(k)
         if chosen is None:
             raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
@@ -210,25 +210,31 @@ class Envelope(Displayed):
         number = self.branch if branch is None else _branch(branch, self.lattice)
         with mpmath.workdps(DIGITS + GUARD):
             angle = mpmath.mpf(chosen.evalf(DIGITS + GUARD))
-            turn = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
             point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
-            point["z"] = turn
-            frequency = _frequency(self.carrier, point, number)
-            return {"omega": frequency, **self._at({**point, "w": 1j * frequency}, angle)}
+            point["z"] = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
+            point["angle"] = angle
+            return {**point, "w": 1j * _frequency(self.carrier, point, number)}
 
-    def _at(self, point: Mapping[str, mpmath.mpc], angle: mpmath.mpf) -> dict[str, mpmath.mpc]:
-        """The coefficients at these values; the digits are set."""
-        if _evaluated(self.carrier.second_harmonic, point) is None:
-            raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", angle))
-        found: dict[str, mpmath.mpc] = {}
+    def _numbers(
+        self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
+    ) -> dict[str, mpmath.mpc]:
+        """omega and all coefficients at a wavenumber, to `DIGITS` digits."""
+        with mpmath.workdps(DIGITS + GUARD):
+            return self._at(self.point(k, branch, constants))
+
+    def _at(self, point: Mapping[str, mpmath.mpc]) -> dict[str, mpmath.mpc]:
+        """The same at these values; the digits are set."""
+        if evaluated(self.carrier.second_harmonic, point) is None:
+            raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", point))
+        found: dict[str, mpmath.mpc] = {"omega": point["w"].imag}
         for name, element in self.parts.items():
-            value = _evaluated(element, point)
+            value = evaluated(element, point)
             if value is None:
-                raise EnvelopeError(_resonance("the group velocity is the sound speed", angle))
+                raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
             found[name] = value / 1j if name in TURNED else value
         if abs(found["p"]) < ROUNDING * abs(point["w"]):
             raise EnvelopeError(
-                f"k must be no zero of the dispersion p, got {mpmath.nstr(angle, 8)} "
+                f"k must be no zero of the dispersion p, got {mpmath.nstr(point['angle'], 8)} "
                 "(there the third derivative of omega takes its place)"
             )
         return found
@@ -378,7 +384,7 @@ def _plain(value: mpmath.mpc) -> Any:
     return float(mpmath.re(value)) if real else complex(value)
 
 
-def _evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
+def evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:
     """The element at a point; None where its denominator vanishes."""
     gens = [str(symbol) for symbol in element.field.symbols]
     sums = []
@@ -394,8 +400,8 @@ def _evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmat
     return None if vanishes else above / below
 
 
-def _resonance(words: str, angle: mpmath.mpf) -> str:
+def _resonance(words: str, point: Mapping[str, mpmath.mpc]) -> str:
     return (
-        f"k must be no resonance, got {mpmath.nstr(angle, 8)}, where {words} "
+        f"k must be no resonance, got {mpmath.nstr(point['angle'], 8)}, where {words} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )
