@@ -16,12 +16,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from sympy import QQ, Expr, S
-from sympy.polys.fields import FracField
-from sympy.polys.orderings import lex
+from sympy import Expr, S
 
 from derive.algebra.exact_numbers import instance
 from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.rational_functions import RationalFunctions
 from derive.algebra.series import EpsSeries, Operator
 from derive.algebra.small_matrices import (
     Column,
@@ -36,11 +35,11 @@ from derive.scaling import Scaling
 from derive.symbols import check_constants, powers_of_eps
 
 
-def coefficient_field(lattice: Lattice, scaling: Scaling) -> FracField:
+def coefficient_field(lattice: Lattice, scaling: Scaling) -> RationalFunctions:
     """The rational functions of the ansatz' and the lattice's constants, over Q."""
     own = [s for s in scaling.constants if s not in lattice.constants]
     check_constants((*own, *lattice.constants))
-    return FracField((*own, *lattice.constants), QQ, lex)
+    return RationalFunctions((*own, *lattice.constants))
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Expansion:
     lattice: Lattice
     scaling: Scaling
     limit: int
-    field: FracField
+    field: RationalFunctions
 
     @property
     def time_derivative(self) -> Operator:

@@ -10,12 +10,10 @@ the steps are taken in Y = W_X, with the X-derivative of the equation.
 
 from __future__ import annotations
 
-from sympy import Symbol
-from sympy.polys.fields import FracElement
-
-from derive.algebra.elimination import Elimination, TimeElimination, solve_linear, vanishing_factor
+from derive.algebra.elimination import Elimination, TimeElimination, solve_linear, vanishing_factors
 from derive.algebra.exact_numbers import instance, integer
 from derive.algebra.jets import DifferentialPolynomial, Jet, raised
+from derive.algebra.rational_functions import RationalFunction
 from derive.algebra.series import EpsSeries
 from derive.equations import Condition, EvolutionEquation, OrderEquation
 from derive.expansion import Expansion, expand
@@ -56,7 +54,7 @@ class _Solver:
     def _jet(self, space: int, time: int) -> Jet:
         return (space, *(0,) * (len(self.notation.axes) - 2), time)
 
-    def sound_polynomial(self) -> FracElement:
+    def sound_polynomial(self) -> RationalFunction:
         """P(c) of the lowest order, eliminated from all orders on the way."""
         order, lowest = next(iter(self.series.parts.items()), (self.lowest_order, self._zero()))
         if set(lowest.terms) != {(self.second,)}:
@@ -74,32 +72,31 @@ class _Solver:
             if order not in self.series.parts:
                 continue
             equation = OrderEquation(order, self.series.parts[order], self.notation)
-            factor = vanishing_factor(equation.polynomial.terms.values())
-            if factor is None:
+            factors = vanishing_factors(equation.polynomial.terms.values())
+            if factors is None:
                 needed = "solvable by a condition on the constants"
                 crossed = any(m[0][0] and any(m[0][1:-1]) for m in equation.polynomial.terms)
                 drift = " (let the transverse variable drift: give it a symbol for its speed)"
                 raise self._refusal(order, needed + (drift if crossed else ""))
-            self._require(order, factor, equation)
+            for factor in factors:
+                self._require(order, factor, equation)
 
     def _solve_drifts(self, order: int) -> None:
         """Let the term linear in Y_XZ, Z across, vanish by the speed at which Z drifts."""
         part = self.series.parts[order]
         for monomial, value in part.terms.items():
-            drifts = [s for s in self.drifts if value.diff(value.field.gens[self._place(s)])]
+            drifts = [s for s in self.drifts if value.diff(s)]
             if len(monomial) == 1 and drifts:
                 crossed = DifferentialPolynomial(part.field, {monomial: value})
-                self._require(order, value, OrderEquation(order, crossed, self.notation))
+                [found] = vanishing_factors([value]) or [value]
+                self._require(order, found, OrderEquation(order, crossed, self.notation))
                 return
 
-    def _place(self, symbol: Symbol) -> int:
-        return int(self.series.field.symbols.index(symbol))
-
-    def _require(self, order: int, vanishing: FracElement, equation: OrderEquation) -> None:
-        self.conditions.append(Condition(order, vanishing.numer.as_expr(), equation))
+    def _require(self, order: int, vanishing: RationalFunction, equation: OrderEquation) -> None:
+        self.conditions.append(Condition(order, vanishing.numerator().as_expr(), equation))
         self._eliminate(order, vanishing)
 
-    def _eliminate(self, order: int, vanishing: FracElement) -> None:
+    def _eliminate(self, order: int, vanishing: RationalFunction) -> None:
         solved = solve_linear(vanishing, self.constants, self.frame)
         if solved is None:
             raise self._refusal(
@@ -125,7 +122,8 @@ class _Solver:
         if timed != [(self.mixed,)] or part is None:
             raise self._refusal(self.leading_order, f"linear in {wanted}")
         self.factor = part.coefficient(self.mixed)
-        rest = (1 / self.factor) * part.select(lambda monomial: monomial != (self.mixed,))
+        others = part.select(lambda monomial: monomial != (self.mixed,))
+        rest = others.map_coefficients(lambda value: value / self.factor)
         across = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
         flow = (-(rest - across)).antiderivative()
         if flow is None:

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
-from sympy.polys.fields import FracElement
 
 from derive.algebra.exact_numbers import Number, exact, shown
 from derive.algebra.jets import DifferentialPolynomial, Monomial
+from derive.algebra.rational_functions import RationalFunction
 from derive.algebra.series import EpsSeries
 from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
@@ -41,14 +41,14 @@ class Reduction:
     scaling: Scaling
     highest_order: int
     orders: Mapping[int, OrderEquation]
-    sound_polynomial: FracElement
+    sound_polynomial: RationalFunction
     conditions: tuple[Condition, ...]
     pde: EvolutionEquation
     remainders: Mapping[int, DifferentialPolynomial]
     corrections: Mapping[int, DifferentialPolynomial]
     obstruction: tuple[int, DifferentialPolynomial] | None
-    slaved: Mapping[str, tuple[FracElement, EpsSeries]]
-    left: tuple[FracElement, ...]
+    slaved: Mapping[str, tuple[RationalFunction, EpsSeries]]
+    left: tuple[RationalFunction, ...]
 
     @property
     def notation(self) -> Notation:
@@ -58,19 +58,18 @@ class Reduction:
     @property
     def speed_squared(self) -> Expr:
         """c^2 in the lattice's constants, from the sound condition."""
-        polynomial = self.sound_polynomial.numer
-        speed = polynomial.ring.gens[polynomial.ring.symbols.index(self.scaling.frame_symbol)]
-        inertia = polynomial.diff(speed).diff(speed)
-        if inertia.degree(speed) > 0 or polynomial.diff(speed).coeff(1):
+        polynomial, speed = self.sound_polynomial.numerator(), self.scaling.frame_symbol
+        root = polynomial.field(speed)
+        inertia = polynomial.diff(speed) / (2 * root)
+        rest = polynomial - inertia * root**2
+        if rest.diff(speed) or inertia.diff(speed):
             raise ValueError(
                 f"the sound condition must be linear in the square of the speed, got "
                 f"{text_of(polynomial.as_expr())} = 0 (solve it by hand)"
             )
-        rest = polynomial - inertia * speed**2 / 2
-        field = self.sound_polynomial.field
-        value = field.new(-2 * rest) / field.new(inertia)
+        value = -rest / inertia
         found = value.as_expr()
-        return found.expand() if len(value.denom) == 1 else factor(found)
+        return found.expand() if value.is_polynomial else factor(found)
 
     @property
     def is_balanced(self) -> bool:
@@ -110,6 +109,13 @@ class Reduction:
         definitions = self.lattice.definitions
         return {**{symbol: value.xreplace(values) for symbol, value in definitions}, **values}
 
+    def values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
+        """The value of every symbol that coefficients have, the frame's speed among them.
+
+        Raises ValueError as coefficients does.
+        """
+        return self._at(self._checked(constants))
+
     def coefficients(self, **constants: Number) -> Coefficients:
         """Speed and coefficients in the lattice's constants, or at given values of them.
 
@@ -120,7 +126,7 @@ class Reduction:
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
         Coefficients(c=2, terms={'Y^2 Y_X': 3/4, 'Y_XXX': 1/12})
         """
-        at = self._at(self._checked(constants))
+        at = self.values(constants)
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
@@ -186,7 +192,7 @@ class Reduction:
     def _check_denominators(self, values: Mapping[Symbol, Expr]) -> None:
         """Refuse what makes the speed or a coefficient infinite; the speed itself is no zero."""
         elements = (self.sound_polynomial, *self.pde.flow.terms.values())
-        for part in {f for element in elements for f, _ in element.denom.factor_list()[1]}:
+        for part in {f for element in elements for f in element.factors(below=True)}:
             below = part.as_expr()
             if below.xreplace(values).is_zero:
                 raise ValueError(

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from functools import reduce as fold
 
 from sympy import Symbol
-from sympy.polys.fields import FracElement
 
 from derive.algebra.jets import DifferentialPolynomial, Jet
+from derive.algebra.rational_functions import Exponents, RationalFunction
 from derive.algebra.series import EpsSeries
+
+Terms = list[tuple[Exponents, int]]
 
 
 @dataclass(frozen=True)
@@ -22,17 +24,18 @@ class Elimination:
     """``constant**power = value``, a consequence of a solvability condition."""
 
     constant: Symbol
-    value: FracElement
+    value: RationalFunction
     power: int = 1
 
-    def __call__(self, element: FracElement) -> FracElement:
+    def __call__(self, element: RationalFunction) -> RationalFunction:
         """``element`` with the constant replaced; of a square the root stays above the line."""
-        above, below = element.numer, element.denom
-        place = below.ring.symbols.index(self.constant)
-        left = {monomial[place] % self.power for monomial in below}
-        if self.power > 1 and left == {1}:
-            root = below.ring.gens[place] ** (self.power - 1)
-            above, below = above * root, below * root
+        place = element.field.symbols.index(self.constant)
+        above, below = element.terms(), element.terms(below=True)
+        if self.power > 1 and {exponents[place] % self.power for exponents, _ in below} == {1}:
+            above, below = (
+                [((*e[:place], e[place] + self.power - 1, *e[place + 1 :]), v) for e, v in side]
+                for side in (above, below)
+            )
         return self._replaced(above) / self._replaced(below)
 
     def polynomial(self, polynomial: DifferentialPolynomial) -> DifferentialPolynomial:
@@ -44,20 +47,21 @@ class Elimination:
         parts = ((order, self.polynomial(part)) for order, part in series.parts.items())
         return EpsSeries.collect(series.field, series.limit, parts)
 
-    def _replaced(self, ring_element: FracElement) -> FracElement:
+    def _replaced(self, terms: Terms) -> RationalFunction:
         field = self.value.field
-        position = field.symbols.index(self.constant)
-        total = field.zero
-        for exponents, number in ring_element.terms():
-            times, left = divmod(exponents[position], self.power)
-            kept = (*exponents[:position], left, *exponents[position + 1 :])
-            monomial = field.new(field.ring.term_new(kept, number))
-            total += monomial * self.value**times if times else monomial
-        return total
+        place = field.symbols.index(self.constant)
+        kept: dict[int, Terms] = {}
+        for exponents, number in terms:
+            times, left = divmod(exponents[place], self.power)
+            others = (*exponents[:place], left, *exponents[place + 1 :])
+            kept.setdefault(times, []).append((others, number))
+        return sum(
+            (field.from_terms(part) * self.value**times for times, part in kept.items()), field.zero
+        )
 
 
 def solve_linear(
-    condition: FracElement, constants: Sequence[Symbol], squared: Symbol | None = None
+    condition: RationalFunction, constants: Sequence[Symbol], squared: Symbol | None = None
 ) -> Elimination | None:
     """Solve ``condition = 0`` for the first of ``constants`` that it is linear in.
 
@@ -66,46 +70,43 @@ def solve_linear(
     """
     found = [_solved(condition, constant, 1) for constant in constants]
     candidates = [elimination for elimination in found if elimination]
-    pure = [e for e in candidates if _is_number(condition.diff(_generator(condition, e.constant)))]
+    pure = [e for e in candidates if condition.diff(e.constant).is_number]
     square = squared and _solved(condition, squared, 2)
     return next(iter([*pure, *([square] if square else []), *candidates]), None)
 
 
-def _generator(element: FracElement, constant: Symbol) -> FracElement:
-    return element.field.gens[element.field.symbols.index(constant)]
-
-
-def _is_number(element: FracElement) -> bool:
-    return bool(element.numer.is_ground and element.denom.is_ground)
-
-
-def _solved(condition: FracElement, constant: Symbol, power: int) -> Elimination | None:
+def _solved(condition: RationalFunction, constant: Symbol, power: int) -> Elimination | None:
     """Solve for ``constant**power``, if the condition is linear in it and has no other power."""
     field, place = condition.field, condition.field.symbols.index(constant)
-    powers = {exponents[place] for exponents in condition.numer}
-    if powers != {0, power} and powers != {1}:
-        return None
-    rest = field.zero
-    slope = field.zero
-    for exponents, number in condition.numer.terms():
+    parts: dict[int, Terms] = {}
+    for exponents, number in condition.terms():
         others = (*exponents[:place], 0, *exponents[place + 1 :])
-        term = field.new(field.ring.term_new(others, number))
-        slope, rest = (slope + term, rest) if exponents[place] else (slope, rest + term)
+        parts.setdefault(exponents[place], []).append((others, number))
+    if parts.keys() != {0, power} and (power > 1 or parts.keys() != {1}):
+        return None
+    rest, slope = (field.from_terms(parts.get(times, [])) for times in (0, max(parts)))
     return Elimination(constant, -rest / slope, power)
 
 
-def vanishing_factor(coefficients: Iterable[FracElement]) -> FracElement | None:
-    """The one common factor of ``coefficients`` that can vanish, or None.
+def vanishing_factors(coefficients: Iterable[RationalFunction]) -> list[RationalFunction] | None:
+    """What must vanish so that all the coefficients do; None if that cannot be told.
 
-    Factors that their symbols' assumptions keep from 0 (positive ones, sums of those) are left out.
+    It is the one common factor that can vanish or, where there is none, the one such factor of each
+    coefficient.  Factors that their symbols' assumptions keep from 0 (positive ones, sums of those)
+    are left out.
     """
     values = list(coefficients)
-    field = values[0].field
-    common = fold(lambda left, right: left.gcd(right), (value.numer for value in values))
-    factors = [
-        factor for factor, _ in common.factor_list()[1] if factor.as_expr().is_zero is not False
-    ]
-    return field.new(factors[0]) if len(factors) == 1 else None
+    common = _can_vanish(fold(RationalFunction.common, values))
+    if common:
+        return common if len(common) == 1 else None
+    found = [_can_vanish(value) for value in values]
+    if any(len(factors) != 1 for factors in found):
+        return None
+    return [*dict.fromkeys(factors[0] for factors in found)]
+
+
+def _can_vanish(value: RationalFunction) -> list[RationalFunction]:
+    return [part for part in value.factors() if part.as_expr().is_zero is not False]
 
 
 class TimeElimination:

@@ -3,7 +3,7 @@
 A jet is the tuple of derivative counts along the slow axes, time last: in one dimension
 ``(d_X, d_T)``, so ``Y`` is ``(0, 0)`` and ``Y_XT`` is ``(1, 1)``.  A monomial is the sorted tuple
 of its jets, repeated as often as they occur; ``()`` is the constant monomial.  Coefficients are
-rational functions of the constants (elements of a SymPy ``FracField``), so the algebra is exact.
+rational functions of the constants, so the algebra is exact.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from sympy.polys.fields import FracElement, FracField
+from derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
 Jet = tuple[int, ...]
 Monomial = tuple[Jet, ...]
@@ -30,35 +30,34 @@ def raised(jet: Jet, axis: int, by: int = 1) -> Jet:
 class DifferentialPolynomial:
     """``{monomial: coefficient}`` over ``field``; zero coefficients are never stored.
 
-    >>> from sympy import QQ
-    >>> from sympy.polys.fields import field
-    >>> constants, K4 = field("K4", QQ)
+    >>> from derive.symbols import K4
+    >>> constants = RationalFunctions((K4,))
     >>> Y = DifferentialPolynomial.monomial(constants, ((0, 0),))
-    >>> (K4 * Y * Y).derivative(0).terms
+    >>> (constants(K4) * Y * Y).derivative(0).terms
     {((0, 0), (1, 0)): 2*K4}
     """
 
-    field: FracField
-    terms: Mapping[Monomial, FracElement]
+    field: RationalFunctions
+    terms: Mapping[Monomial, RationalFunction]
 
     @classmethod
     def collect(
-        cls, field: FracField, items: Iterable[tuple[Monomial, FracElement]]
+        cls, field: RationalFunctions, items: Iterable[tuple[Monomial, RationalFunction]]
     ) -> DifferentialPolynomial:
         """Sum the (monomial, coefficient) pairs, dropping what cancels."""
-        total: dict[Monomial, FracElement] = {}
+        total: dict[Monomial, RationalFunction] = {}
         for monomial, coefficient in items:
             known = total.get(monomial)
             total[monomial] = coefficient if known is None else known + coefficient
         return cls(field, {key: value for key, value in total.items() if value})
 
     @classmethod
-    def monomial(cls, field: FracField, jets: Iterable[Jet]) -> DifferentialPolynomial:
+    def monomial(cls, field: RationalFunctions, jets: Iterable[Jet]) -> DifferentialPolynomial:
         """The product of the given jets with coefficient one."""
         return cls(field, {tuple(sorted(jets)): field.one})
 
     @classmethod
-    def zero(cls, field: FracField) -> DifferentialPolynomial:
+    def zero(cls, field: RationalFunctions) -> DifferentialPolynomial:
         """The zero polynomial."""
         return cls(field, {})
 
@@ -84,17 +83,17 @@ class DifferentialPolynomial:
             ),
         )
 
-    def __rmul__(self, scalar: FracElement) -> DifferentialPolynomial:
+    def __rmul__(self, scalar: RationalFunction) -> DifferentialPolynomial:
         return self.map_coefficients(lambda value: scalar * value)
 
     def map_coefficients(
-        self, function: Callable[[FracElement], FracElement]
+        self, function: Callable[[RationalFunction], RationalFunction]
     ) -> DifferentialPolynomial:
         """Apply ``function`` to every coefficient; terms that become zero are dropped."""
         return self.collect(self.field, ((key, function(v)) for key, v in self.terms.items()))
 
     def map_terms(
-        self, function: Callable[[Monomial, FracElement], FracElement]
+        self, function: Callable[[Monomial, RationalFunction], RationalFunction]
     ) -> DifferentialPolynomial:
         """Apply ``function`` to every term's monomial and coefficient, for its new coefficient."""
         return self.collect(self.field, ((key, function(key, v)) for key, v in self.terms.items()))
@@ -114,7 +113,7 @@ class DifferentialPolynomial:
             ),
         )
 
-    def coefficient(self, *jets: Jet) -> FracElement:
+    def coefficient(self, *jets: Jet) -> RationalFunction:
         """The coefficient of the product of ``jets``, zero when absent."""
         return self.terms.get(tuple(sorted(jets)), self.field.zero)
 
@@ -125,9 +124,8 @@ class DifferentialPolynomial:
         its highest jet to the first power, and lowering that jet gives the leading term of the
         antiderivative; when it cannot be lowered no antiderivative exists.
 
-        >>> from sympy import QQ
-        >>> from sympy.polys.fields import field
-        >>> constants, K4 = field("K4", QQ)
+        >>> from derive.symbols import K4
+        >>> constants = RationalFunctions((K4,))
         >>> Y_X = DifferentialPolynomial.monomial(constants, ((1, 0),))
         >>> (Y_X * Y_X).antiderivative() is None
         True

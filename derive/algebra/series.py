@@ -10,24 +10,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from sympy.polys.fields import FracElement, FracField
-
 from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
-Operator = tuple[tuple[int, int, FracElement], ...]
+Operator = tuple[tuple[int, int, RationalFunction], ...]
 
 
 @dataclass(frozen=True)
 class EpsSeries:
     """``{order: polynomial}`` with every order above ``limit`` cut off."""
 
-    field: FracField
+    field: RationalFunctions
     limit: int
     parts: Mapping[int, DifferentialPolynomial]
 
     @classmethod
     def collect(
-        cls, field: FracField, limit: int, items: Iterable[tuple[int, DifferentialPolynomial]]
+        cls,
+        field: RationalFunctions,
+        limit: int,
+        items: Iterable[tuple[int, DifferentialPolynomial]],
     ) -> EpsSeries:
         """Sum the (order, polynomial) pairs up to ``limit``, dropping what cancels."""
         total: dict[int, DifferentialPolynomial] = {}
@@ -51,7 +53,7 @@ class EpsSeries:
             ),
         )
 
-    def __rmul__(self, scalar: FracElement) -> EpsSeries:
+    def __rmul__(self, scalar: RationalFunction) -> EpsSeries:
         return self.collect(
             self.field, self.limit, ((i, scalar * part) for i, part in self.parts.items())
         )
@@ -89,7 +91,7 @@ class EpsSeries:
         """The series times ``eps^by``."""
         return self.collect(self.field, self.limit, ((i + by, p) for i, p in self.parts.items()))
 
-    def constant(self, value: FracElement) -> EpsSeries:
+    def constant(self, value: RationalFunction) -> EpsSeries:
         """The constant ``value`` as a series of the same kind."""
         one = DifferentialPolynomial.monomial(self.field, ())
         return self.collect(self.field, self.limit, [(0, value * one)])

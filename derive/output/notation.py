@@ -12,11 +12,11 @@ from itertools import groupby
 from typing import TypeAlias
 
 from sympy import Expr, Symbol, factor
-from sympy.polys.fields import FracElement
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
+from derive.algebra.rational_functions import RationalFunction
 
 LONGEST_SUBSCRIPT = 4
 
@@ -30,14 +30,14 @@ LATEX_NAMES = {"ybar": r"\overline{y}", "eps": r"\epsilon"}
 class Term:
     """``coefficient (monomial)_{outer}``: a monomial under ``outer`` further X-derivatives."""
 
-    coefficient: FracElement
+    coefficient: RationalFunction
     monomial: Monomial
     outer: int = 0
 
     @property
     def negative(self) -> bool:
         """Whether the coefficient is printed behind a minus sign."""
-        return bool(self.coefficient.numer.LC < 0)
+        return self.coefficient.is_negative
 
     @property
     def size(self) -> Expr:

@@ -10,12 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from sympy import QQ
-from sympy.polys.fields import FracElement, FracField
-from sympy.polys.rings import PolyElement
-
 from derive.algebra.exact_numbers import Number, parse_rational
 from derive.algebra.jets import DifferentialPolynomial
+from derive.algebra.rational_functions import RationalFunction, RationalFunctions
 from derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from derive.output.notation import Notation, aligned, latex_of, text_of
 
@@ -182,15 +179,15 @@ def polynomial_data(polynomial: DifferentialPolynomial, notation: Notation) -> D
         "terms": [
             {
                 "jets": [list(jet) for jet in monomial],
-                "numerator": _ring_data(coefficient.numer),
-                "denominator": _ring_data(coefficient.denom),
+                "numerator": _ring_data(coefficient, below=False),
+                "denominator": _ring_data(coefficient, below=True),
             }
             for monomial, coefficient in polynomial.terms.items()
         ],
     }
 
 
-def polynomial_from_data(data: Data, field: FracField) -> DifferentialPolynomial:
+def polynomial_from_data(data: Data, field: RationalFunctions) -> DifferentialPolynomial:
     """The polynomial that polynomial_data wrote, over the same field.
 
     Raises ValueError for a coefficient that is no rational number.
@@ -207,13 +204,13 @@ def polynomial_from_data(data: Data, field: FracField) -> DifferentialPolynomial
     )
 
 
-def _ring_data(element: PolyElement) -> list[list[Any]]:
-    return [[list(exponents), str(number)] for exponents, number in element.terms()]
+def _ring_data(element: RationalFunction, *, below: bool) -> list[list[Any]]:
+    return [[list(exponents), str(number)] for exponents, number in element.terms(below=below)]
 
 
-def _element(data: list[list[Any]], field: FracField) -> FracElement:
-    total = field.ring.zero
+def _element(data: list[list[Any]], field: RationalFunctions) -> RationalFunction:
+    total = field.zero
     for exponents, number in data:
-        value = QQ.from_sympy(parse_rational("coefficient", number))
-        total += field.ring.term_new(tuple(exponents), value)
-    return field.new(total)
+        value = parse_rational("coefficient", number)
+        total += field.from_terms([(tuple(exponents), int(value.p))]) / int(value.q)
+    return total

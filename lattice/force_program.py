@@ -1,0 +1,163 @@
+"""A force law as a short program of numbers: what arrays are put through and kernels compiled from.
+
+A program is a sequence of instructions for a stack, made from an expression whose functions are
+known; no text is ever evaluated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Array = NDArray[np.float64]
+
+Instruction = tuple[str, float]
+"""What to do, and the number that "number" and "power" take (0 for the others)."""
+
+UNARY = {
+    "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
+    "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "atan": np.arctan, "asinh": np.arcsinh,
+}  # fmt: skip
+"""The functions of one argument that a force may have."""
+
+QUADRATURE = 24
+"""Points of the rule that integrates a force to its potential."""
+
+
+@dataclass(frozen=True)
+class ForceProgram:
+    """A force law: a polynomial's ``coefficients`` of x, x^2, ..., or instructions for a stack.
+
+    Called with stretches it gives forces; ``slope`` their derivative, ``potential`` their integral
+    from 0.
+
+    >>> from sympy import exp
+    >>> from derive.symbols import x
+    >>> law = force_program(exp(x) - 1)
+    >>> float(law(np.array(0.0))), float(law.slope(np.array(0.0)))
+    (0.0, 1.0)
+    >>> force_program(2*x + 3*x**3).coefficients
+    (2.0, 0.0, 3.0)
+    """
+
+    coefficients: tuple[float, ...] = ()
+    instructions: tuple[Instruction, ...] = ()
+    slope_instructions: tuple[Instruction, ...] = ()
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the force is proportional to the stretch."""
+        return not self.instructions and not any(self.coefficients[1:])
+
+    @cached_property
+    def _polynomial(self) -> Polynomial:
+        return Polynomial([0.0, *self.coefficients])
+
+    @cached_property
+    def _slope(self) -> Polynomial:
+        return self._polynomial.deriv()
+
+    def __call__(self, stretch: Array) -> Array:
+        """The force at these stretches."""
+        if self.instructions:
+            return _run(self.instructions, stretch)
+        return np.asarray(self._polynomial(stretch))
+
+    def slope(self, stretch: Array) -> Array:
+        """The force's derivative."""
+        if self.instructions:
+            return _run(self.slope_instructions, stretch)
+        return np.asarray(self._slope(stretch))
+
+    def potential(self, stretch: Array) -> Array:
+        """The energy stored at these stretches, 0 at no stretch."""
+        if not self.instructions:
+            return np.asarray(self._polynomial.integ()(stretch))
+        nodes, weights = legendre.leggauss(QUADRATURE)
+        parts = (w / 2 * self(stretch * (1 + z) / 2) for z, w in zip(nodes, weights, strict=True))
+        return np.asarray(stretch * sum(parts))
+
+
+def force_program(force: Expr) -> ForceProgram:
+    """The program of a force in ``derive.symbols.x`` whose constants are numbers.
+
+    Raises ValueError for a function that is not among `UNARY`, and for constants without a value.
+    """
+    from sympy import Poly
+
+    from derive.symbols import x
+
+    unknown = sorted(map(str, force.free_symbols - {x}))
+    if unknown:
+        raise ValueError(
+            f"force must have numbers for its constants, got {unknown[0]} without one (give all)"
+        )
+    if force.is_polynomial(x):
+        found = [float(value) for value in reversed(Poly(force, x).all_coeffs())]
+        if found[0] != 0.0:
+            raise ValueError(
+                f"force must vanish without stretch, got {found[0]:g} (move the zero of x)"
+            )
+        return ForceProgram(tuple(found[1:]))
+    return ForceProgram((), tuple(_instructions(force)), tuple(_instructions(force.diff(x))))
+
+
+def _instructions(expression: Any) -> list[Instruction]:
+    """The expression in postfix order."""
+    from sympy import Add, Mul, Pow, exp
+
+    if expression.is_Symbol:
+        return [("x", 0.0)]
+    if expression.is_number:
+        return [("number", float(expression))]
+    if isinstance(expression, Add | Mul):
+        word = "add" if isinstance(expression, Add) else "multiply"
+        first, *others = expression.args
+        found = _instructions(first)
+        for other in others:
+            found += [*_instructions(other), (word, 0.0)]
+        return found
+    if isinstance(expression, Pow) and expression.exp.is_number:
+        return [*_instructions(expression.base), ("power", float(expression.exp))]
+    if isinstance(expression, Pow):
+        return _instructions(exp(expression.exp * _log(expression.base)))
+    name = type(expression).__name__
+    if name not in UNARY or len(expression.args) != 1:
+        raise ValueError(
+            f"force must be made of {', '.join(UNARY)} and powers, got {name} (write it with these)"
+        )
+    return [*_instructions(expression.args[0]), (name, 0.0)]
+
+
+def _log(base: Any) -> Any:
+    from sympy import log
+
+    return log(base)
+
+
+def _run(instructions: tuple[Instruction, ...], x: Array) -> Array:
+    stack: list[Any] = []
+    for word, number in instructions:
+        if word == "x":
+            stack.append(x)
+        elif word == "number":
+            stack.append(np.float64(number))
+        elif word == "add":
+            other = stack.pop()
+            stack[-1] = stack[-1] + other
+        elif word == "multiply":
+            other = stack.pop()
+            stack[-1] = stack[-1] * other
+        elif word == "power":
+            stack[-1] = stack[-1] ** number
+        else:
+            stack[-1] = UNARY[word](stack[-1])
+    return np.broadcast_to(np.asarray(stack.pop(), dtype=np.float64), np.shape(x))

@@ -1,0 +1,236 @@
+"""Any lattice with numbers: a declared lattice whose constants have values, ready for a kernel.
+
+A state is two arrays of shape (fields, *cells), positions and velocities, on a ring along each
+axis. Of a displacement that grows with the cell, ``u_n = E n + periodic part``, the periodic part
+is held, and each bond's ``offset`` is what the mean strain E adds to its stretch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lattice.force_program import ForceProgram, force_program
+
+if TYPE_CHECKING:
+    from derive.algebra.exact_numbers import Number
+    from derive.lattice import Bond, Lattice, Stencil
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """``weight`` times what stands in ``field`` of the cell at offset ``shift``."""
+
+    shift: tuple[int, ...]
+    weight: float
+    field: int
+
+
+@dataclass(frozen=True)
+class NumericBond:
+    """A bond of cell n: stretched by ``sum weight f_{n+shift} + offset``, acting as `Bond` says."""
+
+    stretch: tuple[Entry, ...]
+    action: tuple[Entry, ...]
+    force: ForceProgram
+    offset: float = 0.0
+
+    @property
+    def is_on_site(self) -> bool:
+        """Whether it feels the fields themselves, not their differences alone."""
+        return sum(entry.weight for entry in self.stretch) != 0.0
+
+
+@dataclass(frozen=True)
+class NumericLattice:
+    """Equations ``mass f'' = sum of bond forces`` with numbers; hashable, so kernels can be kept.
+
+    >>> from derive import LATTICES
+    >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1})
+    >>> chain.acceleration(np.array([[0.0, 1.0, 0.0, 0.0]]))
+    array([[ 2., -4.,  2.,  0.]])
+    """
+
+    name: str
+    fields: tuple[str, ...]
+    masses: tuple[float, ...]
+    bonds: tuple[NumericBond, ...]
+
+    @property
+    def dimension(self) -> int:
+        """The number of axes."""
+        return len(self.bonds[0].stretch[0].shift)
+
+    @property
+    def reach(self) -> int:
+        """The number of cells, along any axis, over which a force acts at once."""
+        return max(
+            abs(there + here)
+            for bond in self.bonds
+            for end in bond.action
+            for part in bond.stretch
+            for there, here in zip(end.shift, part.shift, strict=True)
+        )
+
+    @property
+    def conserves_energy(self) -> bool:
+        """Whether every bond acts on what it is stretched by, so that `energy` is conserved."""
+        return all(
+            sorted((tuple(-s for s in e.shift), -e.weight, e.field) for e in bond.stretch)
+            == sorted((e.shift, e.weight, e.field) for e in bond.action)
+            for bond in self.bonds
+        )
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether every force is proportional to its stretch."""
+        return all(bond.force.is_linear for bond in self.bonds)
+
+    def stretches(self, f: Array) -> list[Array]:
+        """The stretch of each bond in each cell."""
+        found = []
+        for bond in self.bonds:
+            total = np.full(f.shape[1:], bond.offset)
+            for entry in bond.stretch:
+                total += entry.weight * _shifted(f[entry.field], entry.shift)
+            found.append(total)
+        return found
+
+    def acceleration(self, f: Array) -> Array:
+        """f'' of every field and cell, by NumPy: what every kernel must give."""
+        total = np.zeros_like(f)
+        for bond, stretch in zip(self.bonds, self.stretches(f), strict=True):
+            force = bond.force(stretch)
+            for entry in bond.action:
+                total[entry.field] += entry.weight * _shifted(force, entry.shift)
+        masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
+        return np.asarray(total / masses, dtype=np.float64)
+
+    def dynamical_matrix(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Complex:
+        """D with ``f'' = -D f`` for waves exp(i k n), forces linearised with a slope for each bond.
+
+        ``wavenumbers`` have shape (..., axes); the matrices have shape (..., fields, fields).
+        """
+        k = np.asarray(wavenumbers, dtype=np.float64)
+        count = len(self.fields)
+        found = np.zeros((*k.shape[:-1], count, count), dtype=np.complex128)
+        for bond, slope in zip(self.bonds, slopes, strict=True):
+            for end in bond.action:
+                for part in bond.stretch:
+                    turn = k @ np.add(end.shift, part.shift).astype(np.float64)
+                    weight = end.weight * part.weight * slope / self.masses[end.field]
+                    found[..., end.field, part.field] -= weight * np.exp(1j * turn)
+        return found
+
+    def squared_frequencies(self, wavenumbers: ArrayLike, slopes: Sequence[float]) -> Array:
+        """The eigenvalues of the dynamical matrix, ascending along the last axis."""
+        values = np.linalg.eigvals(self.dynamical_matrix(wavenumbers, slopes))
+        return np.sort(values.real, axis=-1)
+
+    def rest_slopes(self) -> list[float]:
+        """The slope of each bond's force at the mean stretch."""
+        return [float(bond.force.slope(np.array(bond.offset))) for bond in self.bonds]
+
+    def highest_frequency(self, slopes: Sequence[float]) -> float:
+        """The largest frequency of any wave, forces linearised with these slopes."""
+        return math.sqrt(max(float(np.max(self._all_squares(slopes))), 0.0))
+
+    def is_stable(self, slopes: Sequence[float]) -> bool:
+        """Whether no wave grows, forces linearised with these slopes."""
+        squares = self._all_squares(slopes)
+        return bool(np.min(squares) >= -ROUNDED * max(float(np.max(squares)), 1e-300))
+
+    def _all_squares(self, slopes: Sequence[float]) -> Array:
+        axis = np.linspace(0.0, math.pi, WAVENUMBERS[self.dimension])
+        axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * axis.size - 1)] * (self.dimension - 1)]
+        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        return self.squared_frequencies(grid.reshape(-1, self.dimension), slopes)
+
+    def energy(self, f: Array, v: Array) -> float:
+        """Kinetic and potential energy of a ring of displacements.
+
+        Of a lattice of strains, whose equations are no Newton's of a mass in each cell, it is no
+        energy.
+        """
+        masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
+        total = 0.5 * float(np.sum(masses * v * v))
+        for bond, stretch in zip(self.bonds, self.stretches(f), strict=True):
+            total += float(np.sum(bond.force.potential(stretch)))
+        return total
+
+
+WAVENUMBERS = {1: 257, 2: 33, 3: 9}
+"""Of a grid over the zone: the largest frequency of a chain is found to 1e-4 of itself."""
+
+ROUNDED = 1e-12
+"""A square of a frequency so far below 0, in units of the largest, is rounding."""
+
+
+def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
+    """``values`` of the cells at that offset."""
+    if not any(shift):
+        return values
+    axes = tuple(range(values.ndim))
+    return np.roll(values, tuple(-step for step in shift), axes)
+
+
+def numeric_lattice(
+    lattice: Lattice, constants: Mapping[str, Number], mean_strain: Sequence[float] = ()
+) -> NumericLattice:
+    """The lattice with values for all its constants, its displacements growing by ``mean_strain``.
+
+    ``mean_strain`` has one entry for each axis. Raises ValueError for constants that are missing,
+    unknown or not what their symbols are declared to be, and for a mean strain where forces tie
+    fields to their sites.
+
+    >>> from derive import LATTICES
+    >>> chain = numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1})
+    >>> chain.highest_frequency(chain.rest_slopes())
+    2.0
+    """
+    from derive.algebra.exact_numbers import exact
+
+    names = {str(symbol): symbol for symbol in lattice.constants}
+    for name in (*constants, *names):
+        if name not in names or name not in constants:
+            word = "must be given, got none" if name in names else "is not known"
+            raise ValueError(
+                f"constant {name} of {lattice.name} {word} (it takes {', '.join(names) or 'none'})"
+            )
+    values = {names[name]: exact(name, value) for name, value in constants.items()}
+    for symbol, value in values.items():
+        if symbol.is_positive and not value > 0:
+            raise ValueError(f"{symbol} must satisfy {symbol} > 0, got {value} ({lattice.name})")
+    return NumericLattice(
+        lattice.name,
+        lattice.fields,
+        tuple(float(mass.xreplace(values)) for mass in lattice.masses),
+        tuple(_numeric_bond(bond, values, mean_strain) for bond in lattice.bonds),
+    )
+
+
+def _numeric_bond(bond: Bond, values: Mapping, mean_strain: Sequence[float]) -> NumericBond:  # type: ignore[type-arg]
+    stretch, action = (tuple(map(_entry, part)) for part in (bond.stretch, bond.action))
+    slopes = tuple(mean_strain) or (0.0,) * len(stretch[0].shift)
+    found = NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
+    if not any(slopes):
+        return found
+    if found.is_on_site:
+        raise ValueError(
+            f"mean_strain must be 0 where a bond feels a field itself, got {slopes} (such a "
+            "lattice has no uniform strain, or it is the field's own mean)"
+        )
+    moved = [sum(a * b for a, b in zip(slopes, e.shift, strict=True)) * e.weight for e in stretch]
+    return NumericBond(stretch, action, found.force, math.fsum(moved))
+
+
+def _entry(entry: Stencil) -> Entry:
+    return Entry(entry.shift, float(entry.weight), entry.field)

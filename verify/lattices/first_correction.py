@@ -1,0 +1,111 @@
+"""What the first correction of a reduced equation does to a wave.
+
+With ``Y_T = F_0 + eps^p F_p`` and ``Y = Y0 + eps^p Y1``, Y0 a solution of ``Y_T = F_0``,
+
+    Y1_T = F_0'[Y0] Y1 + F_p[Y0],    Y1 = 0 at first.
+
+It is solved once for all eps, by Fourier's series on an interval of X: constant coefficients are
+integrated exactly, the rest by a Runge-Kutta method that finds its steps.  At second order in Y1
+and with the next correction the equation has terms of the same size, so neither is kept.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from verify.lattices.fourier_interval import FourierInterval
+from verify.lattices.jet_polynomial import JetPolynomial
+
+if TYPE_CHECKING:
+    from verify.lattices.long_wave_data import JetWave
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+TOLERANCE = 1e-8
+"""Of Y1, in units of the largest change that F_p makes in a unit of T."""
+
+POINTS = 768
+"""Of the interval, unless told."""
+
+
+class FirstCorrection:
+    """Y1 of a wave, to be added to it with the factor ``eps**power``.
+
+    ``interval``: the X between which it lives, the wave's period or much longer than the wave; Y1
+    is 0 outside unless it ``repeats``.  `start` says when it is 0.
+    """
+
+    def __init__(
+        self,
+        flow: JetPolynomial,
+        further: JetPolynomial,
+        wave: JetWave,
+        power: int,
+        interval: tuple[float, float],
+        repeats: bool = False,
+        points: int = POINTS,
+    ) -> None:
+        self.power = power
+        self._flow, self._further, self._wave = flow, further, wave
+        self._space = FourierInterval(interval, points, repeats)
+        self._constant = flow.linear
+        self._linear: Complex = np.zeros(self._space.k.size, dtype=np.complex128)
+        for count, value in self._constant.items():
+            self._linear += value * (1j * self._space.k) ** count
+        self._known: dict[float, Complex] = {}
+
+    def start(self, T: float) -> None:
+        """Let Y1 vanish at T."""
+        self._known = {T: np.zeros(self._space.k.size, dtype=np.complex128)}
+
+    def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
+        """Y1, its X-derivative and so on: an array (highest + 1, *points)."""
+        return self._space.jets(self._at(T), X, highest)
+
+    def antiderivative(self, X: ArrayLike, T: float) -> Array:
+        """W1 with ``W1_X = Y1``."""
+        return self._space.antiderivative(self._at(T), X)
+
+    def _at(self, T: float) -> Complex:
+        """The modes at T, found from the nearest T where they are known."""
+        if not self._known:
+            raise ValueError(f"start must come before the corrected wave is asked for, got T = {T}")
+        if T not in self._known:
+            nearest = min(self._known, key=lambda known: abs(known - T))
+            self._known[T] = self._advanced(self._known[nearest], nearest, T)
+        return self._known[T]
+
+    def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
+        from scipy.integrate import solve_ivp
+
+        def slope(T: float, turned: Complex) -> Complex:
+            growth = np.exp(self._linear * (T - begin))
+            return np.asarray(self._varying(T, growth * turned) / growth)
+
+        size = float(np.max(np.abs(self._further(self._jets(begin)))))
+        found = solve_ivp(
+            slope, (begin, end), modes, "DOP853", rtol=TOLERANCE, atol=TOLERANCE * size
+        )
+        if not found.success:
+            raise ValueError(
+                f"T must be reached by the corrected wave, got {end} ({found.message})"
+            )
+        return np.asarray(found.y[:, -1] * np.exp(self._linear * (end - begin)))
+
+    def _jets(self, T: float) -> Array:
+        highest = max(self._flow.highest, self._further.highest)
+        return np.asarray(self._wave.jets(self._space.X, T, highest))
+
+    def _varying(self, T: float, modes: Complex) -> Complex:
+        """The modes of Y1_T but for the terms with constant coefficients."""
+        jets = self._jets(T)
+        total = self._further(jets)
+        for count, slope in enumerate(self._flow.variation(jets)):
+            rest = slope - self._constant.get(count, 0.0)
+            if np.any(rest):
+                total = total + rest * self._space.values(modes, count)
+        return self._space.modes(total)

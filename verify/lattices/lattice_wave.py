@@ -1,0 +1,147 @@
+"""The face of every wave on a lattice: what to start the lattice from, what to compare it with.
+
+Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattice of more axes.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lattice.numeric_lattice import NumericLattice
+
+Array = NDArray[np.float64]
+
+ORDERS = ("leading", "slaved", "corrected")
+"""What the data hold: the wave alone; the fields that follow it too; the next order as well."""
+
+
+@dataclass(frozen=True)
+class RingState:
+    """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
+
+    ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
+    ``lattice`` has its bonds stretched by that.  A kernel is given ``lattice``, ``f`` and ``v``.
+    """
+
+    lattice: NumericLattice
+    mean_strain: tuple[float, ...]
+    cells: Array
+    t: float
+    f: Array
+    v: Array
+
+
+class LatticeWave(ABC):
+    """A long wave or an envelope on a lattice with numbers.
+
+    ``lattice``: without mean strain.  ``eps``, ``order``: the ansatz, one of `ORDERS`.  ``power``:
+    what is compared is of the size ``eps**power``.  ``slow``: ``T = eps**slow t``.  ``speed``: the
+    frame moves so many cells a unit of time along the first axis.
+    """
+
+    lattice: NumericLattice
+    eps: float
+    order: str
+    power: int
+    slow: int
+    speed: float
+
+    @abstractmethod
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields and their time derivatives, (fields, *sites): data at the first time.
+
+        Of displacements all of them, with what grows with the cell.
+        """
+
+    @abstractmethod
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """What is compared, (quantities, *sites): the theory at a time."""
+
+    @abstractmethod
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the periodic parts of the fields on a ring with this mean strain."""
+
+    @abstractmethod
+    def support(self, t: float) -> tuple[float, float]:
+        """The cells, along the first axis, between which there is a wave; infinite where it fills
+        the line.
+        """
+
+    @abstractmethod
+    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """The lattice about this uniform strain, one entry an axis."""
+
+    def start(self, t: float) -> None:
+        """Let what is solved for, of the next order, begin at this time; nothing unless overridden.
+
+        To be called before anything is asked for.
+        """
+        return
+
+    @property
+    def scale(self) -> float:
+        """The unit in which errors are told."""
+        return float(self.eps**self.power)
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """What the wave deviates from, as `strain`; 0 unless overridden."""
+        return np.zeros_like(self.strain(cells, t))
+
+    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
+        """What displacements grow by in a cell, on average over a ring of these cells.
+
+        It makes their rest periodic: a soliton's displacement ends elsewhere than it began. Zero on
+        every axis unless overridden.
+        """
+        return (0.0,) * self.lattice.dimension
+
+    def ring(self, cells: ArrayLike, t: float) -> RingState:
+        """The state at a time on a ring of these consecutive cells.
+
+        Where the wave does not end, its ring has a seam, which must be farther from what is
+        compared than signals come.
+        """
+        where = np.asarray(cells, dtype=np.float64)
+        mean = self.mean_strain(where, t)
+        f, v = self.state(where, t)
+        axes = where if len(mean) > 1 else where[np.newaxis]
+        grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
+        return RingState(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
+
+    def error(self, ring: RingState, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
+        """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
+
+        ``f`` are the fields' periodic parts on the ring then; ``within`` says of each of its cells
+        whether it is compared.
+        """
+        apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
+        return float(np.max(np.abs(apart[:, within]))) / self.scale
+
+    def signal_speed(self, ring: RingState) -> float:
+        """The largest group velocity of any wave about the stiffest and softest bonds of a state.
+
+        But for tails that fall faster than exponentially no change spreads faster.
+        """
+        stretches = ring.lattice.stretches(ring.f)
+        pairs = zip(ring.lattice.bonds, stretches, strict=True)
+        slopes = [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+        ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
+        return max(largest_group_velocity(ring.lattice, found) for found in ends)
+
+
+def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
+    """max |dw/dk| along an axis over all branches of a lattice, forces linearised."""
+    k = np.linspace(0.0, np.pi, WAVENUMBERS)
+    waves = np.zeros((k.size, lattice.dimension))
+    waves[:, axis] = k
+    squares = lattice.squared_frequencies(waves, slopes)
+    w = np.sqrt(np.maximum(squares, 0.0))
+    return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])
+
+
+WAVENUMBERS = 1025
+"""Of a grid over half the zone; slopes are differences of neighbours."""

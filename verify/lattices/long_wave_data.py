@@ -1,0 +1,322 @@
+"""A long wave on a lattice: the fields of the ansatz, as the reduction has them, with numbers in.
+
+``f_j = background + eps^p (e_j W + G_j)``, and f_j' by the chain rule with time derivatives along
+the reduced equation.  All of it is one series in eps of polynomials in X-derivatives of the wave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from derive.algebra.elimination import TimeElimination
+from derive.algebra.exact_numbers import Number, exact
+from derive.algebra.jets import DifferentialPolynomial, raised
+from derive.algebra.series import EpsSeries
+from derive.expansion import Expansion
+from derive.lattice import Lattice
+from derive.reduction import Reduction
+from derive.symbols import eps as EPS
+from lattice.numeric_lattice import NumericLattice, numeric_lattice
+from verify.lattices.first_correction import FirstCorrection
+from verify.lattices.jet_polynomial import with_numbers
+from verify.lattices.lattice_wave import ORDERS, LatticeWave
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+Array = NDArray[np.float64]
+
+FLAT = 1e-9
+"""A wave has ended where it changes by less than that share of its size."""
+
+FARTHEST = 400.0
+"""A wave that has not ended so far in X fills the line."""
+
+
+class JetWave(Protocol):
+    """A solution of the reduced equation: `solutions.Wave`, or one computed."""
+
+    def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
+        """Y, Y_X, Y_XX, ...: an array (highest + 1, *points)."""
+
+    def antiderivative(self, X: ArrayLike, T: float) -> Array:
+        """W with W_X = Y, up to a constant at each T."""
+
+
+class LongWaveData(LatticeWave):
+    """The data and the theory of a wave on a lattice under one reduction.
+
+    ``numbers``: values of the constants.  ``order``: "leading", the wave alone; "slaved", with the
+    fields that follow it, as far as the reduction was taken; "corrected", with the reduced
+    equation's first correction as well, see `FirstCorrection`.  ``lattice``: what is run, where the
+    reduction expanded forces that are no polynomials.  ``interval``: of X, for the correction of a
+    wave that does not end: many times its width, or whole periods, so that it closes.
+
+    Raises ValueError for constants without a value or not allowed, an unknown order, and where
+    the reduction has no correction.
+    """
+
+    def __init__(
+        self,
+        reduction: Reduction,
+        numbers: Mapping[str, Number],
+        wave: JetWave,
+        eps: float,
+        order: str = "slaved",
+        lattice: Lattice | None = None,
+        interval: tuple[float, float] | None = None,
+    ) -> None:
+        if order not in ORDERS:
+            raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
+        if not 0.0 < eps < math.inf:
+            raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.1 is usual)")
+        self.reduction, self.wave = reduction, wave
+        self.eps, self.order = eps, order
+        scaling = reduction.scaling
+        self._space = scaling.space[0]
+        self._values: Mapping[Symbol, Expr] = {
+            **reduction.values(numbers),
+            EPS: exact("eps", eps),
+        }
+        self._declared = lattice or reduction.lattice
+        self._numbers = dict(numbers)
+        self._is_displacement = reduction.is_displacement
+        self.power = scaling.amplitude + self._space.exponent * self._is_displacement
+        self.slow = scaling.time
+        self._frame = float(scaling.speed.xreplace(self._values))
+        self._direction = [float(step.xreplace(self._values)) for step in self._space.direction]
+        self.speed = self._frame / self._direction[0]
+        self.lattice = self.strained((0.0,) * self._declared.dimension)
+        self.correction = self._correction(interval) if order == "corrected" else None
+        self._series = [
+            (with_numbers(place, self._values, eps), with_numbers(change, self._values, eps))
+            for place, change in FieldSeries(reduction, order).fields
+        ]
+
+    def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
+        """The lattice about this uniform strain."""
+        small = {EPS: self._values[EPS]}
+        bonds = tuple(
+            replace(bond, force=bond.force.xreplace(small)) for bond in self._declared.bonds
+        )
+        lattice = replace(self._declared, bonds=bonds)
+        known = {str(symbol) for symbol in lattice.constants}
+        given = {name: value for name, value in self._numbers.items() if name in known}
+        defined = {str(s): self._values[s] for s, _ in self.reduction.lattice.definitions}
+        given |= {name: value for name, value in defined.items() if name in known}
+        return numeric_lattice(lattice, given, mean_strain if any(mean_strain) else ())
+
+    def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection:
+        reduction, powers = self.reduction, sorted(self.reduction.corrections)
+        if not powers:
+            ended = reduction.obstruction
+            why = (
+                f"its reduction to a one-way equation ends at eps^{ended[0]}, with a term that is "
+                "no X-derivative"
+                if ended
+                else f"none was derived through eps^{reduction.highest_order}"
+            )
+            raise ValueError(
+                f"order must be leading or slaved for {reduction.lattice.name}, got 'corrected' "
+                f"({why})"
+            )
+        flow, further = (
+            with_numbers(polynomial, self._values)
+            for polynomial in (reduction.pde.flow, reduction.corrections[powers[0]])
+        )
+        if interval is not None:
+            return FirstCorrection(flow, further, self.wave, powers[0], interval, repeats=True)
+        low, high = wave_ends(self.wave, 0.0)
+        if math.isinf(low):
+            raise ValueError(
+                "interval must be given for the correction of a wave that does not end, got None "
+                "(whole periods of X, or many times its width)"
+            )
+        middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
+        return FirstCorrection(flow, further, self.wave, powers[0], (middle - half, middle + half))
+
+    def slow_time(self, t: float) -> float:
+        """T at the time t."""
+        return float(self.eps**self.slow * t)
+
+    def slow_place(self, cells: ArrayLike, t: float) -> Array:
+        """X at cells and a time."""
+        places = np.asarray(cells, dtype=np.float64)
+        axes = places if len(self._direction) > 1 else places[np.newaxis]
+        along = sum(step * axis for step, axis in zip(self._direction, axes, strict=True))
+        return np.asarray(self.eps**self._space.exponent * (along - self._frame * t))
+
+    def start(self, t: float) -> None:
+        """Let the corrected wave be the closed form at this time; nothing for other orders."""
+        if self.correction is not None:
+            self.correction.start(self.slow_time(t))
+
+    def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
+        """Fields and their time derivatives, (fields, *sites)."""
+        X, T = self.slow_place(cells, t), self.slow_time(t)
+        polynomials = [polynomial for pair in self._series for polynomial in pair]
+        jets = self._unknown(X, T, max(polynomial.highest for polynomial in polynomials))
+        f, v = (
+            [polynomial(jets) for polynomial in part] for part in zip(*self._series, strict=True)
+        )
+        return np.array(f), np.array(v)
+
+    def strain(self, cells: ArrayLike, t: float) -> Array:
+        """The fields of strains; of displacements what they grow by along each axis of the wave."""
+        if not self._is_displacement:
+            return self.state(cells, t)[0]
+        here = self.state(cells, t)[0]
+        rows = []
+        for axis in self._axes:
+            step = np.zeros(len(self._direction))
+            step[axis] = 1.0
+            places = np.asarray(cells, dtype=np.float64)
+            shift = step.reshape(-1, *(1,) * (places.ndim - 1)) if step.size > 1 else step[0]
+            rows.append(self.state(places + shift, t)[0] - here)
+        return np.concatenate(rows)
+
+    def measured(self, f: ArrayLike, mean_strain: tuple[float, ...]) -> Array:
+        """The same from the periodic parts of the fields on a ring with this mean strain."""
+        fields = np.asarray(f, dtype=np.float64)
+        if not self._is_displacement:
+            return fields
+        rows = [np.roll(fields, -1, 1 + axis) - fields + mean_strain[axis] for axis in self._axes]
+        return np.concatenate(rows)
+
+    def background(self, cells: ArrayLike, t: float) -> Array:
+        """The uniform strain that the wave is added to."""
+        mean = sum(
+            self.eps**power * float(value.xreplace(self._values))
+            for power, value in self.reduction.scaling.background
+        )
+        return np.full((self._quantities, *self.slow_place(cells, t).shape), mean)
+
+    def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
+        """What displacements grow by in a cell, on average over a ring of these cells."""
+        if not self._is_displacement:
+            return (0.0,) * self.lattice.dimension
+        if len(self._direction) > 1:
+            raise ValueError(
+                f"cells must be those of a chain, got {len(self._direction)} axes (no mean strain "
+                "makes a wave periodic along a seam that it crosses)"
+            )
+        ends = np.array([cells[0], cells[-1] + 1.0])
+        first, last = self.state(ends, t)[0][0]
+        return ((last - first) / cells.size,)
+
+    def support(self, t: float) -> tuple[float, float]:
+        """The cells between which there is a wave; infinite where it does not end."""
+        T = self.slow_time(t)
+        low, high = wave_ends(self.wave, T)
+        unit = self._direction[0] * self.eps**self._space.exponent
+        ends = sorted((X / unit + self.speed * t) for X in (low, high))
+        return ends[0], ends[1]
+
+    @cached_property
+    def _axes(self) -> list[int]:
+        return [axis for axis, step in enumerate(self._direction) if step]
+
+    @property
+    def _quantities(self) -> int:
+        return len(self.lattice.fields) * (len(self._axes) if self._is_displacement else 1)
+
+    def _unknown(self, X: Array, T: float, highest: int) -> Array:
+        """The jets that the series are written in: of W or of Y."""
+        if not self._is_displacement:
+            return self._corrected(self.wave.jets(X, T, highest), X, T, highest)
+        jets = np.empty((highest + 1, *X.shape))
+        jets[0] = self.wave.antiderivative(X, T)
+        if self.correction is not None:
+            jets[0] += self._share * self.correction.antiderivative(X, T)
+        if highest:
+            found = self.wave.jets(X, T, highest - 1)
+            jets[1:] = self._corrected(found, X, T, highest - 1)
+        return jets
+
+    def _corrected(self, jets: Array, X: Array, T: float, highest: int) -> Array:
+        if self.correction is None:
+            return jets
+        return np.asarray(jets + self._share * self.correction.jets(X, T, highest))
+
+    @property
+    def _share(self) -> float:
+        assert self.correction is not None
+        return float(self.eps**self.correction.power)
+
+
+SAMPLES = 4097
+"""Of a wave where its ends are looked for."""
+
+MARGIN = 3.0
+"""The interval of a correction, in units of the wave's."""
+
+
+def wave_ends(wave: JetWave, T: float) -> tuple[float, float]:
+    """The places in X between which a wave changes at T; infinite if it does not end."""
+    reach = 1.0
+    while reach <= FARTHEST:
+        X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
+        Y = wave.jets(X, T, 0)[0]
+        left, right = np.abs(Y - Y[0]), np.abs(Y - Y[-1])
+        level = FLAT * max(float(left.max()), float(right.max()))
+        risen, fallen = np.flatnonzero(left > level), np.flatnonzero(right > level)
+        if risen.size and fallen.size and -reach <= X[risen[0]] and X[fallen[-1]] <= reach:
+            return float(X[risen[0]]), float(X[fallen[-1]])
+        reach *= 2.0
+    return -math.inf, math.inf
+
+
+class FieldSeries:
+    """Each field and its time derivative as series in eps of polynomials in X-jets of the unknown.
+
+    The unknown is W on a lattice of displacements, Y on one of strains.
+    """
+
+    def __init__(self, reduction: Reduction, order: str) -> None:
+        self._reduction = reduction
+        series = next(iter(reduction.slaved.values()))[1]
+        self._field, self._limit = series.field, series.limit
+        self._expansion = Expansion(reduction.lattice, reduction.scaling, self._limit, self._field)
+        self._order = order
+        self._elimination = TimeElimination(self._flow(), len(reduction.scaling.axes))
+
+    @property
+    def fields(self) -> list[tuple[EpsSeries, EpsSeries]]:
+        """For each field itself and its time derivative."""
+        found = []
+        for share, slaved in self._reduction.slaved.values():
+            field = share * self._expansion.ansatz()
+            field = field if self._order == "leading" else field + slaved
+            moved = field.apply(self._expansion.time_derivative)
+            found.append((self._elimination.series(field), self._elimination.series(moved)))
+        return found
+
+    def _flow(self) -> EpsSeries:
+        """T-derivative of the unknown: of Y as the reduction has it, of W its antiderivative.
+
+        A correction that has no local antiderivative is left out: it would change the velocity of
+        displacements at its power and that of d/dT, which is of the next correction's size.
+        """
+        flows = {0: self._reduction.pde.flow}
+        if self._order == "corrected":
+            power = min(self._reduction.corrections)
+            flows[power] = self._reduction.corrections[power]
+        if self._reduction.is_displacement:
+            found = {power: _of_displacement(flow) for power, flow in flows.items()}
+            if found[0] is None:
+                raise ValueError("the reduced equation must be a conservation law of the strain")
+            flows = {power: flow for power, flow in found.items() if flow is not None}
+        return EpsSeries(self._field, self._limit, flows)
+
+
+def _of_displacement(flow: DifferentialPolynomial) -> DifferentialPolynomial | None:
+    """W_T, from Y_T as a polynomial in jets of Y = W_X; None if it is not local."""
+    items = ((tuple(sorted(raised(j, 0) for j in m)), value) for m, value in flow.terms.items())
+    return DifferentialPolynomial.collect(flow.field, items).antiderivative()
