@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from derive.carrier_fields import CarrierFields, CarrierTerm
+from lattice.spectral.exponential import ExponentialAdams
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
