@@ -6,7 +6,6 @@ its data changed where the lattice may amplify rounding.
 
 import math
 from dataclasses import dataclass, replace
-from numbers import Real
 from time import perf_counter
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from lattice.kernels import blocked
 from lattice.model import Model, State
 from lattice.refine import refine
+from lattice.run_times import check_positive, checked_times
 from lattice.scheme_order import check_order
 from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
 from lattice.stepper import Stepper, StillRing
@@ -99,7 +99,7 @@ def integrate(
     True
     """
     state = _checked_state(state)
-    wanted = _checked_times(times, state)
+    wanted = checked_times(times, state.t)
     if scheme not in SCHEMES:
         check_order(scheme)
     if (tolerance is None) == (step is None):
@@ -110,36 +110,11 @@ def integrate(
     begun = perf_counter()
     if tolerance is not None:
         remedy = "it is the error of the strain that is accepted, in the strain's unit"
-        _check_positive("tolerance", tolerance, remedy)
+        check_positive("tolerance", tolerance, remedy)
         found = refine(RingSearch(model, state, wanted, scheme), tolerance)
         return _trajectory(found.trial, found.error, begun, scheme)
     assert step is not None
     return _stated(RingSearch(model, state, wanted, scheme), step, measure_error, begun)
-
-
-def _check_positive(name: str, value: float, remedy: str) -> None:
-    if not isinstance(value, Real) or not 0.0 < value < math.inf:
-        raise ValueError(f"{name} must satisfy 0 < {name} < inf, got {value!r} ({remedy})")
-
-
-def _checked_times(times: ArrayLike, state: State) -> Array:
-    try:
-        wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    except (TypeError, ValueError):
-        wanted = np.empty(0)
-    if wanted.ndim != 1 or wanted.size == 0 or not np.all(np.isfinite(wanted)):
-        shown = " ".join(repr(times).split())[:60]
-        raise ValueError(
-            f"times must be one or more finite numbers, got {shown} (give a list of them)"
-        )
-    steps = np.diff(np.concatenate([[state.t], wanted]))
-    if steps[0] < 0.0 or not np.all(steps[1:] > 0.0):
-        place = int(np.argmax([steps[0] < 0.0, *(steps[1:] <= 0.0)]))
-        raise ValueError(
-            f"times must increase from state.t = {state.t:g} on, got {wanted[place]:g} at place "
-            f"{place} (sort them; to go back in time start from the velocity's negative)"
-        )
-    return wanted
 
 
 def _checked_state(state: State) -> State:
@@ -163,7 +138,7 @@ def _checked_state(state: State) -> State:
 
 def _stated(engine: "RingSearch", step: float, measure_error: bool, begun: float) -> Trajectory:
     """A run with that step, its error measured with a shorter one."""
-    _check_positive("step", step, "it goes forward in time")
+    check_positive("step", step, "it goes forward in time")
     check_step(step, engine.scheme, engine.model, engine.state.y)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
