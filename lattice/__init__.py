@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from lattice.integration import Cost, Trajectory, integrate
+    from lattice.field_state import FieldState
+    from lattice.integration import Cost, FieldTrajectory, Trajectory, integrate
     from lattice.model import Model, State, ring_energy
     from lattice.scheme_order import check_order
     from lattice.schemes import (
@@ -21,14 +22,20 @@ if TYPE_CHECKING:
         scheme_named,
         stability_limit,
     )
+    from lattice.spectral.field_ring import FieldRing
+    from lattice.spectral.spectral_integration import SpectralTrajectory, spectral_integrate
 
 __all__ = [
     "SCHEMES",
     "Composition",
     "Cost",
+    "FieldRing",
+    "FieldState",
+    "FieldTrajectory",
     "Model",
     "RungeKutta",
     "Scheme",
+    "SpectralTrajectory",
     "Splitting",
     "State",
     "Trajectory",
@@ -36,16 +43,20 @@ __all__ = [
     "integrate",
     "ring_energy",
     "scheme_named",
+    "spectral_integrate",
     "stability_limit",
 ]
 
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "lattice.integration": "Cost Trajectory integrate",
+        "lattice.integration": "Cost FieldTrajectory Trajectory integrate",
+        "lattice.field_state": "FieldState",
         "lattice.model": "Model State ring_energy",
         "lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
         "stability_limit",
         "lattice.scheme_order": "check_order",
+        "lattice.spectral.field_ring": "FieldRing",
+        "lattice.spectral.spectral_integration": "SpectralTrajectory spectral_integrate",
     },
 )

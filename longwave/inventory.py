@@ -66,7 +66,7 @@ def waves() -> list[Record]:
             ],
             "background": _background(form, CATALOGUE),
             "period": None if form.period is None else str(form.period),
-            "reference": f"{form.reference.citation}, {form.reference.label}",
+            "reference": str(form.reference),
         }
         for form in CATALOGUE
     ]

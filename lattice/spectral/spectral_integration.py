@@ -25,7 +25,13 @@ from lattice.spectral.crest_energy import crest_energy_spread
 from lattice.spectral.evolution import WATCH, SamplingError
 from lattice.spectral.exponential import ORDER
 from lattice.spectral.field_ring import FieldRing
-from lattice.spectral.lattice_ring import LatticeRing, RunawayError, ring_slopes, whole
+from lattice.spectral.lattice_ring import (
+    LatticeRing,
+    RunawayError,
+    ring_slopes,
+    ring_stretches,
+    whole,
+)
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.trial import (
     LEAST_FACTOR,
@@ -91,9 +97,9 @@ def spectral_integrate(
     ``speed`` is that of the frame in which the waves are nearly still, one for each axis: it costs
     nothing and lets steps be long. ``tolerance`` is the error that is accepted of what ``judged``
     makes of a ring, an array of one shape however many points the ring has; without it, of the
-    fields at the state's own points. ``times`` increase and do not lie before ``state.t``. Raises
-    ValueError for what cannot be run, for a lattice that blows up before the last time, and for a
-    tolerance that needs too many points or lies below what rounding leaves.
+    stretches of all bonds at the state's own points. ``times`` increase and do not lie before
+    ``state.t``. Raises ValueError for what cannot be run, for a lattice that blows up before the
+    last time, and for a tolerance that needs too many points or lies below what rounding leaves.
 
     >>> from derive import LATTICES
     >>> from lattice.numeric_lattice import numeric_lattice
@@ -199,7 +205,9 @@ class FieldSearch:
         self._tail = max(TAIL_SHARE * tolerance, ROUNDED_TAIL * largest)
         self._whole = judged is None and whole(state)
         counts = state.counts
-        self._judged: Judged = judged or (lambda ring: ring.sampled(counts).f)
+        self._judged: Judged = judged or (
+            lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
+        )
         self._density, self._crowded = self._first_density(), False
         self._dense_state: dict[tuple[int, ...], FieldRing] = {}
         self._alike, self._ran_away = 0.0, list[float]()

@@ -110,6 +110,35 @@ KNOWN: dict[str, tuple[str, Scaling, Expr, dict[str, Expr]]] = {
 }  # fmt: skip
 
 
+def test_numbers_may_be_put_in_beforehand() -> None:
+    """Where they make dispersion vanish nothing is left at T = eps^3 t, and a slower time fits."""
+    values = {"K2": "4/3", "K3": "1", "K4": "0", "L2": "-1/12", "L3": "0", "L4": "0"}
+    exact = {name: Rational(text) for name, text in values.items()}
+    numeric = LATTICES["next_nearest"].with_values(exact)
+    [found] = find_scaling(numeric)
+    assert (found.pde.kind, found.scaling.amplitude) == ("fifth-order KdV", 4)
+    small = exact | {"K2": exact["K2"] + eps**2 / 3, "L2": exact["L2"] - eps**2 / 12}
+    [found] = find_scaling(LATTICES["next_nearest"].with_values(small))
+    assert found.coefficients().terms == {
+        "Y Y_X": 1,
+        "Y_XXX": -Rational(1, 24),
+        "Y_5X": -Rational(1, 180),
+    }
+
+
+def test_balances_are_found_about_a_mean() -> None:
+    values = {"K2": Integer(1), "K3": -Rational(1, 2), "K4": Integer(1)}
+    lattice = LATTICES["fput_strain"].with_values(values)
+    kinds = {mean: find_scaling(lattice, mean)[0].pde.kind for mean in (0, Rational(1, 6))}
+    assert kinds == {0: "KdV", Rational(1, 6): "mKdV"}
+
+
+@pytest.mark.parametrize("values", [{"K9": Integer(1)}, {"K2": Integer(0)}])
+def test_a_value_that_fits_no_constant_is_refused(values: dict[str, Expr]) -> None:
+    with pytest.raises(ValueError, match=r"must (be among K2|satisfy K2 > 0)"):
+        LATTICES["fput"].with_values(values)
+
+
 def without(lattice: Lattice, values: dict[Symbol, Expr]) -> Lattice:
     """The lattice with values in the places of constants."""
     bonds = tuple(replace(bond, force=bond.force.subs(values)) for bond in lattice.bonds)
