@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_fields import finite
-from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
-from verify.lattices.scene_convergence import SceneConvergence, scene_convergence
+
+if TYPE_CHECKING:
+    from verify.lattices.scene_convergence import SceneConvergence
 
 
 def eps_values(text: str | None) -> tuple[float, ...]:
@@ -31,6 +33,9 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named; ValueError for one of the paper's chain."""
+    from verify.comparison.scene_run import Announcer
+    from verify.lattices.scene_convergence import scene_convergence
+
     values = eps_values(eps)
     scene = find_any_scene(source)
     if not isinstance(scene, LatticeScene):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lattice.refine import Announce, refine
 from lattice.trial import Progress
 from verify.comparison.stated_run import PACKAGES
-from verify.lattices.derivation import Derivation, derivation, lattice_wave
+from verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.lattice_wave import LatticeWave
 from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
@@ -39,7 +39,7 @@ class LatticeRun:
     """
 
     scene: LatticeScene
-    derived: Derivation
+    derived: LatticeDerivation
     times: tuple[float, ...]
     speed: float
     power: int

@@ -9,7 +9,7 @@ from typing import Any
 from lattice.refine import Announce
 from verify.comparison.scene_fields import finite, positive, shown
 from verify.lattices.convergence import FEWEST, fitted_rate
-from verify.lattices.derivation import derivation
+from verify.lattices.lattice_derivation import derivation
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 
