@@ -56,14 +56,15 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
         print(json.dumps(study.data(), indent=2))
         return
     console = plain_console()
+    console.print(study.scene.title or study.scene.name, markup=False, soft_wrap=True)
     console.print(_table(study))
     for line in _lines(study):
         console.print(line, markup=False, soft_wrap=True)
 
 
 def _table(study: SceneConvergence) -> Table:
-    table = Table(title=study.scene.title or study.scene.name)
-    for heading in ("eps", "sup error", "relative error", "discretisation", "cells"):
+    table = Table()
+    for heading in ("eps", "sup error", "of the wave's size", "discretisation", "cells"):
         table.add_column(heading)
     for point in study.points:
         table.add_row(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.lattices.lattice_wave import LatticeWave, CellRing
+from verify.lattices.lattice_wave import CellRing, LatticeWave
 from verify.lattices.ring_run import advanced
 
 Array = NDArray[np.float64]

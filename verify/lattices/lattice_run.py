@@ -63,8 +63,13 @@ class LatticeRun:
     @cached_property
     def relative_errors(self) -> Array:
         """The same in units of the wave's largest deviation from its background."""
-        sizes = self._largest(self.theory - self.background)
-        return np.asarray(self.errors * self.scale / np.where(sizes > 0.0, sizes, math.nan))
+        sizes = np.where(self.sizes > 0.0, self.sizes, math.nan)
+        return np.asarray(self.errors * self.scale / sizes)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """The wave's largest deviation from its background at each time."""
+        return self._largest(self.theory - self.background)
 
     @property
     def unit(self) -> str:

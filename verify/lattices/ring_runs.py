@@ -29,7 +29,7 @@ from lattice.trial import (
     shorter_step,
 )
 from verify.comparison.domain import front
-from verify.lattices.lattice_wave import LatticeWave, CellRing, largest_group_velocity
+from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 
 Array = NDArray[np.float64]
 
