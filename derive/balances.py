@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sympy import Integer
+from sympy import Expr, Integer, S
 
 from derive.algebra.exact_numbers import instance
 from derive.lattice import Lattice
@@ -15,8 +15,8 @@ AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
 
 
-def find_scaling(lattice: Lattice) -> tuple[Reduction, ...]:
-    """The reductions of a lattice that balance nonlinearity and dispersion.
+def find_scaling(lattice: Lattice, mean: Expr = S.Zero) -> tuple[Reduction, ...]:
+    """The reductions of a lattice that balance nonlinearity and dispersion, about a uniform mean.
 
     Those with the fewest conditions on the constants stand first.  A lattice with two axes has the
     wave along its first one, and a slower variable Z across.  Raises ReductionError if none fits.
@@ -30,11 +30,14 @@ def find_scaling(lattice: Lattice) -> tuple[Reduction, ...]:
     if lattice.dimension > 1:
         across = (0, 1, *(0,) * (lattice.dimension - 2))
         space.append(SlowVariable("Z", 2, across, Integer(0)))
+    background = ((0, mean),) if mean else ()
     found: list[Reduction] = []
     refused: list[str] = []
     for time in TIMES:
         for amplitude in AMPLITUDES:
-            scaling = Scaling(amplitude, tuple(space), time)
+            if mean and not amplitude:
+                continue
+            scaling = Scaling(amplitude, tuple(space), time, background)
             try:
                 reduction = reduce(lattice, scaling, scaling.leading_order)
             except ValueError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
@@ -160,6 +160,33 @@ class Lattice(Displayed):
         for expression in (*self.masses, *(bond.force for bond in self.bonds)):
             found |= expression.free_symbols
         return tuple(sorted(found - {x, eps}, key=str))
+
+    def with_values(self, values: Mapping[str, Expr]) -> Lattice:
+        """The lattice with numbers, or polynomials in eps, in the places of constants.
+
+        Raises ValueError for a name that is no constant, and for a value that is not what its
+        symbol is declared to be.
+
+        >>> from derive import LATTICES
+        >>> LATTICES["fput"].with_values({"K2": S(4), "K3": eps / 2}).equations()[1]
+        'F(x) = 4 x + eps/2 x^2 + K4 x^3'
+        """
+        known = {str(symbol): symbol for symbol in self.constants}
+        for name, value in values.items():
+            if name not in known:
+                raise ValueError(
+                    f"constants must be among {', '.join(known) or 'none'}, got {shown(name)} "
+                    f"(those are the constants of {self.name})"
+                )
+            if known[name].is_positive and value.subs(eps, 0).is_positive is False:
+                raise ValueError(f"{name} must satisfy {name} > 0, got {value} ({self.name})")
+        at = {known[name]: value for name, value in values.items()}
+        return replace(
+            self,
+            masses=tuple(mass.xreplace(at) for mass in self.masses),
+            bonds=tuple(replace(b, force=b.force.xreplace(at)) for b in self.bonds),
+            definitions=tuple((symbol, value.xreplace(at)) for symbol, value in self.definitions),
+        )
 
     @property
     def is_polynomial(self) -> bool:

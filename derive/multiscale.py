@@ -122,7 +122,8 @@ class _Solver:
         if timed != [(self.mixed,)] or part is None:
             raise self._refusal(self.leading_order, f"linear in {wanted}")
         self.factor = part.coefficient(self.mixed)
-        rest = (1 / self.factor) * part.select(lambda monomial: monomial != (self.mixed,))
+        others = part.select(lambda monomial: monomial != (self.mixed,))
+        rest = others.map_coefficients(lambda value: value / self.factor)
         across = rest.select(lambda m: len(m) == 1 and m[0][0] == 0)
         flow = (-(rest - across)).antiderivative()
         if flow is None:

@@ -81,6 +81,15 @@ class NumericLattice:
         )
 
     @property
+    def conserves_energy(self) -> bool:
+        """Whether every bond acts on what it is stretched by, so that `energy` is conserved."""
+        return all(
+            sorted((tuple(-s for s in e.shift), -e.weight, e.field) for e in bond.stretch)
+            == sorted((e.shift, e.weight, e.field) for e in bond.action)
+            for bond in self.bonds
+        )
+
+    @property
     def is_linear(self) -> bool:
         """Whether every force is proportional to its stretch."""
         return all(bond.force.is_linear for bond in self.bonds)

@@ -1,7 +1,8 @@
 """The catalogue of closed forms. Adding one is one file in ``forms`` and one line here."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, overload
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CATALOGUE", "Catalogue", "closed_form"]
 
-_MODULES = {
+_MODULES: Mapping[str, str] = {
     "rational_1": "rational",
     "rational_2": "rational",
     "rational_3": "rational",
@@ -28,8 +29,39 @@ _MODULES = {
     "two_soliton": "arctangents",
     "soliton_background": "solitons",
     "kink_antikink": "solitons",
+    "kdv_soliton": "kdv_waves",
+    "kdv_two_soliton": "kdv_waves",
+    "kdv_cnoidal": "kdv_waves",
+    "gardner_soliton": "gardner_waves",
+    "gardner_negative_soliton": "gardner_waves",
+    "gardner_table_soliton": "gardner_waves",
+    "gardner_kink": "gardner_waves",
+    "kawahara_soliton": "gardner_waves",
+    "modified_kawahara_soliton": "gardner_waves",
+    "kp_line_soliton": "kp_waves",
+    "kp_lump": "kp_waves",
+    "nls_plane": "nls_waves",
+    "nls_bright": "nls_waves",
+    "nls_dark": "nls_waves",
+    "nls_dn": "nls_waves",
+    "nls_cn": "nls_waves",
+    "nls_peregrine": "nls_breathers",
+    "nls_rogue_2": "nls_breathers",
+    "nls_akhmediev": "nls_breathers",
+    "nls_kuznetsov_ma": "nls_breathers",
 }
 """Name of a form, which is that of the function that makes it -> its module in ``forms``."""
+
+_EQUATIONS: Mapping[str, str] = {
+    "kdv": "KdV",
+    "gardner": "Gardner",
+    "kawahara": "Kawahara",
+    "modified": "modified Kawahara",
+    "kp": "KP",
+    "nls": "NLS",
+}
+"""First word of a form's name -> its equation among `derive.normal_form.NORMAL_EQUATIONS`; the
+other forms are of mKdV."""
 
 LARGEST_ORDER = 12
 """Highest order of a rational solution that is made from its name."""
@@ -39,14 +71,15 @@ _SHIFT = re.compile(r"tau_([1-9]\d?)")
 
 
 class Catalogue(Sequence["ClosedForm"]):
-    """The closed forms in order; each is made when it is first asked for.
+    """The closed forms of these names in order; each is made when it is first asked for.
 
-    >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[-1].title
-    (16, 'rational_1', 'kink and antikink')
+    >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[15].title
+    (36, 'rational_1', 'kink and antikink')
     """
 
-    names = tuple(_MODULES)
-    modules = tuple(sorted({f"solutions.forms.{module}" for module in _MODULES.values()}))
+    def __init__(self, names: Iterable[str]) -> None:
+        self.names = tuple(names)
+        self.modules = tuple(sorted({self.module(name) for name in self.names}))
 
     @overload
     def __getitem__(self, place: int) -> "ClosedForm": ...
@@ -61,15 +94,30 @@ class Catalogue(Sequence["ClosedForm"]):
         return len(self.names)
 
     def __repr__(self) -> str:
-        return f"<Catalogue of {len(self)} closed forms: {', '.join(self.names)}>"
+        counts = Counter(map(self.equation, self.names))
+        told = ", ".join(f"{count} of {equation}" for equation, count in counts.items())
+        return f"<Catalogue of {len(self)} closed forms: {told}>"
+
+    def of(self, equation: str) -> "Catalogue":
+        """Those of an equation, by its name in `derive.normal_form.NORMAL_EQUATIONS`.
+
+        >>> CATALOGUE.of("KP").names
+        ('kp_line_soliton', 'kp_lump')
+        """
+        return Catalogue(name for name in self.names if self.equation(name) == equation)
 
     @staticmethod
     def module(name: str) -> str:
         """The module with the function ``name``, which makes that form."""
         return f"solutions.forms.{_MODULES[name]}"
 
+    @staticmethod
+    def equation(name: str) -> str:
+        """The name of the equation that the form called ``name`` solves."""
+        return _EQUATIONS.get(name.partition("_")[0], "mKdV")
 
-CATALOGUE = Catalogue()
+
+CATALOGUE = Catalogue(_MODULES)
 
 
 @cache

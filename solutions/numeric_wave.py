@@ -1,63 +1,94 @@
-"""A wave as numbers: its values at arrays of points, without the formulas that they came from.
+"""A wave as numbers: its values at arrays of points, without the formulas that they came from."""
 
-The points are checked, broadcast, and cut into chunks that stay in the cache.
-"""
-
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
-from numbers import Integral, Real
-from typing import Any, Literal, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from solutions.points import check_points, evaluate_points
 from solutions.run.doubledouble import split
 from solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
-from solutions.run.machine import scale_rows
-from solutions.run.program import PointEvaluator
+from solutions.run.machine import add_row, scale_rows
+
+if TYPE_CHECKING:
+    from solutions.run.evaluator import Evaluator, PointEvaluator
 
 __all__ = [
     "NumericWave",
     "Part",
+    "PlanarValues",
+    "Rates",
     "Side",
     "WaveNumbers",
     "WaveValues",
-    "check_points",
-    "evaluate_points",
+    "settle_rows",
 ]
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
-Part = Literal["wave", "background", "left", "right"]
+Part = Literal["wave", "formula", "background", "left", "right"]
+"""What is evaluated of a wave; "formula" is the wave by its program, whatever else evaluates it."""
 
 CERTAIN = 5e-14
 """Largest bound of an error, in units of max(1, |value|), that double-double may leave."""
+
+OF_LARGEST = 1e-13
+"""Largest bound of a jet's error, in units of the largest of its order."""
+
+NOTHING = 1e-20
+"""A jet that is smaller than this everywhere, in units of h a**order, counts as this large."""
+
+HIGHEST = 20
+"""Highest order of a jet."""
 
 MOST_UNCERTAIN = 1000
 """Points with larger bounds that mpmath settles, at 5 to 100 ms each; more are refused."""
 
 
 class WaveValues(NamedTuple):
-    """``Y`` and its derivatives with respect to X and T, arrays of one shape."""
+    """``Y`` and its derivatives with respect to X and T, arrays of one shape; complex for NLS."""
 
     Y: Array
     Y_X: Array
     Y_T: Array
 
 
+class PlanarValues(NamedTuple):
+    """``Y`` and its derivatives with respect to X, T and Z, arrays of one shape."""
+
+    Y: Array
+    Y_X: Array
+    Y_T: Array
+    Y_Z: Array
+
+
+class Rates(NamedTuple):
+    """The numbers of a normal form as long numbers: ``Y = h U(a (X - drift T), e Z, b T)``."""
+
+    a: Any
+    b: Any
+    c: Any
+    h: Any
+    e: Any
+    drift: Any
+
+
 class WaveNumbers(NamedTuple):
     """What a wave is beside its values.
 
-    ``rates`` are a, b and c of the normal form as long numbers, ``a`` and ``b`` the nearest
-    doubles, ``s`` its sign; ``is_bare`` says that a periodic wave has no background but itself.
+    ``a`` and ``b`` are the doubles nearest to those of ``rates``, ``s`` is the normal form's sign;
+    ``is_bare`` says that a periodic wave has no background but itself. ``equation`` is the name of
+    the normal form, ``order`` that of its highest X derivative: ``T = eps**order t``.
     """
 
     name: str
-    rates: tuple[Any, Any, Any]
+    equation: str
+    order: int
+    is_complex: bool
+    rates: Rates
     a: float
     b: float
     s: int
@@ -65,25 +96,32 @@ class WaveNumbers(NamedTuple):
     constant_background: float | None
     is_bare: bool
 
+    @property
+    def is_planar(self) -> bool:
+        """Whether there is a second direction, Z."""
+        return bool(self.rates.e)
+
 
 class NumericWave:
-    """``Y(X, T) = U(a X, b T)`` as numbers; `solutions.Wave` says what they are.
+    """``Y(X, T) = h U(a X, b T)`` as numbers; `solutions.Wave` says what they are.
 
     ``numbers`` are the wave's, ``make`` gives the evaluator of a part, ``settle`` the values and
     derivatives of a part at a point (in the given variables) where double-double is not enough.
+    Waves of KP are asked with the place across, ``Z`` or the site ``m``, others without.
     """
 
     def __init__(
         self,
         numbers: WaveNumbers,
-        make: Callable[[Part], PointEvaluator],
-        settle: Callable[[Part, Variables, float, float], Array],
+        make: Callable[[Part], "PointEvaluator"],
+        settle: Callable[..., Array],
     ) -> None:
         self.numbers = numbers
         self._make, self._settle = make, settle
         self._evaluators: dict[Part, PointEvaluator] = {}
         self._known_phases: dict[tuple[Part, object], list[LinearPhase]] = {}
         self._lattices: dict[object, Variables] = {}
+        self._series: dict[int, Evaluator] = {}
 
     @property
     def wavelength(self) -> float | None:
@@ -95,61 +133,130 @@ class NumericWave:
         """The constant that the wave tends to on both sides, None if there is none."""
         return self.numbers.constant_background
 
-    def __call__(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
-        """Y, Y_X, Y_T at the broadcast points (X, T)."""
-        return self._evaluate("wave", self._slow, X, T)
+    def __call__(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
+        """Y, Y_X, Y_T at the broadcast points (X, T); for KP at (X, T, Z), and Y_Z."""
+        return self._evaluate("wave", self._slow, X, T, Z)
 
-    def at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+    def at(
+        self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
+    ) -> WaveValues:
         """Y, Y_X, Y_T at site n (any real) and lattice time t.
 
         The phases are formed in double-double from (n, t, eps); ``X = eps (n - c t)`` and
-        ``T = eps**3 t`` are never rounded.
+        ``T = eps**order t`` are never rounded, neither is ``Z = eps**2 m``.
         """
-        return self._evaluate("wave", self._lattice(eps), n, t)
+        return self._evaluate("wave", self._lattice(eps), n, t, m)
 
-    def pairs_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+    def pairs_at(
+        self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
+    ) -> WaveValues:
         """``at`` in double-double: arrays (2, ...) of high and low parts, about 30 digits."""
-        return WaveValues(*self._bounded("wave", self._lattice(eps), n, t)[:, :2])
+        return self._joined(self._bounded("wave", self._lattice(eps), n, t, m)[:, :2])
 
-    def phase_zeros(self, t: float, eps: float) -> list[float]:
+    def jets(
+        self, X: ArrayLike, T: ArrayLike, highest: int, *, Z: ArrayLike | None = None
+    ) -> Array:
+        """Y, Y_X, Y_XX, ... to the order ``highest`` at the points: (highest + 1, ...).
+
+        By Taylor arithmetic in double-double. The error is below 1e-13 of the largest value of the
+        same order at these points. Complex for NLS.
+
+        Raises ValueError for an order that is not one of 0 .. ``HIGHEST``.
+        """
+        points = self._points(X, T, Z)
+        evaluator = self._taylor(highest)
+        rows = evaluate_points(partial(evaluator, evaluator.phases(self._slow)), *points)
+        rates, rate = [self.numbers.rates.h], self.numbers.rates.a
+        for order in range(1, highest + 1):
+            rates.append(rates[-1] * rate * order)
+        parts = 2 if self.numbers.is_complex else 1
+        rows = scale_rows(rows, [split(rate) for rate in rates] * parts)
+        flat = np.abs(rows[:, 0]).reshape(len(rows), -1)
+        least = NOTHING * np.abs(np.array(rates * parts, dtype=float))
+        with np.errstate(invalid="ignore"):
+            largest = np.max(flat, axis=1, initial=0.0, where=np.isfinite(flat))
+            allowed = OF_LARGEST * np.maximum(largest, least)
+            certain = rows[:, 2] <= allowed.reshape(-1, *[1] * points[0].ndim)
+        settle = partial(self._settle, "formula", self._slow, highest=highest)
+        found = settle_rows(rows, certain, points, settle)[:, 0]
+        return found[: highest + 1] + 1j * found[highest + 1 :] if parts == 2 else found
+
+    def _taylor(self, highest: int) -> "Evaluator":
+        if not isinstance(highest, int) or isinstance(highest, bool) or not 0 <= highest <= HIGHEST:
+            raise ValueError(
+                f"highest must be a whole number from 0 to {HIGHEST}, got {highest!r:.40} "
+                "(the order of the highest X derivative)"
+            )
+        if highest not in self._series:
+            program: Any = self._evaluator("formula")
+            rows = [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
+            self._series[highest] = program.taylor(rows, highest)
+        return self._series[highest]
+
+    def antiderivative(self, X: ArrayLike, T: float) -> Array:
+        """W at the points X and one time T, with W_X = Y and W = 0 at X = 0.
+
+        By quadrature, its error below 1e-12 of the largest |W|; raises ValueError as
+        `solutions.quadrature.integral_from_zero` does.
+        """
+        from solutions.quadrature import integral_from_zero
+
+        (points, _) = check_points(X, T)
+        fastest = max(abs(phase.rate) for phase in self._phases("formula", self._slow))
+        width = 1.0 / fastest if fastest else np.inf
+        return integral_from_zero(lambda x: self(x, T).Y, points, width)
+
+    def phase_zeros(self, t: float, eps: float, *, m: float = 0.0) -> list[float]:
         """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
 
         The crest of a localised wave is near one of them.
         """
-        zeros = {phase.zero(t) for phase in self._phases("wave", self._lattice(eps))}
+        zeros = {phase.zero(t, m) for phase in self._phases("wave", self._lattice(eps))}
         return sorted(zero for zero in zeros if zero is not None)
 
-    def background(self, X: ArrayLike, T: ArrayLike) -> WaveValues:
+    def background(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:
         """The bare background wave of the same phase (or the constant) at (X, T)."""
-        return self._evaluate("background", self._slow, X, T)
+        return self._evaluate("background", self._slow, X, T, Z)
 
-    def background_at(self, n: ArrayLike, t: ArrayLike, eps: float) -> WaveValues:
+    def background_at(
+        self, n: ArrayLike, t: ArrayLike, eps: float, *, m: ArrayLike | None = None
+    ) -> WaveValues:
         """``background`` at site n and lattice time t."""
-        return self._evaluate("background", self._lattice(eps), n, t)
+        return self._evaluate("background", self._lattice(eps), n, t, m)
 
-    def far_field(self, X: ArrayLike, T: ArrayLike, side: Side) -> WaveValues:
+    def far_field(
+        self, X: ArrayLike, T: ArrayLike, side: Side, *, Z: ArrayLike | None = None
+    ) -> WaveValues:
         """What the wave tends to as X goes to -infinity ("left") or +infinity ("right")."""
-        return self._evaluate(check_side(side), self._slow, X, T)
+        return self._evaluate(check_side(side), self._slow, X, T, Z)
 
-    def far_field_at(self, n: ArrayLike, t: ArrayLike, eps: float, side: Side) -> WaveValues:
+    def far_field_at(
+        self, n: ArrayLike, t: ArrayLike, eps: float, side: Side, *, m: ArrayLike | None = None
+    ) -> WaveValues:
         """``far_field`` at site n and lattice time t."""
-        return self._evaluate(check_side(side), self._lattice(eps), n, t)
+        return self._evaluate(check_side(side), self._lattice(eps), n, t, m)
 
     @cached_property
     def _slow(self) -> Variables:
-        a, b, _ = self.numbers.rates
-        return Variables(a, b, LONG.zero)
+        rates = self.numbers.rates
+        return Variables(rates.a, rates.b, -rates.a * rates.drift, e=rates.e)
 
     @cached_property
     def _scales(self) -> tuple[tuple[float, float], ...]:
-        a, b, _ = self.numbers.rates
-        return tuple(split(rate) for rate in (LONG.one, a, b))
+        """Of each row of an evaluator: h times the derivative's rate, for both parts of Y."""
+        rates = self.numbers.rates
+        of_values = [LONG.one, rates.a, rates.b]
+        of_values += [rates.e] if self.numbers.is_planar else []
+        scales = [split(rates.h * rate) for rate in of_values]
+        return tuple(scales * (2 if self.numbers.is_complex else 1))
 
     def _lattice(self, eps: object) -> Variables:
         exact = _exact_eps(eps)
         if exact not in self._lattices:
-            (a, b, c), e = self.numbers.rates, long_number(exact)
-            self._lattices[exact] = Variables(a * e, b * e**3, -a * c * e, exact)
+            (a, b, c, _, across, drift), e = self.numbers.rates, long_number(exact)
+            later = e**self.numbers.order
+            moving = -a * c * e - a * drift * later
+            self._lattices[exact] = Variables(a * e, b * later, moving, exact, across * e**2)
         return self._lattices[exact]
 
     def _phases(self, part: Part, variables: Variables) -> list[LinearPhase]:
@@ -167,34 +274,78 @@ class NumericWave:
             f"for {self.numbers.name} (use Wave.mp, or less extreme ones)"
         )
 
-    def _evaluator(self, part: Part) -> PointEvaluator:
+    def _evaluator(self, part: Part) -> "PointEvaluator":
         if part not in self._evaluators:
             self._evaluators[part] = self._make(part)
         return self._evaluators[part]
 
-    def _evaluate(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> WaveValues:
-        return WaveValues(*self._bounded(part, variables, x, t)[:, 0])
+    def _evaluate(
+        self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike, z: ArrayLike | None
+    ) -> Any:
+        return self._joined(self._bounded(part, variables, x, t, z)[:, 0])
 
-    def _bounded(self, part: Part, variables: Variables, x: ArrayLike, t: ArrayLike) -> Array:
-        """Value and derivatives: high parts, low parts, bounds of their errors (3, 3, ...)."""
-        x, t = check_points(x, t)
+    def _joined(self, rows: Array) -> Any:
+        """The rows by their names, real and imaginary parts together."""
+        if self.numbers.is_complex:
+            rows = rows[: len(rows) // 2] + 1j * rows[len(rows) // 2 :]
+        return PlanarValues(*rows) if self.numbers.is_planar else WaveValues(*rows)
+
+    def _points(self, x: ArrayLike, t: ArrayLike, z: ArrayLike | None) -> tuple[Array, ...]:
+        """The points broadcast together; ValueError for a place across too many or too few."""
+        if (z is not None) == self.numbers.is_planar:
+            return check_points(x, t) if z is None else check_points(x, t, z)
+        needed, got = ("given", "none") if z is None else ("left out", "one")
+        raise ValueError(
+            f"the place across, Z or m, must be {needed} for {self.numbers.name}, got {got} "
+            f"(it solves the {self.numbers.equation} equation)"
+        )
+
+    def _bounded(
+        self,
+        part: Part,
+        variables: Variables,
+        x: ArrayLike,
+        t: ArrayLike,
+        z: ArrayLike | None = None,
+    ) -> Array:
+        """Value and derivatives: high parts, low parts, bounds of their errors (rows, 3, ...)."""
+        points = self._points(x, t, z)
         phases = self._phases(part, variables)
-        rows = evaluate_points(partial(self._evaluator(part), phases), x, t)
+        rows = evaluate_points(partial(self._evaluator(part), phases), *points)
         rows = scale_rows(rows, self._scales)
+        if self.numbers.rates.drift:
+            self._drift(rows)
         with np.errstate(invalid="ignore"):
             certain = rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0]))
-        uncertain = np.argwhere(~np.all(certain, axis=0))
-        if len(uncertain) > MOST_UNCERTAIN:
-            first = tuple(uncertain[0])
-            raise ValueError(
-                f"at most {MOST_UNCERTAIN} points may need more than double-double, got "
-                f"{len(uncertain)}, the first at ({x[first]:g}, {t[first]:g}) (use Wave.mp there)"
-            )
-        for place in map(tuple, uncertain):
-            rows[(slice(None), slice(None), *place)] = self._settle(
-                part, variables, x[place], t[place]
-            )
-        return rows
+        settle = partial(self._settle, part, variables)
+        return settle_rows(rows, certain, points, settle)
+
+    def _drift(self, rows: Array) -> None:
+        """Subtract drift Y_X from Y_T, for ``xi = a (X - drift T)``."""
+        drift = split(-self.numbers.rates.drift)
+        count = 3 + self.numbers.is_planar
+        for first in range(0, len(rows), count):
+            add_row(rows[first + 2], rows[first + 1], drift)
+
+
+def settle_rows(
+    rows: Array, certain: NDArray[np.bool_], points: tuple[Array, ...], settle: Callable[..., Array]
+) -> Array:
+    """``rows`` (rows, 3, ...) with those at points where one is not ``certain`` settled, in place.
+
+    ``settle`` takes a point and gives its rows (rows, 3). Raises ValueError for more points than
+    ``MOST_UNCERTAIN``.
+    """
+    uncertain = np.argwhere(~np.all(certain, axis=0))
+    if len(uncertain) > MOST_UNCERTAIN:
+        first = ", ".join(f"{axis[tuple(uncertain[0])]:g}" for axis in points)
+        raise ValueError(
+            f"at most {MOST_UNCERTAIN} points may need more than double-double, got "
+            f"{len(uncertain)}, the first at ({first}) (use Wave.mp there)"
+        )
+    for place in map(tuple, uncertain):
+        rows[(slice(None), slice(None), *place)] = settle(*(axis[place] for axis in points))
+    return rows
 
 
 def _exact_eps(eps: object) -> Any:
@@ -214,120 +365,3 @@ def check_side(side: Side) -> Side:
     if side not in ("left", "right"):
         raise ValueError(f"side must be 'left' or 'right', got {side!r} (a far field has two)")
     return side
-
-
-CHUNK = 4096
-
-
-@lru_cache(maxsize=1)
-def _executor() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="wave")
-
-
-def evaluate_points(function: Callable[[Array, Array], Array], x: Array, t: Array) -> Array:
-    """``function`` at points of one shape: ``(..., points)`` becomes ``(..., *shape)``.
-
-    ``function`` takes flat contiguous arrays of one size. Chunks run in threads, as the compiled
-    loops release the interpreter.
-
-    >>> grid = check_points([1, 2], [[3], [4]])
-    >>> evaluate_points(lambda x, t: np.stack([x, x * t]), *grid).tolist()
-    [[[1.0, 2.0], [1.0, 2.0]], [[3.0, 6.0], [4.0, 8.0]]]
-    """
-    flat_x, flat_t = np.ravel(x), np.ravel(t)
-    slices = [slice(start, start + CHUNK) for start in range(0, max(flat_x.size, 1), CHUNK)]
-    if len(slices) == 1:
-        out = function(flat_x.copy(), flat_t.copy())
-    else:
-        chunks = _executor().map(lambda s: function(flat_x[s].copy(), flat_t[s].copy()), slices)
-        out = np.concatenate(list(chunks), axis=-1)
-    return out.reshape(*out.shape[:-1], *x.shape)
-
-
-def check_points(position: ArrayLike, time: ArrayLike) -> tuple[Array, Array]:
-    """Positions and times as doubles, broadcast together.
-
-    Integers must be doubles exactly; other numbers are rounded to the nearest double.
-
-    Raises ValueError for what is no finite real number, and for shapes that do not broadcast.
-
-    >>> check_points([1, 2], 1j)
-    Traceback (most recent call last):
-    ...
-    ValueError: every time must be a real number, got complex128 (take its real part)
-    """
-    x, t = _doubles("position", position), _doubles("time", time)
-    try:
-        x, t = np.broadcast_arrays(x, t)
-    except ValueError:
-        raise ValueError(
-            f"position and time must broadcast, got the shapes {x.shape} and {t.shape} "
-            "(give one of them a further axis)"
-        ) from None
-    return x, t
-
-
-def _doubles(name: str, values: ArrayLike) -> Array:
-    if np.ma.is_masked(values):
-        raise ValueError(f"no {name} may be masked, got a masked array (leave such points out)")
-    try:
-        array = np.asarray(values)
-    except (ValueError, TypeError):
-        raise ValueError(
-            f"every {name} must be a number or an array of one shape, got {type(values).__name__} "
-            "with rows of different lengths or no numbers (make it an array first)"
-        ) from None
-    if array.dtype.kind == "O":
-        doubles = _from_objects(name, array)
-    elif array.dtype.kind in "iuf":
-        with np.errstate(over="ignore"):
-            doubles = array.astype(float)
-        if array.dtype.kind != "f":
-            _check_integers(name, array, doubles)
-    else:
-        remedy = {"c": "take its real part", "b": "0 and 1 are numbers"}
-        raise ValueError(
-            f"every {name} must be a real number, got {array.dtype} "
-            f"({remedy.get(array.dtype.kind, 'convert it to numbers')})"
-        )
-    if not np.all(np.isfinite(doubles)):
-        raise ValueError(
-            f"every {name} must be finite, got NaN or infinity (leave such points out)"
-        )
-    return doubles
-
-
-def _shown(value: object) -> str:
-    from derive.algebra.exact_numbers import shown  # with SymPy, for what is wrong alone
-
-    return shown(value)
-
-
-def _check_integers(name: str, integers: NDArray[Any], doubles: Array) -> None:
-    beyond = np.abs(doubles) >= 2.0**53
-    for integer, double in zip(integers[beyond].tolist(), doubles[beyond].tolist(), strict=True):
-        if integer != int(double):
-            raise ValueError(
-                f"every integer {name} must be a double exactly, got {_shown(integer)} "
-                "(use Wave.mp)"
-            )
-
-
-def _from_objects(name: str, objects: NDArray[Any]) -> Array:
-    """Doubles from Python's own numbers (int of any size, Fraction, Decimal, ...)."""
-    doubles = np.empty(objects.shape)
-    for index, number in np.ndenumerate(objects):
-        if isinstance(number, bool | np.bool_) or not isinstance(number, Real | Decimal):
-            raise ValueError(
-                f"every {name} must be a real number, got {_shown(number)} "
-                f"of type {type(number).__name__} (convert it to numbers)"
-            )
-        try:
-            doubles[index] = float(number)
-        except OverflowError:
-            raise ValueError(
-                f"every {name} must be finite as a double, got {_shown(number)} (take less)"
-            ) from None
-        if isinstance(number, Integral):
-            _check_integers(name, np.array([number], dtype=object), doubles[index][None])
-    return doubles

@@ -10,8 +10,8 @@ from typing import Any
 
 import sympy as sp
 
-from derive.algebra.exact_numbers import exact_number, instance, shown
-from solutions.symbols import tau, xi
+from derive.algebra.exact_numbers import exact_number, instance
+from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
 
 __all__ = [
     "DEFOCUSING_MKDV",
@@ -121,49 +121,18 @@ def _symbols(bound: Bound) -> list[sp.Symbol]:
 
 
 @dataclass(frozen=True)
-class Equation:
-    """``U_tau + 6 s U**2 U_xi + U_xixixi = 0``, with ``s`` the sign of K4.
-
-    The paper's eq. (1) in its normal form.
-
-    >>> from sympy import tanh
-    >>> DEFOCUSING_MKDV.residual(tanh(xi + 2 * tau)).simplify()
-    0
-    """
-
-    name: str
-    s: int
-    xi: sp.Symbol = xi
-    tau: sp.Symbol = tau
-
-    def __post_init__(self) -> None:
-        instance("name", self.name, str, "such as 'focusing mKdV'")
-        if self.s not in (1, -1):
-            raise ValueError(f"s must be 1 or -1, got {shown(self.s)} (1 is the focusing equation)")
-
-    def _repr_latex_(self) -> str:
-        sign = "+" if self.s > 0 else "-"
-        return rf"$\displaystyle U_\tau {sign} 6 U^2 U_\xi + U_{{\xi\xi\xi}} = 0$"
-
-    def residual(self, U: sp.Expr) -> sp.Expr:
-        """The left-hand side of the equation at ``U``, unsimplified."""
-        transport = 6 * self.s * U**2 * sp.diff(U, self.xi)
-        return sp.diff(U, self.tau) + transport + sp.diff(U, self.xi, 3)
-
-
-FOCUSING_MKDV = Equation("focusing mKdV", +1)
-DEFOCUSING_MKDV = Equation("defocusing mKdV", -1)
-
-
-@dataclass(frozen=True)
 class Reference:
     """Where a formula is printed: a citation, and the paper's label of the equation or section.
 
-    An equation without a label is called by its number, as in "(27)".
+    An equation without a label is called by its number, as in "(27)". Of what the paper does not
+    have, the citation is written out and there is no label.
     """
 
     citation: str
-    label: str
+    label: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.citation}, {self.label}" if self.label else self.citation
 
 
 @dataclass(frozen=True)
@@ -192,9 +161,10 @@ class _Deferred:
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedForm:
-    """A solution ``U(xi, tau)`` of ``equation``, written once.
+    """A solution ``U(xi, tau)``, or ``U(xi, zeta, tau)``, of ``equation``, written once.
 
-    ``expression`` is the canonical form, as printed, or a function that makes it at first use.
+    ``expression`` is the canonical form, as printed, or a function that makes it at first use; it
+    is complex where the equation is, with I in sums, products and exponentials alone.
     ``background`` is the bare wave of the same phase that the figures subtract (zero for a bare
     wave itself); ``period`` is the background's period in ``xi``, None if it is constant.
     ``stabilise`` makes the form that is evaluated in floating point from the canonical one.

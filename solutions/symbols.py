@@ -1,6 +1,7 @@
 """The symbols that every closed form is written in.
 
-``xi = a X`` and ``tau = b T`` are the normal form's variables (``derive.NormalForm``).
+``xi = a X``, ``tau = b T`` and, across, ``zeta = e Z`` are the normal form's variables
+(``derive.NormalForm``); ``s`` is its sign in a form that solves the equation with either.
 ``k`` is the elliptic modulus; the special functions take the parameter ``m = k**2``.
 ``alpha`` places the dark breather's eigenvalue, ``X_0`` its centre (in units of ``xi``);
 ``A`` is the amplitude of a soliton or kink, ``kappa`` the inverse width of a soliton on a constant.
@@ -15,13 +16,17 @@ __all__ = [
     "complementary_modulus",
     "k",
     "kappa",
+    "s",
     "shift_symbol",
     "tau",
     "xi",
+    "zeta",
 ]
 
 xi = sp.Symbol("xi", real=True)
 tau = sp.Symbol("tau", real=True)
+zeta = sp.Symbol("zeta", real=True)
+s = sp.Symbol("s", real=True)
 k = sp.Symbol("k", positive=True)
 alpha = sp.Symbol("alpha", positive=True)
 X_0 = sp.Symbol("X_0", real=True)

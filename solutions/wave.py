@@ -1,6 +1,6 @@
 """A closed form with numbers in, in the lattice's slow variables."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -10,20 +10,32 @@ import sympy as sp
 from derive.algebra.exact_numbers import exact_number, instance
 from derive.normal_form import NormalForm
 from solutions.compile.compiler import kept_program
-from solutions.numeric_wave import Array, NumericWave, Part, Side, WaveNumbers, WaveValues
+from solutions.compile.complex_parts import complex_parts
+from solutions.numeric_wave import (
+    Array,
+    NumericWave,
+    Part,
+    Rates,
+    Side,
+    WaveNumbers,
+    WaveValues,
+)
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import split
+from solutions.run.evaluator import Evaluator, PointEvaluator
 from solutions.run.linear_phase import Variables, long_number
-from solutions.run.program import Evaluator, PointEvaluator
 from solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
+from solutions.symbols import s
 
 __all__ = ["Side", "Wave", "WaveValues"]
 
 SETTLED_DIGITS = 40
 
+SIDES: tuple[Side, Side] = ("left", "right")
+
 
 class Wave(NumericWave):
-    """``Y(X, T) = U(a X, b T)`` for a closed form U, a normal form (a, b, s, c) and parameters.
+    """``Y(X, T) = h U(a X, b T)`` for a closed form U, a normal form and parameters.
 
     Parameters are keyword arguments named as in ``form.parameters``; a float means its decimal
     literal. Positions and times are the doubles that they are: anything finite. Y, Y_X and Y_T are
@@ -31,9 +43,10 @@ class Wave(NumericWave):
     a bound of its error, and the points where that bound is too large, next to zeros of huge
     derivatives or very far away, are evaluated again in mpmath. Where those are more than
     ``MOST_UNCERTAIN``, or a coefficient of the formula leaves 1e-250 .. 1e250, a ValueError says
-    so. ``mp`` has no such limits.
+    so. ``mp`` has no such limits. For NLS everything is complex; real and imaginary part are as
+    exact, each of them.
 
-    Raises ValueError for bad parameters and if the normal form has the wrong sign s.
+    Raises ValueError for bad parameters and if the normal form is of another equation or sign.
 
     >>> from derive import mkdv_normal_form
     >>> from solutions import closed_form
@@ -50,34 +63,29 @@ class Wave(NumericWave):
     ) -> None:
         instance("form", form, ClosedForm, "closed_form('kink') is one")
         instance("normal_form", normal_form, NormalForm, "mkdv_normal_form(K2=1, K4=1) is one")
-        for name in ("a", "b", "s"):
-            if not (value := getattr(normal_form, name)).is_number:
-                raise ValueError(
-                    f"{name} of normal_form must be a number, got {value} (give K2 and K4 values)"
-                )
-        if normal_form.s != form.equation.s:
-            needed, got = (">", "<") if form.equation.s > 0 else ("<", ">")
-            raise ValueError(
-                f"K4 must satisfy K4 {needed} 0 for {form.name}, got K4 {got} 0 "
-                f"({form.name} solves the {form.equation.name} equation)"
-            )
+        _check_equation(form, normal_form)
         self.form = form
         self.normal_form = normal_form
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
+        for sign in form.equation.free_sign:
+            self.parameters = {**self.parameters, sign: normal_form.s}
         super().__init__(self._all_numbers(), self._make_evaluator, self._settled)
 
     def _all_numbers(self) -> WaveNumbers:
         form, normal_form = self.form, self.normal_form
-        rates = normal_form.a, normal_form.b, normal_form.c
-        a, b, c = map(long_number, rates)
+        rates = Rates(*(long_number(getattr(normal_form, name)) for name in Rates._fields))
         wavelength, constant = None, None
+        left, right = (self._with_numbers(getattr(form.far_fields, side)) for side in SIDES)
         if form.period is not None:
-            wavelength = float(long_number(form.period.xreplace(dict(self.parameters))) / a)
-        elif form.far_fields.left == form.far_fields.right:
-            constant = float(form.far_fields.left.xreplace(dict(self.parameters)))
+            wavelength = float(long_number(self._with_numbers(form.period)) / rates.a)
+        elif left == right and left.is_number and left.is_real:
+            constant = float(normal_form.h * left)
         return WaveNumbers(
             form.name,
-            (a, b, c),
+            form.equation.normal,
+            form.equation.order,
+            form.equation.is_complex,
+            rates,
             float(normal_form.a),
             float(normal_form.b),
             int(normal_form.s),
@@ -86,44 +94,70 @@ class Wave(NumericWave):
             form.period is not None and form.background == 0,
         )
 
+    def _with_numbers(self, expression: sp.Expr) -> sp.Expr:
+        return expression.xreplace(dict(self.parameters))
+
     def __repr__(self) -> str:
         given = "".join(f", {name} = {value}" for name, value in self.parameters.items())
-        rates = ", ".join(f"{n} = {getattr(self.normal_form, n)}" for n in "ab")
-        return f"<Wave {self.form.name}{given}: Y = U(a X, b T) with {rates}>"
+        names = {name: getattr(self.normal_form, name) for name in ("a", "b", "h", "e", "drift")}
+        usual = {"h": 1, "e": 0, "drift": 0}
+        shown = [name for name in names if name not in usual or names[name] != usual[name]]
+        rates = ", ".join(f"{name} = {names[name]}" for name in shown)
+        scale = "h " if "h" in shown else ""
+        along = "a (X - drift T)" if "drift" in shown else "a X"
+        across = ", e Z" if "e" in shown else ""
+        return f"<Wave {self.form.name}{given}: Y = {scale}U({along}{across}, b T) with {rates}>"
 
     def _repr_latex_(self) -> str:
         """The formula, as notebooks show it."""
         return self.form._repr_latex_()
 
-    def mp(self, X: object, T: object, digits: int = 50) -> tuple[Any, Any, Any]:
+    def mp(self, X: object, T: object, digits: int = 50, *, Z: object = None) -> tuple[Any, ...]:
         """Y, Y_X, Y_T at one point as mpf to ``digits`` digits, from the canonical expression.
 
-        Raises ValueError for points that are no finite real numbers and for bad ``digits``.
+        For KP at (X, T, Z), and Y_Z; for NLS they are mpc. Raises ValueError for points that are no
+        finite real numbers and for bad ``digits``.
         """
-        point = exact_point("X", X), exact_point("T", T)
+        point = [exact_point("X", X), exact_point("T", T)]
+        point += [] if Z is None else [exact_point("Z", Z)]
         return self._exact("wave", None, point, check_digits(digits))
 
-    def mp_at(self, n: object, t: object, eps: object, digits: int = 50) -> tuple[Any, Any, Any]:
+    def mp_at(
+        self, n: object, t: object, eps: object, digits: int = 50, *, m: object = None
+    ) -> tuple[Any, ...]:
         """``mp`` at site n and lattice time t."""
-        point = exact_point("n", n), exact_point("t", t)
+        point = [exact_point("n", n), exact_point("t", t)]
+        point += [] if m is None else [exact_point("m", m)]
         return self._exact("wave", self._lattice(eps).eps, point, check_digits(digits))
+
+    def mp_jets(
+        self, X: object, T: object, highest: int, digits: int = 50, *, Z: object = None
+    ) -> tuple[Any, ...]:
+        """Y and its X derivatives to the order ``highest`` at one point as mpf."""
+        point = [exact_point("X", X), exact_point("T", T)]
+        point += [] if Z is None else [exact_point("Z", Z)]
+        return self._exact("wave", None, point, check_digits(digits), highest)
 
     def _make_evaluator(self, part: Part) -> PointEvaluator:
         own = self.form.evaluator if part == "wave" else None
         try:
             if own is not None:
                 return own(self.parameters)
-            make = partial(getattr, self.form, "stable")
-            if part != "wave":
-                make = partial(self._expression, part)
-            program = kept_program(self.form, part, make, tuple(self.parameters))
+            kept = "wave" if part == "formula" else part
+            make = partial(self._real_parts, kept)
+            program = kept_program(self.form, kept, make, tuple(self.parameters))
             return Evaluator(program, tuple(self.parameters.values()))
         except OverflowError as error:
             raise ValueError(self._out_of_range(error)) from None
 
+    def _real_parts(self, part: Part) -> Sequence[sp.Expr]:
+        """What is evaluated of a part: the stable form, both parts of it where it is complex."""
+        expression = self.form.stable if part == "wave" else self._expression(part)
+        return complex_parts(expression) if self.form.equation.is_complex else [expression]
+
     def _expression(self, part: Part) -> sp.Expr:
         """The canonical expression of a part."""
-        if part == "wave":
+        if part in ("wave", "formula"):
             return self.form.expression
         return self.form.background if part == "background" else getattr(self.form.far_fields, part)
 
@@ -134,25 +168,71 @@ class Wave(NumericWave):
             f"for {given or self.form.name} (use Wave.mp, or less extreme ones)"
         )
 
-    def _settled(self, part: Part, variables: Variables, x: float, t: float) -> Array:
-        """Value and derivatives at one point from mpmath: high parts, low parts, bounds."""
-        point = exact_point("position", float(x)), exact_point("time", float(t))
-        exact = self._exact(part, variables.eps, point, SETTLED_DIGITS)
+    def _settled(
+        self, part: Part, variables: Variables, *point: float, highest: int | None = None
+    ) -> Array:
+        """Value and derivatives at one point from mpmath: high parts, low parts, bounds.
+
+        With ``highest``, the value and its X derivatives up to that one.
+        """
+        names = ("position", "time", "place across")
+        place = [exact_point(name, float(c)) for name, c in zip(names, point, strict=False)]
+        exact = self._exact(part, variables.eps, place, SETTLED_DIGITS, highest)
+        if self.numbers.is_complex:
+            exact = (*(value.real for value in exact), *(value.imag for value in exact))
         rows = np.array([(*split(value), 0.0) for value in exact])
         if not np.all(np.isfinite(rows)):
+            where = ", ".join(f"{coordinate:g}" for coordinate in point)
             raise ValueError(
-                f"Y, Y_X and Y_T must be doubles, got one beyond 1e308 at ({x:g}, {t:g}) "
-                "(use Wave.mp)"
+                f"Y, Y_X and Y_T must be doubles, got one beyond 1e308 at ({where}) (use Wave.mp)"
             )
         return rows
 
     def _exact(
-        self, part: Part, eps: object, point: tuple[sp.Expr, sp.Expr], digits: int
-    ) -> tuple[Any, Any, Any]:
-        a, b, c = self.normal_form.a, self.normal_form.b, self.normal_form.c
-        variables = a, b, sp.S.Zero
+        self,
+        part: Part,
+        eps: object,
+        point: Sequence[sp.Expr],
+        digits: int,
+        highest: int | None = None,
+    ) -> tuple[Any, ...]:
+        form = self.normal_form
+        if (len(point) == 3) != self.numbers.is_planar:
+            self._points(0.0, 0.0, None if len(point) == 2 else 0.0)
+        variables = form.a, form.b, -form.a * form.drift, form.e
         if eps is not None:
             exact = exact_number("eps", eps)
-            variables = a * exact, b * exact**3, -a * c * exact
-        expression = self._expression(part)
-        return evaluate_mp(expression, self.parameters, variables, (a, b), point, digits)
+            later = exact**self.numbers.order
+            moving = -form.a * form.c * exact - form.a * form.drift * later
+            variables = form.a * exact, form.b * later, moving, form.e * exact**2
+        rates = [sp.S.One, form.a, form.b, form.e][: len(point) + 1]
+        if highest is not None:
+            rates = [form.a**order for order in range(highest + 1)]
+        scales = [form.h * rate for rate in rates]
+        stated = self._expression(part), self.parameters, variables, scales, point, digits
+        return evaluate_mp(*stated, drift=form.drift, highest=highest)
+
+
+def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
+    """Raise ValueError for a normal form without numbers, or not of the form's equation."""
+    equation = form.equation
+    if normal_form.equation != equation.normal:
+        raise ValueError(
+            f"normal_form must be of the {equation.normal} equation for {form.name}, got one of "
+            f"the {normal_form.equation} equation (longwave list waves has the waves of each)"
+        )
+    for name in ("a", "b", "s", "c", "h", "e", "r", "drift"):
+        if not (value := getattr(normal_form, name)).is_number:
+            raise ValueError(
+                f"{name} of normal_form must be a number, got {value} (give K2 and K4 values)"
+            )
+    solves = f"{form.name} solves the {equation.name} equation"
+    if equation.normal == "mKdV" and normal_form.s != equation.s:
+        needed, got = (">", "<") if equation.s > 0 else ("<", ">")
+        raise ValueError(
+            f"K4 must satisfy K4 {needed} 0 for {form.name}, got K4 {got} 0 ({solves})"
+        )
+    for name in "sr":
+        needed, got = getattr(equation, name), getattr(normal_form, name)
+        if needed not in (s, got):
+            raise ValueError(f"{name} must be {needed} for {form.name}, got {got} ({solves})")

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from solutions.data_store import DataStore, open_store
 from solutions.numeric_wave import Array, NumericWave, Part, WaveNumbers
+from solutions.run.evaluator import PointEvaluator
 from solutions.run.linear_phase import Variables
-from solutions.run.program import PointEvaluator
 
 if TYPE_CHECKING:
     from solutions.wave import Wave
@@ -62,8 +62,10 @@ class _KeptWave(NumericWave):
         found: PointEvaluator = kept
         return found
 
-    def _settled(self, part: Part, variables: Variables, x: float, t: float) -> Array:
-        return self.made._settled(part, variables, x, t)
+    def _settled(
+        self, part: Part, variables: Variables, *point: float, highest: int | None = None
+    ) -> Array:
+        return self.made._settled(part, variables, *point, highest=highest)
 
     def _out_of_range(self, error: OverflowError) -> str:
         return self.made._out_of_range(error)

@@ -1,4 +1,4 @@
-"""The evaluation of a closed form as a program: value and both derivatives.
+"""The evaluation of a closed form as a program: value and derivatives, of both parts if complex.
 
 The lowered expression (``solutions.compile.lowering``) becomes a tape with derivatives
 (``solutions.compile.tape``), and the tape bytecode for the machine. A program is kept on disk, in
@@ -9,7 +9,7 @@ expression, or of the source of the closed form, which need not be made then.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import sympy as sp
 
@@ -28,33 +28,43 @@ Parameters = tuple[sp.Symbol, ...]
 
 
 def kept_program(
-    form: ClosedForm, part: str, expression: Callable[[], sp.Expr], parameters: Parameters
+    form: ClosedForm,
+    part: str,
+    expressions: Callable[[], Sequence[sp.Expr]],
+    parameters: Parameters,
 ) -> Program:
     """The program of a part of a closed form: from disk, or compiled and kept there.
 
-    ``expression`` makes the part's expression; it is not called if the program is there. A cache
-    can only save time: whatever goes wrong in it means that the program is compiled.
+    ``expressions`` makes the part's real expressions; it is not called if the program is there. A
+    cache can only save time: whatever goes wrong in it means that the program is compiled.
     """
     folder = cache_folder(__name__, source_digest(__name__))
     if folder is None:
-        return compile_program(expression(), parameters)
+        return compile_program(expressions(), parameters, form.equation.has_across)
     if form.module:
         key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
     else:
-        key = f"{sp.srepr(expression())} {sp.srepr(parameters)}"
+        key = f"{sp.srepr(tuple(expressions()))} {sp.srepr(parameters)}"
     path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.json"
     kept = read_whole(path)
     if kept is not None:
         return Program.read(kept.decode())
-    program = compile_program(expression(), parameters)
+    program = compile_program(expressions(), parameters, form.equation.has_across)
     write_whole(path, program.text().encode())
     return program
 
 
-def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:
-    """Compile ``expression`` in xi, tau and ``parameters``."""
+def compile_program(
+    expressions: Sequence[sp.Expr], parameters: Parameters, has_across: bool = False
+) -> Program:
+    """Compile real ``expressions`` in xi, tau, zeta and ``parameters``.
+
+    Without zeta there is no derivative in it, either: ``has_across`` is the equation's.
+    """
     lowering = Lowering()
-    tape, outputs = tape_of(lowering, lowering.lower(expression))
+    tape, outputs = tape_of(
+        lowering, [lowering.lower(expression) for expression in expressions], has_across
+    )
     phases, calls = tuple(lowering.phases.values()), tuple(lowering.calls.values())
     jacobi = [symbol for call in calls for symbol in call.symbols]
     assembler = Assembler([*(phase.symbol for phase in phases), *jacobi])
@@ -65,7 +75,7 @@ def compile_program(expression: sp.Expr, parameters: Parameters) -> Program:
     used = set().union(*(right.free_symbols for _, right in tape.lines))
     fixed = [
         *(entry.xreplace(back) for entry in bytecode.pool),
-        *(c for phase in phases for c in (phase.p, phase.q, phase.r)),
+        *(c for phase in phases for c in phase.coefficients),
         *(call.m for call in calls),
     ]
     places = [phase.symbol for phase in phases]

@@ -1,9 +1,10 @@
 """From a closed form's stable expression to what is computed at each point.
 
-Everything free of xi and tau becomes a named constant (evaluated once, to many digits). Every
-sum's part linear in xi and tau becomes one phase ``p xi + q tau + r``, formed accurately outside;
-the secular part ``(E/K) u`` of the epsilon function joins it, so that nothing cancels. All Jacobi
-functions of one phase become the symbols of one call; sin and cos are sn and cn at m = 0.
+Everything free of xi, tau and zeta becomes a named constant (evaluated once, to many digits). A
+sum's part linear in them becomes one phase ``p xi + q tau + r + w zeta``, formed accurately
+outside; the secular part ``(E/K) u`` of the epsilon function joins it, so that nothing cancels.
+All Jacobi functions of one phase become the symbols of one call; sin and cos are sn and cn at
+m = 0.
 """
 
 from dataclasses import dataclass, field
@@ -18,7 +19,7 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.symbols import tau, xi
+from solutions.symbols import tau, xi, zeta
 
 __all__ = ["JacobiCall", "Lowering", "Phase"]
 
@@ -33,12 +34,18 @@ JACOBI_FUNCTIONS: tuple[type[sp.Function], ...] = (
 
 @dataclass(frozen=True)
 class Phase:
-    """``symbol = p xi + q tau + r`` with coefficients in the parameters."""
+    """``symbol = p xi + q tau + r + w zeta`` with coefficients in the parameters."""
 
     symbol: sp.Symbol
     p: sp.Expr
     q: sp.Expr
     r: sp.Expr
+    w: sp.Expr
+
+    @property
+    def coefficients(self) -> tuple[sp.Expr, ...]:
+        """p, q, r and w."""
+        return self.p, self.q, self.r, self.w
 
 
 @dataclass(frozen=True)
@@ -80,17 +87,22 @@ _AT_PARAMETER_ZERO = {sp.sin: jacobi_sn, sp.cos: jacobi_cn}
 
 @dataclass
 class _Sum:
-    """A sum split into ``p xi + q tau + r`` and the other terms."""
+    """A sum split into ``p xi + q tau + r + w zeta`` and the other terms."""
 
     p: list[sp.Expr] = field(default_factory=list)
     q: list[sp.Expr] = field(default_factory=list)
     r: list[sp.Expr] = field(default_factory=list)
+    w: list[sp.Expr] = field(default_factory=list)
     rest: list[sp.Expr] = field(default_factory=list)
+
+    @property
+    def is_moving(self) -> bool:
+        return bool(self.p or self.q or self.w)
 
     def extend(self, other: "_Sum", factor: sp.Expr) -> None:
         for mine, theirs in zip(
-            (self.p, self.q, self.r, self.rest),
-            (other.p, other.q, other.r, other.rest),
+            (self.p, self.q, self.r, self.w, self.rest),
+            (other.p, other.q, other.r, other.w, other.rest),
             strict=True,
         ):
             mine.extend(factor * term for term in theirs)
@@ -140,13 +152,13 @@ class Lowering:
     def _lower_sum(self, expression: sp.Expr) -> sp.Expr:
         terms = self._sum(expression)
         rest = [self.lower(term) for term in terms.rest]
-        if not terms.p and not terms.q:
+        if not terms.is_moving:
             return sp.Add(self.constant(sp.Add(*terms.r)), *rest)
-        return sp.Add(self.phase(terms.p, terms.q, terms.r), *rest)
+        return sp.Add(self._phase(terms), *rest)
 
-    def phase(self, p: list[sp.Expr], q: list[sp.Expr], r: list[sp.Expr]) -> sp.Symbol:
+    def _phase(self, terms: _Sum) -> sp.Symbol:
         """The symbol of the phase with these summed coefficients."""
-        key = (sp.Add(*p), sp.Add(*q), sp.Add(*r))
+        key = tuple(sp.Add(*part) for part in (terms.p, terms.q, terms.r, terms.w))
         if key not in self.phases:
             symbol = sp.Symbol(f"phi_{len(self.phases)}", real=True)
             self.phases[key] = Phase(symbol, *key)
@@ -160,6 +172,8 @@ class Lowering:
             return _Sum(p=[sp.S.One])
         if expression == tau:
             return _Sum(q=[sp.S.One])
+        if expression == zeta:
+            return _Sum(w=[sp.S.One])
         if expression.func is jacobi_epsilon:
             return self._epsilon(*expression.args)
         if expression.is_Add:
@@ -175,7 +189,7 @@ class Lowering:
         fixed, varying = self._split(expression)
         if len(varying) == 1:
             inner = self._sum(varying[0])
-            if inner.p or inner.q:
+            if inner.is_moving:
                 total = _Sum()
                 total.extend(inner, fixed)
                 return total
@@ -190,10 +204,10 @@ class Lowering:
         terms = self._sum(z)
         if terms.rest:
             raise ValueError(
-                f"arguments of Jacobi functions must be linear in xi and tau, got {z} "
+                f"arguments of Jacobi functions must be linear in xi, tau, zeta, got {z} "
                 "(give the form an evaluator of its own)"
             )
-        phase = self.phase(terms.p, terms.q, terms.r)
+        phase = self._phase(terms)
         names = ("sn", "cn", "dn", "zeta", "theta")
         symbols = (sp.Symbol(f"{name}_{phase.name}", real=True) for name in names)
         return self.calls.setdefault((phase, m), JacobiCall(phase, m, *symbols))
@@ -205,7 +219,7 @@ class Lowering:
 
     def _is_varying(self, expression: sp.Expr) -> bool:
         if expression not in self._varies:
-            self._varies[expression] = expression in (xi, tau) or any(
+            self._varies[expression] = expression in (xi, tau, zeta) or any(
                 self._is_varying(argument) for argument in expression.args
             )
         return self._varies[expression]

@@ -13,7 +13,7 @@ import sympy as sp
 
 from solutions.compile.lowering import Lowering
 from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import xi
+from solutions.symbols import xi, zeta
 
 __all__ = ["Tape", "UnknownDerivativeError", "tape_of"]
 
@@ -167,32 +167,48 @@ def _is_negated_symbol(expression: sp.Basic) -> bool:
     return isinstance(expression, sp.Mul) and bool((-expression).is_Symbol)
 
 
-def tape_of(lowering: Lowering, value: sp.Expr) -> tuple[Tape, list[sp.Expr]]:
-    """A tape of a lowered expression; entries of the value, its xi and its tau derivative."""
-    tape = Tape((xi, _ALONG))
+def tape_of(
+    lowering: Lowering, values: Sequence[sp.Expr], has_across: bool
+) -> tuple[Tape, list[sp.Expr]]:
+    """A tape of lowered expressions; entries of each one's value, xi and tau derivative.
+
+    The derivative in zeta follows where the equation has it.
+    """
+    across = [zeta] if has_across else []
+    tape = Tape((xi, _ALONG, *across))
     drift = _seed(tape, lowering)
-    replacements, (result,) = sp.cse(value, symbols=sp.numbered_symbols("y_", real=True))
+    replacements, results = sp.cse(values, symbols=sp.numbered_symbols("y_", real=True))
     recorded: dict[sp.Expr, sp.Expr] = {}
     for symbol, right in replacements:
         recorded[symbol] = tape.record(right.xreplace(recorded))
-    output = tape.record(result.xreplace(recorded))
-    rate, along = (tape.derivative(output, direction) for direction in (xi, _ALONG))
-    return tape, [output, rate, along + drift * rate]
+    outputs: list[sp.Expr] = []
+    for result in results:
+        output = tape.record(result.xreplace(recorded))
+        rate, along = (tape.derivative(output, direction) for direction in (xi, _ALONG))
+        outputs += [output, rate, along + drift * rate]
+        outputs += [tape.derivative(output, direction) for direction in across]
+    return tape, outputs
 
 
 def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
-    """Set the derivatives of phases and Jacobi functions; return the carrier's drift q/p."""
+    """Set the derivatives of phases and Jacobi functions; return the carrier's drift q/p.
+
+    The carrier's p is 0 at no values of the parameters; without one, the drift is 0.
+    """
     phases = {phase.symbol: phase for phase in lowering.phases.values()}
     calls = list(lowering.calls.values())
-    carrying = [phases[call.phase] for call in calls] + [ph for ph in phases.values() if ph.p != 0]
-    if not carrying:
-        return sp.S.Zero
-    carrier, rates = carrying[0], {}
+    carrying = [phases[call.phase] for call in calls] + list(phases.values())
+    carrier = next((phase for phase in carrying if phase.p.is_nonzero), None)
+    rates = {}
     for phase in phases.values():
-        along = sp.S.Zero
-        if (phase.p, phase.q) not in ((carrier.p, carrier.q), (-carrier.p, -carrier.q)):
-            along = lowering.constant(phase.q - phase.p * carrier.q / carrier.p)
-        rates[phase.symbol] = {xi: lowering.constant(phase.p), _ALONG: along}
+        along = phase.q
+        if carrier is not None:
+            along -= phase.p * carrier.q / carrier.p
+            if (phase.p, phase.q) in ((carrier.p, carrier.q), (-carrier.p, -carrier.q)):
+                along = sp.S.Zero
+        rates[phase.symbol] = {xi: lowering.constant(phase.p), _ALONG: lowering.constant(along)}
+        if phase.w != 0:
+            rates[phase.symbol][zeta] = lowering.constant(phase.w)
     for call in calls:
         mean = lowering.constant(sp.elliptic_e(call.m) / sp.elliptic_k(call.m))
         fixed = {call.m: lowering.constant(call.m)}
@@ -201,7 +217,7 @@ def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
                 direction: of_phase * rate.xreplace(fixed)
                 for direction, of_phase in rates[call.phase].items()
             }
-    for symbol, along_both in rates.items():
-        for direction, rate in along_both.items():
+    for symbol, in_directions in rates.items():
+        for direction, rate in in_directions.items():
             tape.seed(symbol, direction, rate)
-    return lowering.constant(carrier.q / carrier.p)
+    return sp.S.Zero if carrier is None else lowering.constant(carrier.q / carrier.p)

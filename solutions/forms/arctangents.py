@@ -1,11 +1,13 @@
 """Waves ``U = 2 d/dxi arctan(f)`` (K4 > 0): the breather, the double pole, two solitons."""
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from solutions.record import FOCUSING_MKDV, Bound, ClosedForm, FarFields, Parameter, Reference
 from solutions.symbols import X_0, A, tau, xi
 
-__all__ = ["breather", "double_pole", "two_soliton"]
+__all__ = ["breather", "double_pole", "two_soliton", "without_cancellation"]
 
 _A_1 = sp.Symbol("A_1", positive=True)
 _A_2 = sp.Symbol("A_2", positive=True)
@@ -119,7 +121,7 @@ def _divided(polynomial: sp.Poly, tanhs: list[sp.Symbol], sechs: list[sp.Symbol]
     return sp.expand(sum(c * weights[0][i] * weights[1][j] for (i, j), c in polynomial.terms()))
 
 
-def _without_cancellation(t: list[sp.Symbol], s: list[sp.Symbol]) -> sp.Expr:
+def without_cancellation(t: Sequence[sp.Symbol], s: Sequence[sp.Symbol]) -> sp.Expr:
     """``gap = 1 - t_1 t_2``, where it is small from ``1 - (t_1 t_2)**2``, a sum of squares.
 
     ``gap = (gap**2 + 1 - (t_1 t_2)**2)/2`` squares an error in the gap; twice leaves none.
@@ -139,4 +141,4 @@ def _stable_solitons() -> sp.Expr:
     shifted = [phase + sp.log(_repulsion) for phase in _phases]
     values = dict(zip(t + s, [f(z) for f in (sp.tanh, sp.sech) for z in shifted], strict=True))
     wave = numerator / sp.collect(denominator, gap, sp.factor)
-    return wave.subs(gap, _without_cancellation(t, s)).subs(_r, _repulsion).xreplace(values)
+    return wave.subs(gap, without_cancellation(t, s)).subs(_r, _repulsion).xreplace(values)

@@ -1,4 +1,4 @@
-"""Linear phases ``p x + q t + r`` as sums of three floats, at arrays of points.
+"""Linear phases ``p x + q t + r + w z`` as sums of three floats, at arrays of points.
 
 The coefficients are sums of three floats, too. ``p x`` and ``q t`` may be 10^15 and cancel: the sum
 still has the precision of double-double. And a phase of 10^25, as at late times under a strong
@@ -48,6 +48,19 @@ def _plus(a: Three, b: Three) -> Three:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _add_across(w: Three, z: Array, out: Array) -> None:
+    """Add ``w z`` to what `_fill` made."""
+    for i in range(z.size):
+        across = _three(w, z[i])
+        high, middle, low = _plus((out[0, i], out[1, i], out[2, i]), across)
+        high, middle = two_sum(high, middle)
+        middle, low = two_sum(middle, low)
+        out[0, i], middle = two_sum(high, middle)
+        out[1, i], out[2, i] = two_sum(middle, low)
+        out[3, i] += OF_TERMS * abs(across[0])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _fill(p: Three, q: Three, r: Three, x: Array, t: Array, out: Array) -> None:
     for i in range(x.size):
         moving, drifting = _three(p, x[i]), _three(q, t[i])
@@ -69,7 +82,7 @@ def as_pairs(phase: Array) -> Array:
 
 
 class LinearPhase:
-    """``p x + q t + r`` with coefficients made from exact or long numbers.
+    """``p x + q t + r + w z`` with coefficients made from exact or long numbers.
 
     Raises OverflowError for a coefficient beyond 1e-250 .. 1e250.
 
@@ -80,27 +93,35 @@ class LinearPhase:
     0.0 0.0 0.0 True
     """
 
-    def __init__(self, p: Any, q: Any, r: Any) -> None:
-        p, q, r = (split_three(check_range(coefficient)) for coefficient in (p, q, r))
+    def __init__(self, p: Any, q: Any, r: Any, w: Any = 0) -> None:
+        p, q, r, w = (split_three(check_range(coefficient)) for coefficient in (p, q, r, w))
         self._coefficients: tuple[Three, Three, Three] = p, q, r
+        self._across: Three = w
 
-    def zero(self, t: float) -> float | None:
+    @property
+    def rate(self) -> float:
+        """p, as a double."""
+        return self._coefficients[0][0]
+
+    def zero(self, t: float, z: float = 0.0) -> float | None:
         """The x at which the phase vanishes at time t, None if it does not depend on x.
 
         >>> LinearPhase(2, -6, 3).zero(1.0)
         1.5
         """
         p, q, r = (coefficient[0] for coefficient in self._coefficients)
-        return None if p == 0 else -(q * t + r) / p
+        return None if p == 0 else -(q * t + r + self._across[0] * z) / p
 
-    def __call__(self, x: Array, t: Array) -> Array:
-        """The phase at the points (x, t), flat and of one size: (4, points).
+    def __call__(self, x: Array, t: Array, *across: Array) -> Array:
+        """The phase at the points (x, t), or (x, t, z), flat and of one size: (4, points).
 
         Rows are three floats, each below the rounding of the one before, and a bound of the error
         of their sum.
         """
         out = np.empty((4, x.size))
         _fill(*self._coefficients, x, t, out)
+        for z in across:
+            _add_across(self._across, z, out)
         return out
 
 
@@ -127,19 +148,20 @@ copyreg.pickle(LONG.mpf, lambda number: (_long, (number._mpf_,)))
 
 @dataclass(frozen=True)
 class Variables:
-    """``xi = a x + d t`` and ``tau = b t``: a closed form's variables in the caller's.
+    """``xi = a x + d t``, ``tau = b t``, ``zeta = e z``: a closed form's variables in the caller's.
 
-    ``a``, ``b`` and ``d`` are long numbers; ``eps`` is what they were made of, None for X and T.
+    These are long numbers; ``eps`` is what they were made of, None for X, T and Z.
     """
 
     a: Any
     b: Any
     d: Any
     eps: Fraction | Expr | None = None
+    e: Any = 0
 
-    def phase(self, p: Any, q: Any, r: Any) -> LinearPhase:
-        """``p xi + q tau + r`` in the caller's variables; p, q, r are long numbers.
+    def phase(self, p: Any, q: Any, r: Any, w: Any = 0) -> LinearPhase:
+        """``p xi + q tau + r + w zeta`` in the caller's variables; p, q, r, w are long numbers.
 
         Raises OverflowError for a coefficient out of a double's range.
         """
-        return LinearPhase(p * self.a, p * self.d + q * self.b, r)
+        return LinearPhase(p * self.a, p * self.d + q * self.b, r, w * self.e)

@@ -1,4 +1,4 @@
-"""Programs for the machine with numbers in: plain data, and values at arrays of (x, t).
+"""Programs for the machine: plain data, and the Jacobi functions.
 
 The Jacobi functions sn, cn, dn, zeta and Theta are such programs, made from the modulus. The
 argument is reduced to u = j K + r, |r| <= K/2, so that no function is evaluated near a
@@ -17,18 +17,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
 import numpy as np
 
 from solutions.functions.multiprecision import MpmathFormula
-from solutions.run.bounded import PARTS
 from solutions.run.bytecode import Bytecode, Code, Operation, Value
 from solutions.run.doubledouble import (
     Array,
     Three,
-    check_range,
     quick_two_sum,
     split,
     split_three,
@@ -39,9 +37,6 @@ from solutions.run.jit import njit
 from solutions.run.linear_phase import (
     CONSTANT_DIGITS,
     LONG,
-    LinearPhase,
-    Variables,
-    as_pairs,
     long_number,
 )
 from solutions.run.machine import run_pairs
@@ -283,17 +278,17 @@ class Numbers(NamedTuple):
     """What a program takes from the parameters' values, as mpf."""
 
     constants: list[Any]
-    coefficients: list[tuple[Any, Any, Any]]
+    coefficients: list[tuple[Any, Any, Any, Any]]
     moduli: list[Any]
 
 
 @dataclass(frozen=True)
 class Program:
-    """Value, xi derivative and tau derivative as a function of phases, Jacobi values, constants.
+    """Values, xi and tau derivatives as a function of phases, Jacobi values, constants.
 
     The bytecode's inputs are the phases, then sn, cn, dn, zeta, theta of each call; ``calls`` has
     the place of each call's phase, and ``wanted`` which of the five it reads. ``fixed`` takes the
-    parameters and gives the bytecode's constants, then p, q, r of each phase, then m of each call.
+    parameters and gives the bytecode's constants, p, q, r, w of each phase, then m of each call.
     """
 
     calls: Sequence[int]
@@ -315,8 +310,8 @@ class Program:
             if all(new == 0 or _agree(old, new) for old, new in zip(before, found, strict=True)):
                 break
         first, second = len(self.bytecode.pool), len(found) - len(self.calls)
-        triples = zip(*(iter(found[first:second]),) * 3, strict=True)
-        return Numbers(found[:first], list(triples), found[second:])
+        coefficients = zip(*(iter(found[first:second]),) * 4, strict=True)
+        return Numbers(found[:first], list(coefficients), found[second:])
 
     def _fixed_with(self, digits: int, parameters: Sequence[Expr]) -> list[Any]:
         with LONG.workdps(digits):
@@ -347,53 +342,3 @@ class Program:
 
 def _agree(old: Any, new: Any) -> bool:
     return bool(abs(new - old) <= AGREEMENT * abs(new))
-
-
-class PointEvaluator(Protocol):
-    """What a wave asks of an evaluator: phases, and the value with its derivatives."""
-
-    def phases(self, variables: Variables) -> list[LinearPhase]:
-        """The phases in the caller's variables."""
-
-    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
-        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points).
-
-        The second axis is high part, low part and bound of the error.
-        """
-
-
-class Evaluator:
-    """The value and its xi and tau derivatives by a program with exact parameters put in.
-
-    The result is scaled by nothing: the caller multiplies by the normal form's rates. Raises
-    OverflowError for a constant of the program beyond 1e-250 .. 1e250.
-    """
-
-    def __init__(self, program: Program, parameters: Sequence[Expr]) -> None:
-        self._bytecode, self._calls = replace(program.bytecode, pool=()), tuple(program.calls)
-        numbers = program.numbers(parameters)
-        self._constants = np.array([split(check_range(c)) for c in numbers.constants]).reshape(
-            -1, 2
-        )
-        self._coefficients = numbers.coefficients
-        self._functions = [
-            jacobi_program(check_range(m), check_range(1 - m), tuple(wanted))
-            for m, wanted in zip(numbers.moduli, program.wanted, strict=True)
-        ]
-
-    def phases(self, variables: Variables) -> list[LinearPhase]:
-        """The program's phases in the caller's variables."""
-        return [variables.phase(*coefficients) for coefficients in self._coefficients]
-
-    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
-        """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
-        found = [phase(x, t) for phase in phases]
-        rows = [as_pairs(phase)[None] for phase in found]
-        rows += [
-            functions(found[place])
-            for place, functions in zip(self._calls, self._functions, strict=True)
-        ]
-        out = np.empty((3, PARTS, x.size))
-        inputs = np.concatenate(rows) if rows else np.empty((0, PARTS, x.size))
-        run_pairs(self._bytecode, self._constants, inputs, out)
-        return out

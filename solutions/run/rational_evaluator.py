@@ -42,10 +42,10 @@ class RationalEvaluator:
         """``x = xi - 6 tau`` and ``t = tau`` in the caller's variables."""
         return [variables.phase(1, -6, 0), variables.phase(0, 1, 0)]
 
-    def __call__(self, phases: list[LinearPhase], x: Array, t: Array) -> Array:
+    def __call__(self, phases: list[LinearPhase], *points: Array) -> Array:
         """Value, xi derivative and tau derivative at the points (x, t): an array (3, 3, points)."""
-        place, time = (as_pairs(phase(x, t)) for phase in phases)
-        out = np.empty((3, PARTS, x.size))
+        place, time = (as_pairs(phase(*points)) for phase in phases)
+        out = np.empty((3, PARTS, points[0].size))
         space = workspace(self._tables.shape[1] - 1)
         scales = scales_of(place[0], time[0])
         rational_loop(self._tables, self._parities, self._sign, place, time, scales, space, out)

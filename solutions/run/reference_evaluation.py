@@ -1,6 +1,6 @@
 """Evaluation of an expression in mpmath, at any precision."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive.algebra.exact_numbers import exact_number, shown
 from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import tau, xi
+from solutions.symbols import tau, xi, zeta
 
 __all__ = ["check_digits", "evaluate_mp", "exact_point"]
 
@@ -22,57 +22,86 @@ LARGEST = sp.Integer(10) ** 1000
 
 @lru_cache(maxsize=64)
 def _formula(expression: sp.Expr, parameters: tuple[sp.Symbol, ...]) -> tuple[Any, MpmathFormula]:
-    """A private context, and ``expression`` as a formula in (xi, tau, *parameters)."""
-    return mpmath.MPContext(), MpmathFormula.of([xi, tau, *parameters], [expression])
+    """A private context, and ``expression`` in (xi, tau, zeta, *parameters)."""
+    return mpmath.MPContext(), MpmathFormula.of([xi, tau, zeta, *parameters], [expression])
 
 
 def evaluate_mp(
     expression: sp.Expr,
     parameters: Mapping[sp.Symbol, sp.Expr],
-    variables: tuple[sp.Expr, sp.Expr, sp.Expr],
-    rates: tuple[sp.Expr, sp.Expr],
-    point: tuple[sp.Expr, sp.Expr],
+    variables: tuple[sp.Expr, ...],
+    rates: Sequence[sp.Expr],
+    point: Sequence[sp.Expr],
     digits: int,
-) -> tuple[Any, Any, Any]:
-    """U and its xi and tau derivatives times the two ``rates``, to ``digits`` digits, as mpf.
+    *,
+    drift: sp.Expr = sp.S.Zero,
+    highest: int | None = None,
+) -> tuple[Any, ...]:
+    """U and its xi, tau and zeta derivatives times the ``rates``, to ``digits`` digits, as mpf.
 
-    ``point`` is (x, t); xi = a x + d t and tau = b t for ``variables`` (a, b, d). Derivatives are
-    by differences, which know nothing of the derivative rules and so are a check of these. The
-    working precision is doubled until two results agree: the printed forms cancel near the ends of
-    their parameters' domains.
+    From the third, ``drift`` times the second is subtracted. With ``highest`` they are U and its xi
+    derivatives up to that order instead.
+    ``point`` is (x, t) or (x, t, z); xi = a x + d t, tau = b t and zeta = e z for ``variables``
+    (a, b, d, e). Where U is complex the values are mpc. Derivatives are by differences, which know
+    nothing of the derivative rules and so are a check of these. The working precision is doubled
+    until two results agree: the printed forms cancel near the ends of their parameters' domains.
     """
     context, formula = _formula(expression, tuple(parameters))
-    along, later, drift = variables
-    moving = along * point[0] + drift * point[1], later * point[1]
-    exact = (*parameters.values(), *moving, *rates)
     guard, before = GUARD_DIGITS, None
     while True:
         with context.workdps(digits + guard):
-            *given, x, t, a, b = (_convert(context, number) for number in exact)
-            values = _with_differences(context, formula, x, t, given)
-            found = values[0], a * values[1], b * values[2]
-            agree = before is not None and _agree(context, found, before, digits)
+            given = [_convert(context, number) for number in parameters.values()]
+            place = [_convert(context, number) for number in _place(variables, point)]
+            if highest is None:
+                values = _with_differences(context, formula, place, len(point), given)
+            else:
+                values = _along(context, formula, place, given, highest)
+            scales = [_convert(context, rate) for rate in rates]
+            found = [rate * value for rate, value in zip(scales, values, strict=True)]
+            if highest is None:
+                found[2] -= _convert(context, drift) * found[1]
+        agree = before is not None and _agree(context, found, before, digits)
         if agree:
             with context.workdps(digits):
-                return +found[0], +found[1], +found[2]
+                return tuple(+value for value in found)
         guard, before = 2 * guard, found
 
 
+def _place(variables: tuple[sp.Expr, ...], point: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """xi, tau and zeta."""
+    along, later, drift, across = variables
+    x, t, *z = point
+    return [along * x + drift * t, later * t, across * z[0] if z else sp.S.Zero]
+
+
 def _with_differences(
-    context: Any, formula: MpmathFormula, x: Any, t: Any, point: list[Any]
-) -> tuple[Any, Any, Any]:
-    """Value and slopes from three values at more than twice the precision of the slopes."""
+    context: Any, formula: MpmathFormula, place: list[Any], directions: int, given: list[Any]
+) -> list[Any]:
+    """Value and slopes, the latter from values at more than twice their precision."""
     step = context.ldexp(1, -context.prec)
-    size = max(context.mag(x), context.mag(t), 1)
+    size = max(1, *(context.mag(coordinate) for coordinate in place))
     with context.workprec(2 * context.prec + size):
-        (value,) = formula(context, x, t, *point)
-        (moved,) = formula(context, x + step, t, *point)
-        (later,) = formula(context, x, t + step, *point)
-        slope, rate = (moved - value) / step, (later - value) / step
-    return value, slope, rate
+        (value,) = formula(context, *place, *given)
+        found = [value]
+        for direction in range(directions):
+            moved = list(place)
+            moved[direction] += step
+            found.append((formula(context, *moved, *given)[0] - value) / step)
+    return found
 
 
-def _agree(context: Any, one: tuple[Any, ...], other: tuple[Any, ...], digits: int) -> bool:
+def _along(
+    context: Any, formula: MpmathFormula, place: list[Any], given: list[Any], highest: int
+) -> list[Any]:
+    """The value and its xi derivatives."""
+
+    def value(x: Any) -> Any:
+        return formula(context, x, *place[1:], *given)[0]
+
+    return list(context.diffs(value, place[0], highest))
+
+
+def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
     bound = context.mpf(10) ** -(digits + 1)
     return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(one, other, strict=True))
 

@@ -10,10 +10,11 @@ from rich.table import Table
 
 from derive.command_line import fail, interrupted
 from verify.cli.console import check_output, plain_console, progress_bar
-from verify.comparison.scene import Scene, find_scene, with_tolerance
+from verify.comparison.scene import Scene, with_tolerance
 from verify.comparison.scene_run import record_scene, save_run
 from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
+from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
 
 @dataclass
@@ -36,7 +37,15 @@ def run_and_print(options: RunOptions, program: str) -> int:
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(options.output)
-        scene = _changed(find_scene(options.scene), options.tolerance, options.engine)
+        found = find_any_scene(options.scene)
+    except ValueError as error:
+        return fail(error)
+    if isinstance(found, LatticeScene):
+        from verify.cli.lattice_scenes import run_lattice_and_print
+
+        return run_lattice_and_print(found, options, program)
+    try:
+        scene = _changed(found, options.tolerance, options.engine)
         trust = trust_attributes(scene)
         run = _run_with_bar(scene, errors)
         run.attrs |= trust

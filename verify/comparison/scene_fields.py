@@ -212,20 +212,34 @@ STATED = ("step", "domain", "sites")
 """Required unless there is a tolerance."""
 
 
-def read_scene_file(path: Path) -> dict[str, Any]:
-    """The scene's fields by name, the file's stem as ``name``.
+LARGEST_FILE = 100_000
+"""Bytes of a scene's file."""
 
-    Raises ValueError for a file that is missing, is not TOML, has an unknown key or lacks one.
-    """
+
+def read_document(path: Path) -> Mapping[str, Any]:
+    """The tables of a TOML file; ValueError, in one line, for what is none."""
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = path.read_bytes()
     except OSError as error:
         raise ValueError(
             f"scene must be a file that can be read, got {path}: {error.strerror} "
             "(or the name of a shipped scene)"
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"scene must be a TOML file, got {path}: {error} (mend it)") from None
+    if len(content) > LARGEST_FILE:
+        raise ValueError(f"scene must have at most {LARGEST_FILE} bytes, got {path} with more")
+    try:
+        return tomllib.loads(content.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        reason = " ".join(str(error).split())
+        raise ValueError(f"scene must be a TOML file, got {path}: {reason} (mend it)") from None
+
+
+def read_scene_file(path: Path) -> dict[str, Any]:
+    """The scene's fields by name, the file's stem as ``name``.
+
+    Raises ValueError for a file that is missing, is not TOML, has an unknown key or lacks one.
+    """
+    document = read_document(path)
     try:
         return {"name": path.stem, **scene_fields(document)}
     except ValueError as error:
@@ -240,37 +254,39 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     ...
     ValueError: keys must be known ones, got colour (one of title, wave, ..., domain, parameters)
     """
-    _refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
+    refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
     fields = {key: document[key] for key in TOP if key in document}
-    for table, renamed in TABLES.items():
-        entries = _table(document, table)
-        _refuse_unknown(entries, tuple(renamed), f" in [{table}]")
+    for name, renamed in TABLES.items():
+        entries = table(document, name)
+        refuse_unknown(entries, tuple(renamed), f" in [{name}]")
         fields |= {renamed[key]: value for key, value in entries.items()}
     required = REQUIRED if "tolerance" in fields else (*REQUIRED, *STATED)
     missing = [key for key in required if key not in fields]
     if missing:
         remedy = " or a tolerance" if missing[0] in STATED else ""
         raise ValueError(f"{_where(missing[0])} must be stated, got nothing (state it{remedy})")
-    fields["parameters"] = tuple(_table(document, "parameters").items())
+    fields["parameters"] = tuple(table(document, "parameters").items())
     return fields
 
 
-def _table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    table = document.get(name, {})
-    if not isinstance(table, Mapping):
-        raise ValueError(f"{name} must be a table, got {table!r} (write [{name}])")
-    return table
+def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The table of that name, empty if there is none; ValueError if it is something else."""
+    found = document.get(name, {})
+    if not isinstance(found, Mapping):
+        raise ValueError(f"{name} must be a table, got {shown(found)} (write [{name}])")
+    return found
 
 
 def _where(field: str) -> str:
-    for table, renamed in TABLES.items():
+    for name, renamed in TABLES.items():
         for key, target in renamed.items():
             if target == field:
-                return f"{key} in [{table}]"
+                return f"{key} in [{name}]"
     return field
 
 
-def _refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+def refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    """Refuse keys that are not known, ``where`` saying in which table they are."""
     for key in entries:
         if key not in known:
             raise ValueError(

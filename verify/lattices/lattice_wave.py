@@ -75,6 +75,13 @@ class LatticeWave(ABC):
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain, one entry an axis."""
 
+    def start(self, t: float) -> None:
+        """Let what is solved for, of the next order, begin at this time; nothing unless overridden.
+
+        To be called before anything is asked for.
+        """
+        return
+
     @property
     def scale(self) -> float:
         """The unit in which errors are told."""
@@ -126,11 +133,11 @@ class LatticeWave(ABC):
         return max(largest_group_velocity(ring.lattice, found) for found in ends)
 
 
-def largest_group_velocity(lattice: NumericLattice, slopes: list[float]) -> float:
-    """max |dw/dk| along the first axis over all branches of a lattice, forces linearised."""
+def largest_group_velocity(lattice: NumericLattice, slopes: list[float], axis: int = 0) -> float:
+    """max |dw/dk| along an axis over all branches of a lattice, forces linearised."""
     k = np.linspace(0.0, np.pi, WAVENUMBERS)
     waves = np.zeros((k.size, lattice.dimension))
-    waves[:, 0] = k
+    waves[:, axis] = k
     squares = lattice.squared_frequencies(waves, slopes)
     w = np.sqrt(np.maximum(squares, 0.0))
     return float(np.max(np.abs(np.diff(w, axis=0)))) / float(k[1])

@@ -1,0 +1,136 @@
+"""The fields of a carrier wave with numbers: what the lattice holds for a given amplitude A.
+
+A field is ``sum value eps^power product of jets``, each product turning with its harmonic; a jet is
+the m-th X-derivative of A or of its conjugate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import mpmath
+
+from derive.algebra.exact_numbers import Number
+from derive.algebra.jets import DifferentialPolynomial, Monomial
+from derive.algebra.rational_functions import RationalFunction
+from derive.algebra.series import EpsSeries
+from derive.carrier import LAST, EnvelopeError, harmonic
+from derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
+
+
+class CarrierTerm(NamedTuple):
+    """``value eps^power`` times the jets (m, 0) of A and (m, 1) of its conjugate."""
+
+    power: int
+    jets: Monomial
+    value: complex
+
+    @property
+    def harmonic(self) -> int:
+        """How many A there are, less its conjugates."""
+        return harmonic(self.jets)
+
+
+CarrierTerms = tuple[CarrierTerm, ...]
+
+
+@dataclass(frozen=True)
+class CarrierFields:
+    """The ansatz of an envelope at one wavenumber, through eps^3.
+
+    ``parts``: of each field the harmonics from 0 up; the complex conjugates of those above 0 are
+    left out.  ``mean``: the mean S, of which field j holds ``shares[j]`` times; in a lattice of
+    displacements (``is_displacement``) the X-integral of S over eps, for which ``mean_slope`` is
+    S_X and ``mean_flow`` the T-derivative of the integral at the first order.  A lattice that is
+    tied to its place has no such mean: its own is harmonic 0 of ``parts``.  ``flow``: A_T and its
+    X-derivatives, as many as there are jets in the rest.
+    """
+
+    k: float
+    omega: float
+    v: float
+    parts: tuple[CarrierTerms, ...]
+    mean: CarrierTerms
+    mean_slope: CarrierTerms
+    mean_flow: CarrierTerms
+    shares: tuple[float, ...]
+    is_displacement: bool
+    flow: tuple[CarrierTerms, ...]
+
+    @property
+    def highest_jet(self) -> int:
+        """The most X-derivatives of A in fields and their time derivatives."""
+        every = (self.mean, self.mean_slope, self.mean_flow, *self.parts, *self.flow)
+        return max(m for terms in every for term in terms for m, _ in term.jets)
+
+
+def carrier_fields(
+    envelope: Envelope, k: Number | None = None, branch: str | int | None = None, **given: Number
+) -> CarrierFields:
+    """The fields at a wavenumber and values of all constants, as for `Envelope.coefficients`.
+
+    Raises what that raises.
+
+    >>> from derive import LATTICES, envelope
+    >>> found = carrier_fields(envelope(LATTICES["fput_strain"]), 1, K2=1, K3=0, K4=1)
+    >>> found.parts[0]
+    (CarrierTerm(power=1, jets=((0, 0),), value=(1+0j)),)
+    """
+    numbers = envelope.coefficients(k, branch, **given)
+    point = envelope.point(k, branch, given)
+    carrier = envelope.carrier
+    free = not carrier.is_pinned
+    with mpmath.workdps(DIGITS + GUARD):
+        parts = tuple(_numeric(part, point) for part in carrier.parts)
+        mean = _numeric(carrier.mean, point) if free else ()
+        slope = _numeric(carrier.mean.derivative(0), point) if free else ()
+        weights = carrier.uniform[0] if free else [carrier.field.zero] * len(parts)
+        shares = tuple(float(_value(weight, point).real) for weight in weights)
+        highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
+        flow = [carrier.flow]
+        for _ in range(highest):
+            flow.append(flow[-1].derivative(0))
+        return CarrierFields(
+            float(point["angle"]),
+            numbers.omega,
+            numbers.v,
+            parts,
+            mean,
+            slope,
+            _numeric(carrier.mean_flow, point) if carrier.is_displacement else (),
+            shares,
+            carrier.is_displacement,
+            tuple(_numeric(series, point, every=True) for series in flow),
+        )
+
+
+def _numeric(
+    series: EpsSeries, point: Mapping[str, mpmath.mpc], *, every: bool = False
+) -> CarrierTerms:
+    return tuple(_terms(series, point, every=every))
+
+
+def _terms(
+    series: EpsSeries, point: Mapping[str, mpmath.mpc], *, every: bool
+) -> Iterator[CarrierTerm]:
+    for power, part in series.parts.items():
+        for monomial, value in _known(part, power).terms.items():
+            if every or harmonic(monomial) >= 0:
+                yield CarrierTerm(power, monomial, complex(_value(value, point)))
+
+
+def _known(part: DifferentialPolynomial, power: int) -> DifferentialPolynomial:
+    """The part, if the expansion has found all of it at this power, otherwise nothing."""
+    return part if power < LAST else DifferentialPolynomial.zero(part.field)
+
+
+def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc:
+    found = evaluated(element, point)
+    if found is None:
+        raise EnvelopeError(
+            f"k must be no resonance, got {mpmath.nstr(point['angle'], 8)}, where a harmonic of "
+            "the carrier is a wave of the lattice (take another wavenumber)"
+        )
+    return found

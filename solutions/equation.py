@@ -1,0 +1,155 @@
+"""The equations that closed forms solve, in their normal forms: one record for each sign."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import sympy as sp
+
+from derive.algebra.exact_numbers import instance, shown
+from derive.normal_form import NORMAL_EQUATIONS
+from solutions.symbols import s, tau, xi, zeta
+
+__all__ = [
+    "DEFOCUSING_GARDNER",
+    "DEFOCUSING_MKDV",
+    "DEFOCUSING_NLS",
+    "FOCUSING_GARDNER",
+    "FOCUSING_MKDV",
+    "FOCUSING_NLS",
+    "KAWAHARA",
+    "KDV",
+    "KP",
+    "KP_1",
+    "MODIFIED_KAWAHARA",
+    "NLS",
+    "Equation",
+]
+
+
+class _LeftSide(NamedTuple):
+    """The left-hand side of a normal form at U with the signs s and r.
+
+    ``order`` is that of its highest derivative in xi: slow times are ``T = eps**order t``.
+    """
+
+    at: Callable[[sp.Expr, int | sp.Symbol, int], sp.Expr]
+    order: int = 3
+    has_across: bool = False
+    is_complex: bool = False
+
+
+def _slope(U: sp.Expr, order: int = 1) -> sp.Expr:
+    return sp.diff(U, xi, order)
+
+
+def _kdv(U: sp.Expr) -> sp.Expr:
+    return sp.diff(U, tau) + 6 * U * _slope(U) + _slope(U, 3)
+
+
+_LEFT_SIDES: Mapping[str, _LeftSide] = {
+    "KdV": _LeftSide(lambda U, s, r: _kdv(U)),
+    "mKdV": _LeftSide(lambda U, s, r: sp.diff(U, tau) + 6 * s * U**2 * _slope(U) + _slope(U, 3)),
+    "Gardner": _LeftSide(lambda U, s, r: _kdv(U) + 6 * s * U**2 * _slope(U)),
+    "Kawahara": _LeftSide(
+        lambda U, s, r: sp.diff(U, tau) + 6 * U * _slope(U) + s * _slope(U, 3) - _slope(U, 5),
+        order=5,
+    ),
+    "modified Kawahara": _LeftSide(
+        lambda U, s, r: (
+            sp.diff(U, tau) + 6 * r * U**2 * _slope(U) + s * _slope(U, 3) - _slope(U, 5)
+        ),
+        order=5,
+    ),
+    "KP": _LeftSide(lambda U, s, r: _slope(_kdv(U)) + 3 * s * sp.diff(U, zeta, 2), has_across=True),
+    "NLS": _LeftSide(
+        lambda U, s, r: sp.I * sp.diff(U, tau) + _slope(U, 2) + 2 * s * sp.Abs(U) ** 2 * U,
+        order=2,
+        is_complex=True,
+    ),
+}
+"""The left-hand sides under the names of `derive.normal_form.NORMAL_EQUATIONS`."""
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A normal form with its signs; mKdV if nothing else is said.
+
+    ``normal`` is its name among `derive.normal_form.NORMAL_EQUATIONS`, where it is written out; the
+    paper's eq. (1) is mKdV. ``s`` is its sign, or the symbol ``s`` for what holds with either;
+    ``r`` is the second sign, of an equation that has two.
+
+    >>> from sympy import tanh
+    >>> DEFOCUSING_MKDV.residual(tanh(xi + 2 * tau)).simplify()
+    0
+    """
+
+    name: str
+    s: int | sp.Symbol = 1
+    normal: str = "mKdV"
+    r: int = 1
+    xi: sp.Symbol = xi
+    tau: sp.Symbol = tau
+
+    def __post_init__(self) -> None:
+        instance("name", self.name, str, "such as 'focusing mKdV'")
+        if self.s not in (1, -1, s):
+            raise ValueError(f"s must be 1 or -1, got {shown(self.s)} (1 is the focusing equation)")
+        if self.r not in (1, -1):
+            raise ValueError(f"r must be 1 or -1, got {shown(self.r)} (1 is the focusing equation)")
+        if self.normal not in _LEFT_SIDES:
+            known = ", ".join(_LEFT_SIDES)
+            raise ValueError(f"normal must be an equation, got {shown(self.normal)} ({known})")
+
+    def _repr_latex_(self) -> str:
+        equation = NORMAL_EQUATIONS[self.normal].latex
+        for letter in "sr":
+            value = getattr(self, letter)
+            if value in (1, -1):
+                sign = "+" if value > 0 else "-"
+                equation = re.sub(rf"\+ (\d*) ?{letter} ", rf"{sign} \1 ", equation)
+        return rf"$\displaystyle {equation}$".replace("  ", " ")
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        """``xi`` and ``tau``, with ``zeta`` between them where the equation has it."""
+        return (xi, zeta, tau) if self.has_across else (xi, tau)
+
+    @property
+    def free_sign(self) -> tuple[sp.Symbol, ...]:
+        """The symbol ``s``, where either sign will do."""
+        return (s,) if self.s == s else ()
+
+    @property
+    def has_across(self) -> bool:
+        """Whether there is a second direction, zeta."""
+        return _LEFT_SIDES[self.normal].has_across
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether the unknown is complex."""
+        return _LEFT_SIDES[self.normal].is_complex
+
+    @property
+    def order(self) -> int:
+        """The order of its highest derivative in xi; slow times are ``T = eps**order t``."""
+        return _LEFT_SIDES[self.normal].order
+
+    def residual(self, U: sp.Expr) -> sp.Expr:
+        """The left-hand side of the equation at ``U``, unsimplified."""
+        return _LEFT_SIDES[self.normal].at(U, self.s, self.r)
+
+
+FOCUSING_MKDV = Equation("focusing mKdV", +1)
+DEFOCUSING_MKDV = Equation("defocusing mKdV", -1)
+KDV = Equation("KdV", normal="KdV")
+FOCUSING_GARDNER = Equation("focusing Gardner", +1, "Gardner")
+DEFOCUSING_GARDNER = Equation("defocusing Gardner", -1, "Gardner")
+KAWAHARA = Equation("Kawahara", +1, "Kawahara")
+MODIFIED_KAWAHARA = Equation("modified Kawahara", +1, "modified Kawahara", +1)
+KP = Equation("KP-I and KP-II", s, "KP")
+KP_1 = Equation("KP-I", -1, "KP")
+NLS = Equation("NLS", s, "NLS")
+FOCUSING_NLS = Equation("focusing NLS", +1, "NLS")
+DEFOCUSING_NLS = Equation("defocusing NLS", -1, "NLS")

@@ -1,0 +1,51 @@
+"""Waves of KP: the line soliton, and the lump of KP-I."""
+
+import sympy as sp
+
+from solutions.equation import KP, KP_1
+from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from solutions.symbols import kappa, s, tau, xi, zeta
+
+__all__ = ["kp_line_soliton", "kp_lump"]
+
+_q = sp.Symbol("q", real=True)
+
+
+def kp_line_soliton() -> ClosedForm:
+    """The soliton along a line, constant where ``xi + q zeta`` is; for either sign."""
+    phase = kappa * (xi + _q * zeta - (4 * kappa**2 + 3 * s * _q**2) * tau)
+    return ClosedForm(
+        name="kp_line_soliton",
+        title="KP line soliton",
+        expression=2 * kappa**2 * sp.sech(phase) ** 2,
+        equation=KP,
+        parameters=(
+            Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
+            Parameter(_q, default=sp.S.Zero),
+        ),
+        background=sp.S.Zero,
+        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+        reference=Reference(
+            "B. B. Kadomtsev and V. I. Petviashvili, Sov. Phys. Dokl. 15 (1970) 539"
+        ),
+    )
+
+
+def kp_lump() -> ClosedForm:
+    """The lump of KP-I, of height 4 kappa**2; askew where q is not 0."""
+    along = xi + _q * zeta - 3 * (kappa**2 - _q**2) * tau
+    across = kappa * (zeta + 6 * _q * tau)
+    size = across**2 + 1 / kappa**2
+    return ClosedForm(
+        name="kp_lump",
+        title="KP-I lump",
+        expression=4 * (size - along**2) / (size + along**2) ** 2,
+        equation=KP_1,
+        parameters=(
+            Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
+            Parameter(_q, default=sp.S.Zero),
+        ),
+        background=sp.S.Zero,
+        far_fields=FarFields(sp.S.Zero, sp.S.Zero),
+        reference=Reference("S. V. Manakov et al., Phys. Lett. A 63 (1977) 205"),
+    )

@@ -1,0 +1,116 @@
+"""Waves of NLS that keep their shape: plane wave, bright and dark soliton, dn and cn wave."""
+
+import sympy as sp
+
+from solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS, Equation
+from solutions.forms.bare_waves import QUARTER_PERIOD, modulus
+from solutions.functions import jacobi_cn, jacobi_dn
+from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from solutions.symbols import A, k, kappa, s, tau, xi
+
+__all__ = [
+    "AMPLITUDE",
+    "nls_bright",
+    "nls_cn",
+    "nls_dark",
+    "nls_dn",
+    "nls_plane",
+    "plane_wave",
+]
+
+AMPLITUDE = Parameter(A, lower=Bound(sp.S.Zero, "the zero solution"), default=sp.S.One)
+
+_speed, _wavenumber = sp.symbols("v q", real=True)
+_SOURCE = Reference("V. E. Zakharov and A. B. Shabat, Sov. Phys. JETP 34 (1972) 62")
+
+
+def plane_wave(frequency: sp.Expr, wavenumber: sp.Expr = sp.S.Zero) -> sp.Expr:
+    """``exp(i (wavenumber xi + frequency tau))``."""
+    return sp.exp(sp.I * (wavenumber * xi + frequency * tau))
+
+
+def _constant(
+    name: str,
+    title: str,
+    equation: Equation,
+    parameters: tuple[Parameter, ...],
+    expression: sp.Expr,
+    background: sp.Expr,
+    far_fields: FarFields,
+) -> ClosedForm:
+    return ClosedForm(
+        name=name,
+        title=title,
+        expression=expression,
+        equation=equation,
+        parameters=parameters,
+        background=background,
+        far_fields=far_fields,
+        reference=_SOURCE,
+    )
+
+
+def nls_plane() -> ClosedForm:
+    """The plane wave of amplitude A and wavenumber q, for either sign."""
+    wave = A * plane_wave(2 * s * A**2 - _wavenumber**2, _wavenumber)
+    parameters = (AMPLITUDE, Parameter(_wavenumber, default=sp.S.Zero))
+    return _constant("nls_plane", "plane wave", NLS, parameters, wave, wave, FarFields(wave, wave))
+
+
+def nls_bright() -> ClosedForm:
+    """The bright soliton of amplitude A and speed v (s = 1)."""
+    wave = A * sp.sech(A * (xi - _speed * tau)) * plane_wave(A**2 - _speed**2 / 4, _speed / 2)
+    return _constant(
+        "nls_bright",
+        "bright soliton",
+        FOCUSING_NLS,
+        (AMPLITUDE, Parameter(_speed, default=sp.S.Zero)),
+        wave,
+        sp.S.Zero,
+        FarFields(sp.S.Zero, sp.S.Zero),
+    )
+
+
+def nls_dark() -> ClosedForm:
+    """The dark soliton of speed v, black where v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
+    carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
+    rest = sp.I * _speed / 2
+    ends = (carrier * (side * kappa + rest) for side in (-1, 1))
+    return _constant(
+        "nls_dark",
+        "dark soliton",
+        DEFOCUSING_NLS,
+        (
+            Parameter(kappa, lower=Bound(sp.S.Zero, "the plane wave"), default=sp.S.One),
+            Parameter(_speed, default=sp.S.Zero),
+        ),
+        carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
+        sp.S.Zero,
+        FarFields(*ends),
+    )
+
+
+def nls_dn() -> ClosedForm:
+    """The dn wave of amplitude A (s = 1)."""
+    wave = A * jacobi_dn(A * xi, k**2) * plane_wave(A**2 * (2 - k**2))
+    return _periodic("nls_dn", "dn wave", "the plane wave", wave, 2 * QUARTER_PERIOD / A)
+
+
+def nls_cn() -> ClosedForm:
+    """The cn wave of amplitude k A (s = 1)."""
+    wave = k * A * jacobi_cn(A * xi, k**2) * plane_wave(A**2 * (2 * k**2 - 1))
+    return _periodic("nls_cn", "cn wave", "the zero solution", wave, 4 * QUARTER_PERIOD / A)
+
+
+def _periodic(name: str, title: str, at_zero: str, wave: sp.Expr, period: sp.Expr) -> ClosedForm:
+    return ClosedForm(
+        name=name,
+        title=title,
+        expression=wave,
+        equation=FOCUSING_NLS,
+        parameters=(modulus(at_zero, "the bright soliton"), AMPLITUDE),
+        background=sp.S.Zero,
+        far_fields=FarFields(wave, wave),
+        reference=_SOURCE,
+        period=period,
+    )

@@ -1,0 +1,184 @@
+"""Taylor coefficients in xi by the same machine: a program for a value becomes one for its series.
+
+Every instruction is replaced by those of its series' coefficients; the Jacobi functions of a phase
+follow from their differential equations. All of it is double-double with bounds of the errors, as
+the value itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from solutions.run.bytecode import Bytecode, Code, Operation, Value
+from solutions.run.doubledouble import Array, split
+from solutions.run.linear_phase import LONG
+
+__all__ = ["jacobi_series", "taylor_bytecode"]
+
+Series = list[Any]
+"""Coefficients of a series: `Value`s and long numbers."""
+
+_BINARY = (Operation.ADD, Operation.SUBTRACT, Operation.MULTIPLY)
+
+
+def taylor_bytecode(
+    bytecode: Bytecode,
+    constants: Sequence[Any],
+    inputs: Callable[[Code, int], list[Series]],
+    outputs: Sequence[int],
+    highest: int,
+) -> tuple[Bytecode, Array]:
+    """The program for the coefficients 0 .. ``highest`` of the results ``outputs``, one by one.
+
+    ``constants`` are the long numbers of the bytecode's pool; ``inputs`` gives the series of its
+    inputs, which are the new program's inputs, too. Returned with it are its constants as pairs.
+    """
+    code = Code(bytecode.inputs)
+    registers: list[Series] = inputs(code, highest + 1)
+    registers += [[]] * (bytecode.registers - len(registers))
+    made = _Expansion(code, highest + 1)
+    for operation, target, a, b, c in _needed(bytecode, outputs):
+        registers[target] = made.series(
+            Operation(operation), registers[a], registers[b], constants[c] if constants else None
+        )
+    found = [registers[bytecode.outputs[row]][n] for row in outputs for n in range(highest + 1)]
+    program = code.assemble([made.value(coefficient).number for coefficient in found])
+    pairs = np.array([split(number) for number in program.pool]).reshape(-1, 2)
+    return replace(program, pool=()), pairs
+
+
+def _needed(bytecode: Bytecode, outputs: Sequence[int]) -> list[list[int]]:
+    """The instructions that some output depends on."""
+    live = {bytecode.outputs[row] for row in outputs}
+    kept = []
+    for row in reversed(bytecode.code.tolist()):
+        operation, target, a, b, _ = row
+        if target in live:
+            live.remove(target)
+            if operation != Operation.CONSTANT:
+                live |= {a, b} if operation in _BINARY else {a}
+            kept.append(row)
+    return kept[::-1]
+
+
+def jacobi_series(
+    code: Code, first: int, phase: Series, m: Any, mean: Any, count: int
+) -> list[Series]:
+    """The series of sn, cn, dn, zeta and Theta, inputs ``first`` to ``first + 4``, of a phase.
+
+    ``m`` is their parameter and ``mean`` is E/K.
+    """
+    rate = phase[1] if count > 1 else 0
+    sn, cn, dn, zeta, theta = found = [[Value(code, first + n)] for n in range(5)]
+    for n in range(1, count):
+        part = rate / n
+        sn.append(_of_product(cn, dn, n - 1) * part)
+        cn.append(_of_product(sn, dn, n - 1) * -part)
+        dn.append(_of_product(sn, cn, n - 1) * (-m * part))
+        square = _of_product(dn, dn, n - 1)
+        zeta.append((square - mean if n == 1 else square) * part)
+        theta.append(_of_product(zeta, theta, n - 1) * part)
+    return found
+
+
+def _of_product(x: Series, y: Series, n: int) -> Any:
+    """The n-th coefficient of a product; of a square, every pair once."""
+    if x is not y:  # one series twice is a square
+        return sum((x[i] * y[n - i] for i in range(n + 1)), LONG.zero)
+    pairs = sum((x[i] * x[n - i] for i in range((n + 1) // 2)), LONG.zero) * 2
+    return pairs if n % 2 else pairs + x[n // 2] * x[n // 2]
+
+
+class _Expansion:
+    """The series of results from those of operands, ``count`` coefficients each."""
+
+    def __init__(self, code: Code, count: int) -> None:
+        self._code, self._count = code, count
+
+    def value(self, coefficient: Any) -> Value:
+        """A coefficient as a value."""
+        if isinstance(coefficient, Value):
+            return coefficient
+        return Value(self._code, self._code.with_constant(Operation.CONSTANT, coefficient))
+
+    def series(self, operation: Operation, x: Series, y: Series, c: Any) -> Series:
+        """The series of an instruction's result."""
+        match operation:
+            case Operation.MULTIPLY_CONSTANT | Operation.SCALE:
+                return [term * c for term in x]
+            case Operation.CONSTANT:
+                return [c, *[LONG.zero] * (self._count - 1)]
+            case Operation.ADD_CONSTANT:
+                return [x[0] + c, *x[1:]]
+            case Operation.FROM_CONSTANT:
+                return [c - x[0], *(term * -1 for term in x[1:])]
+            case Operation.ADD:
+                return [a + b for a, b in zip(x, y, strict=True)]
+            case Operation.SUBTRACT:
+                return [a - b for a, b in zip(x, y, strict=True)]
+            case Operation.MULTIPLY:
+                return [_of_product(x, y, n) for n in range(self._count)]
+            case Operation.TANH:
+                return self._hyperbolic(x)[0]
+            case Operation.SECH:
+                return self._hyperbolic(x)[1]
+            case Operation.EXPONENTIAL:
+                return self._exponential(x)
+            case Operation.RECIPROCAL:
+                return self._reciprocal(x)
+            case Operation.SQUARE_ROOT:
+                return self._square_root(x)
+            case Operation.LOGARITHM:
+                return self._logarithm(x)
+        raise ValueError(f"operation must have a series, got {operation.name} (add one)")
+
+    def _reciprocal(self, x: Series) -> Series:
+        found: Series = [self.value(x[0]).made(Operation.RECIPROCAL)]
+        for n in range(1, self._count):
+            total = sum((x[j] * found[n - j] for j in range(1, n + 1)), LONG.zero)
+            found.append(total * found[0] * -1)
+        return found
+
+    def _exponential(self, x: Series) -> Series:
+        found: Series = [self.value(x[0]).made(Operation.EXPONENTIAL)]
+        for n in range(1, self._count):
+            found.append(_chain(x, found, n))
+        return found
+
+    def _square_root(self, x: Series) -> Series:
+        root = self.value(x[0]).made(Operation.SQUARE_ROOT)
+        found, half = [root], root.made(Operation.RECIPROCAL) * LONG.mpf(0.5)
+        for n in range(1, self._count):
+            known = sum((found[j] * found[n - j] for j in range(1, n)), LONG.zero)
+            found.append((x[n] - known) * half)
+        return found
+
+    def _logarithm(self, x: Series) -> Series:
+        start = self.value(x[0])
+        found, inverse = [start.made(Operation.LOGARITHM)], start.made(Operation.RECIPROCAL)
+        for n in range(1, self._count):
+            known = (found[j] * (LONG.mpf(j) / n) * x[n - j] for j in range(1, n))
+            found.append((x[n] - sum(known, LONG.zero)) * inverse)
+        return found
+
+    def _hyperbolic(self, x: Series) -> tuple[Series, Series]:
+        """tanh and sech, whose derivatives are sech**2 and -tanh sech."""
+        start = self.value(x[0])
+        tanh: Series = [start.made(Operation.TANH)]
+        sech: Series = [start.made(Operation.SECH)]
+        for n in range(1, self._count):
+            rises = [_of_product(sech, sech, j) for j in range(n)]
+            falls = [_of_product(tanh, sech, j) for j in range(n)]
+            tanh.append(_chain(x, rises, n))
+            sech.append(_chain(x, falls, n) * -1)
+        return tanh, sech
+
+
+def _chain(x: Series, outer: Series, n: int) -> Any:
+    """The n-th coefficient of a function of x whose derivative has the series ``outer``."""
+    terms = (x[j] * (LONG.mpf(j) / n) * outer[n - j] for j in range(1, n + 1))
+    return sum(terms, LONG.zero)

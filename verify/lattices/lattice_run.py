@@ -1,0 +1,198 @@
+"""Running a scene on any lattice: derive, start from the wave, integrate, compare."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.refine import Announce, refine
+from lattice.trial import Progress
+from verify.comparison.stated_run import PACKAGES
+from verify.lattices.derivation import Derivation, derivation, lattice_wave
+from verify.lattices.lattice_scene import LatticeScene
+from verify.lattices.lattice_wave import LatticeWave
+from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+ACROSS = 2
+"""``Z = eps**2 m``."""
+
+
+@dataclass(frozen=True)
+class LatticeRun:
+    """A scene that was run: lattice and theory on the compared cells at all ``times``.
+
+    ``cells``, (time, sites) or (time, axes, *sites); ``measured``, ``theory``, ``background``:
+    (time, quantities, *sites). All are what is compared, as it stands; errors are in units of
+    eps to the ``power``. ``error_estimate`` is how far the lattice is estimated to be from the
+    infinite one.
+    """
+
+    scene: LatticeScene
+    derived: Derivation
+    times: tuple[float, ...]
+    speed: float
+    power: int
+    cells: Array
+    measured: Array
+    theory: Array
+    background: Array
+    error_estimate: float
+    cost: dict[str, Any]
+
+    @property
+    def scale(self) -> float:
+        """The unit of errors."""
+        return float(self.scene.eps**self.power)
+
+    @cached_property
+    def errors(self) -> Array:
+        """sup |lattice - theory| at each time, in units of the scale."""
+        return self._largest(self.measured - self.theory) / self.scale
+
+    @cached_property
+    def relative_errors(self) -> Array:
+        """The same in units of the wave's largest deviation from its background."""
+        sizes = self._largest(self.theory - self.background)
+        return np.asarray(self.errors * self.scale / np.where(sizes > 0.0, sizes, math.nan))
+
+    @property
+    def unit(self) -> str:
+        """The scale in words: the power of eps with which what is compared is small."""
+        return "eps" if self.power == 1 else f"eps^{self.power}"
+
+    @property
+    def slow_times(self) -> Array:
+        """T at each time."""
+        return np.array(self.times) * self.scene.eps**self.derived.slow
+
+    def _largest(self, values: Array) -> Array:
+        return np.asarray(np.max(np.abs(values), axis=tuple(range(1, values.ndim))))
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The run as a data set: what a `Scene`'s run has, with ``quantity`` where there are more.
+
+        The first of several quantities is called ``strain``; all are in ``strains``.
+        """
+        from importlib.metadata import version
+
+        import xarray as xr
+
+        places = ("time", "site", "row")[: self.theory.ndim - 1]
+        middles = np.rint(self.speed * np.array(self.times)).astype(np.int64)
+        along = self.cells if self.cells.ndim == 2 else self.cells[:, 0, :, 0]
+        offset = (along[0] - middles[0]).astype(np.int64)
+        data: dict[str, Any] = {
+            "strain": (places, self.measured[:, 0]),
+            "analytic": (places, self.theory[:, 0]),
+            "background": (places, self.background[:, 0]),
+            "n": (("time", "site"), along.astype(np.int64)),
+            "error": ("time", self.relative_errors),
+            "sup_error": ("time", self.errors, {"units": self.unit}),
+            "slow_time": ("time", self.slow_times),
+        }
+        if self.measured.shape[1] > 1:
+            data["strains"] = (("time", "quantity", *places[1:]), self.measured)
+            data["analytics"] = (("time", "quantity", *places[1:]), self.theory)
+        coordinates: dict[str, Any] = {
+            "time": ("time", list(self.times), {"units": "lattice time"}),
+            "site": ("site", offset, {"long_name": "offset from the cell nearest to c t"}),
+        }
+        if len(places) == 3:
+            coordinates["row"] = ("row", self.cells[0, 1, 0].astype(np.int64))
+        attributes = {
+            "lattice_scene": self.scene.json(),
+            "title": self.scene.title or self.scene.name,
+            "equation": self.derived.text(),
+            "frame_speed": self.speed,
+            "error_estimate": self.error_estimate,
+            "tolerance": self.scene.tolerance,
+            **self.cost,
+            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+        }
+        return xr.Dataset(data, coordinates, attributes)
+
+
+def lattice_times(scene: LatticeScene, slow: int) -> tuple[float, ...]:
+    """The lattice's times of a scene, the first of which is the start."""
+    return scene.times or tuple(T / scene.eps**slow for T in scene.slow_times)
+
+
+def compared_cells(scene: LatticeScene, wave: LatticeWave) -> ComparedCells:
+    """The cells of a scene's region; a half-width in X is one in Z, too."""
+    axes = wave.lattice.dimension
+    if scene.compared is not None:
+        return ComparedCells(wave.speed, (scene.compared,) * axes)
+    assert scene.half_width is not None
+    powers = (1, *(ACROSS,) * (axes - 1))
+    return ComparedCells(
+        wave.speed, tuple(max(1, math.ceil(scene.half_width / scene.eps**p)) for p in powers)
+    )
+
+
+def run_lattice_scene(
+    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+) -> LatticeRun:
+    """Derive the scene's equation, start its lattice from the wave, and compare at all times.
+
+    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
+    that are expected to pass. Raises ValueError in one line for everything that lattice, wave and
+    ansatz do not admit, for what would take too long, and for a lattice that blows up.
+    """
+    begun = perf_counter()
+    derived = derivation(scene)
+    wave = lattice_wave(scene)
+    times = lattice_times(scene, derived.slow)
+    wave.start(times[0])
+    compared = compared_cells(scene, wave)
+    engine = RingRuns(wave, compared, times)
+    announce = announce or (lambda _: None)
+    announce(engine.expected)
+    found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
+    if math.isinf(found.error):
+        raise ValueError(
+            f"times must end before {scene.lattice} blows up, got {times[-1]:g} (no step follows "
+            "it; end earlier or take a smaller eps)"
+        )
+    record: RingRecord = found.trial.payload
+    cells = [compared.cells(t) for t in times]
+    return LatticeRun(
+        scene,
+        derived,
+        times,
+        wave.speed,
+        wave.power,
+        np.array(cells),
+        np.array(record.measured) * wave.scale,
+        np.array([wave.strain(place, t) for place, t in zip(cells, times, strict=True)]),
+        np.array([wave.background(p, t) for p, t in zip(cells, times, strict=True)], dtype=float),
+        found.error,
+        _cost(record, found.trial.seconds, perf_counter() - begun, wave),
+    )
+
+
+def _cost(record: RingRecord, seconds: float, whole: float, wave: LatticeWave) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "engine": "stencil",
+        "scheme": SCHEME.name,
+        "steps": record.steps,
+        "sites": record.sites,
+        "force_evaluations": record.steps * SCHEME.stages,
+        "seconds": seconds,
+        "planning_seconds": whole - seconds,
+    }
+    if wave.lattice.conserves_energy:
+        begin, end = record.energies
+        found["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
+    return found

@@ -1,0 +1,273 @@
+"""Runs of a scene's ring of cells, for `lattice.refine` to judge: step and ring are what is varied.
+
+A ring is causal: it holds every cell from which a signal reaches a compared one in time, so its
+seam is never felt there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.command_line import duration
+from lattice.dynamics import dynamics_of
+from lattice.schemes import REDUCED_PHASE_6, stability_limit
+from lattice.trial import (
+    NUDGE,
+    Choices,
+    Kind,
+    Progress,
+    StepSearch,
+    Trial,
+    rounding_error,
+    shorter_step,
+)
+from verify.comparison.domain import front
+from verify.lattices.lattice_wave import LatticeWave, RingState, largest_group_velocity
+
+Array = NDArray[np.float64]
+
+SCHEME = REDUCED_PHASE_6
+
+LIMIT_SHARE = 0.9
+"""Longest step tried, in units of the stability limit at the stiffest bonds of the data."""
+
+STEP_RATIO = 0.8
+"""Step of a control run, in units of the one before it."""
+
+WIDER = 64
+"""Cells, along each axis, by which the ring of a control run is wider."""
+
+GROWTH = 100.0
+"""Growth of the largest value on the compared cells that counts as a blow-up."""
+
+UPDATES = 1e8
+"""Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
+
+SECONDS_PER_UPDATE = {1: 6e-10, 2: 2e-8}
+"""Seconds for a force on one field of a cell, by the number of axes (measured: 2e-10 to 5e-10 on a
+chain, 1e-8 on two axes)."""
+
+USUAL_RUNS = 4.0
+"""Runs of a search, in units of the first."""
+
+BYTES_PER_CELL = 160.0
+"""Of a run, for each field of a cell: state, data, and what is compared."""
+
+MOST_SECONDS, MOST_BYTES = 3600.0, 2e9
+"""What a scene may take."""
+
+
+@dataclass(frozen=True)
+class ComparedCells:
+    """The cells that are compared: within ``reach`` (one an axis) of where the frame is."""
+
+    speed: float
+    reach: tuple[int, ...]
+
+    def middle(self, t: float) -> int:
+        """The cell nearest to the frame's origin along the first axis."""
+        return round(self.speed * t)
+
+    def cells(self, t: float) -> Array:
+        """They themselves, (sites,) or (axes, *sites)."""
+        ends = ((self.middle(t), self.reach[0]), *((0, reach) for reach in self.reach[1:]))
+        return _grid([(middle - reach, middle + reach) for middle, reach in ends])
+
+    def ring(self, times: Sequence[float], signals: Sequence[float], wider: int) -> list[Ends]:
+        """First and last cell, along each axis, of a ring that no compared cell sees the end of.
+
+        ``signals`` are the speeds of the fastest waves along each axis.
+        """
+        found = []
+        for axis, (reach, speed) in enumerate(zip(self.reach, signals, strict=True)):
+            rooms = [
+                (
+                    self.middle(t) if axis == 0 else 0,
+                    reach + math.ceil(_signal(speed, t - times[0])),
+                )
+                for t in times
+            ]
+            low, high = (min(m - r for m, r in rooms), max(m + r for m, r in rooms))
+            found.append((low - wider // 2, high + wider - wider // 2))
+        return found
+
+    def places(self, ring: Sequence[Ends], t: float) -> tuple[slice, ...]:
+        """Where they are on the ring."""
+        middles = (self.middle(t), *(0 for _ in self.reach[1:]))
+        return tuple(
+            slice(middle - reach - low, middle + reach - low + 1)
+            for middle, reach, (low, _) in zip(middles, self.reach, ring, strict=True)
+        )
+
+
+Ends = tuple[int, int]
+"""The first and the last cell of a ring along an axis."""
+
+
+def _signal(speed: float, duration: float) -> float:
+    """Cells that a signal and its dispersive front travel."""
+    return speed * duration + front(speed, duration)
+
+
+def _grid(ends: Sequence[Ends]) -> Array:
+    axes = [np.arange(low, high + 1, dtype=np.float64) for low, high in ends]
+    return axes[0] if len(axes) == 1 else np.stack(np.meshgrid(*axes, indexing="ij"))
+
+
+def sites_of(ends: Sequence[Ends]) -> int:
+    """The number of cells of a ring."""
+    return math.prod(high - low + 1 for low, high in ends)
+
+
+@dataclass(frozen=True)
+class RingRecord:
+    """What a run on a ring left: what is compared at each time, its energies, its cost."""
+
+    measured: list[Array]
+    energies: tuple[float, float]
+    sites: int
+    step: float
+    steps: int
+
+
+class RingRuns(StepSearch):
+    """Runs of one wave at ``times``, the first of which is the start.
+
+    Values are what is compared, in units of the wave's scale. Raises ValueError, before anything
+    large is made, for what would take too long or too much memory, and for an unstable lattice.
+    """
+
+    def __init__(self, wave: LatticeWave, compared: ComparedCells, times: Sequence[float]) -> None:
+        self.wave, self.compared, self.times = wave, compared, tuple(times)
+        lattice = wave.lattice
+        self._fields = len(lattice.fields)
+        rest = lattice.rest_slopes()
+        self._check_cost(lattice.highest_frequency(rest), self._signals(rest))
+        near = wave.ring(compared.cells(self.times[0]), self.times[0])
+        slopes = _stiffest(near)
+        self.signals = [
+            max(pair) for pair in zip(self._signals(rest), self._signals(slopes), strict=True)
+        ]
+        self._check_stability(near)
+        fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
+        self._check_cost(fastest, self.signals)
+        longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
+        sites = sites_of(compared.ring(self.times, self.signals, 0))
+        self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
+        super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
+
+    def _signals(self, slopes: list[float]) -> list[float]:
+        lattice = self.wave.lattice
+        return [largest_group_velocity(lattice, slopes, axis) for axis in range(lattice.dimension)]
+
+    def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
+        sites = sites_of(self.compared.ring(self.times, signals, WIDER))
+        steps = (self.times[-1] - self.times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+        each = SECONDS_PER_UPDATE[min(self.wave.lattice.dimension, 2)]
+        taken = steps * SCHEME.stages * sites * self._fields * each * USUAL_RUNS
+        held = BYTES_PER_CELL * sites * self._fields
+        remedy = "take a larger eps, end earlier or compare fewer cells"
+        if held > MOST_BYTES:
+            raise ValueError(
+                f"scene must fit {MOST_BYTES / 1e9:g} GB, got about {held / 1e9:.2g} GB for a ring "
+                f"of {sites:.3g} cells, from which signals arrive in time ({remedy})"
+            )
+        if taken > MOST_SECONDS:
+            raise ValueError(
+                f"scene must take at most {duration(MOST_SECONDS)}, got about {duration(taken)} "
+                f"for {steps:.2g} steps of {sites:.2g} cells ({remedy})"
+            )
+        self.expected = taken
+
+    def _check_stability(self, near: RingState) -> None:
+        """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
+        corner = (0,) * near.lattice.dimension
+        pairs = zip(near.lattice.bonds, near.lattice.stretches(near.f), strict=True)
+        slopes = [float(bond.force.slope(np.array(stretch[corner]))) for bond, stretch in pairs]
+        if not near.lattice.is_stable(slopes):
+            raise ValueError(
+                f"constants must make waves of {near.lattice.name} stable, got one that grows at "
+                "rest, beside the wave (take stiffer springs)"
+            )
+
+    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+        """A run on a ring as wide as it must be, or as much wider as the size is larger."""
+        begun = perf_counter()
+        wider = WIDER if choices.size > self._first.size else 0
+        ends = self.compared.ring(self.times, self.signals, wider)
+        ring = self.wave.ring(_grid(ends), self.times[0])
+        if choices.nudged:
+            signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *ring.f.shape))
+            ring = replace(ring, f=ring.f * (1.0 + signs[0]), v=ring.v * (1.0 + signs[1]))
+        energy = ring.lattice.energy(ring.f, ring.v)
+        measured, steps, last = [], 0, (ring.f, ring.v)
+        for t, f, v, taken in march(ring, self.times, choices.step):
+            found = self.wave.measured(f, ring.mean_strain)
+            measured.append(found[(slice(None), *self.compared.places(ends, t))] / self.wave.scale)
+            steps, last = steps + taken, (f, v)
+            progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
+        record = RingRecord(
+            measured,
+            (energy, ring.lattice.energy(*last)),
+            sites_of(ends),
+            choices.step,
+            steps,
+        )
+        values = np.array(measured)
+        largest = float(np.max(np.abs(ring.f))) / self.wave.scale
+        evaluations = steps * SCHEME.stages
+        limit = GROWTH * self._least / self.wave.scale
+        sound = len(measured) == len(self.times) and bool(np.all(np.abs(values) <= limit))
+        return Trial(
+            choices,
+            values if sound else None,
+            self.work(choices),
+            perf_counter() - begun,
+            rounding_error(largest, evaluations),
+            record,
+        )
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step on a wider ring."""
+        step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
+        return replace(choices, step=step, size=self._first.size + WIDER)
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """A shorter step on the ring as it must be."""
+        return replace(super().better(choices, kind, excess), size=self._first.size)
+
+    def work(self, choices: Choices) -> float:
+        """Forces on fields of cells."""
+        return super().work(choices) * SCHEME.stages * choices.size * self._fields
+
+
+def _stiffest(ring: RingState) -> list[float]:
+    """The largest slope of each bond's force about the stretches of a state."""
+    pairs = zip(ring.lattice.bonds, ring.lattice.stretches(ring.f), strict=True)
+    return [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+
+
+def march(
+    ring: RingState, times: Sequence[float], step: float
+) -> Iterator[tuple[float, Array, Array, int]]:
+    """Each of the times with the state then, and the steps since the one before; none after one
+    that is not finite."""
+    dynamics = dynamics_of(ring.lattice)
+    f, v = ring.f.copy(), ring.v.copy()
+    yield times[0], f, v, 0
+    most = max(1, int(UPDATES / (SCHEME.stages * f.size)))
+    for begin, end in pairwise(times):
+        steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
+        h = (end - begin) / steps
+        for done in range(0, steps, most):
+            dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
+            if not np.all(np.isfinite(f)):
+                return
+        yield end, f, v, steps
