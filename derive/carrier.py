@@ -320,8 +320,8 @@ class Carrier:
     @cached_property
     def mean_flow(self) -> EpsSeries:
         """The T-derivative of the X-integral of the mean, at its first order."""
-        first = self._series({2: self.means[0]} if self.means else {}, 2)
-        integral = self._slow(first).parts.get(2, self._nothing).antiderivative()
+        first = self.means[0] if self.means else self._nothing
+        integral = self._slow(first, 0).antiderivative()
         if integral is None:
             raise EnvelopeError("the mean must be conserved, got none in A_T (take strains)")
         return self._series({2: integral})

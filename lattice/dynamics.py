@@ -183,10 +183,20 @@ class FieldDynamics:
         return self.lattice.highest_frequency(found)
 
     def largest(self, ranges: Array) -> float:
-        """The largest field, as often as it enters a stretch."""
-        fields = ranges[len(self.lattice.bonds) :]
-        weights = [sum(abs(part.weight) for part in bond.stretch) for bond in self.lattice.bonds]
-        return float(np.max(np.abs(fields))) * max(weights)
+        """The largest field, as often as it enters a stretch, or a force's largest summand.
+
+        What rounding does to the latter a stretch does that is smaller by the force's slope.
+        """
+        bonds = self.lattice.bonds
+        weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
+        found = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
+        for bond, (least, most) in zip(bonds, ranges, strict=False):
+            places = np.linspace(least, most, SLOPES)
+            with np.errstate(all="ignore"):
+                slope = float(np.max(np.abs(bond.force.slope(places))))
+                summand = bond.force.largest_summand(places)
+            found = max(found, summand / slope if slope > 0.0 else 0.0)
+        return found
 
     def stretches(self, f: Array) -> Array:
         """The stretch of each bond in each cell."""

@@ -25,7 +25,6 @@ WHOLE = 64
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
-_CONTRACT = ("contract",)
 
 
 class _Code:
@@ -63,8 +62,7 @@ class _Code:
 
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
-        product = self.builder.fmul(factor, other, flags=_CONTRACT)
-        return self.builder.fadd(product, term, flags=_CONTRACT)
+        return self._vector_function("fmuladd", factor, other, term)
 
     def function(self, name: str, *values: Any) -> Any:
         """The C library's function of that name, lane by lane."""
@@ -82,11 +80,17 @@ class _Code:
         return found
 
     def root(self, value: Any) -> Any:
+        """The square root."""
+        return self._vector_function("sqrt", value)
+
+    def _vector_function(self, word: str, *values: Any) -> Any:
+        """A function that LLVM knows, of all lanes."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
-        name, known = f"llvm.sqrt.{suffix}", self.module.globals
+        name, known = f"llvm.{word}.{suffix}", self.module.globals
         if name not in known:
-            ir.Function(self.module, ir.FunctionType(self.kind, [self.kind]), name)
-        return self.builder.call(known[name], [value])
+            kind = ir.FunctionType(self.kind, [self.kind] * len(values))
+            ir.Function(self.module, kind, name)
+        return self.builder.call(known[name], values)
 
     @contextmanager
     def loop(self, start: Any, stop: Any, step: int = 1) -> Iterator[Any]:
@@ -142,17 +146,16 @@ def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
     if law.program:
         return _run_program(code, x, law.program, numbers)
     builder = code.builder
-    found = None if law.leading is None else builder.fmul(numbers[law.leading], x)
-    for factor in law.factors:
-        factor = None if factor is None else numbers[factor]
+    found = None if law.leading is None else numbers[law.leading]
+    for place in law.factors:
+        factor = None if place is None else numbers[place]
         if found is None:
             found = x if factor is None else builder.fadd(x, factor)
         elif factor is None:
-            pass
+            found = builder.fmul(x, found)
         else:
-            found = builder.fadd(found, factor, flags=_CONTRACT)
-        found = builder.fmul(x, found, flags=_CONTRACT)
-    return x if found is None else found
+            found = code.fma(x, found, factor)
+    return x if found is None else builder.fmul(x, found)
 
 
 def _run_program(
@@ -242,7 +245,7 @@ class _Stage:
                 total = code.builder.fadd(total, value)
             else:
                 total = code.builder.fsub(total, value)
-        return total
+        return code.constant(0.0) if total is None else total
 
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
@@ -359,7 +362,8 @@ class _Writer:
         def advance(size: int, level: Any, low: Any, place: Any) -> None:
             behind = builder.mul(level, skew)
             high = code.least(builder.add(low, _INDEX(ROWS)), rows)
-            first = code.most(builder.sub(low, behind), _INDEX(0))
+            untrue = builder.mul(level, _INDEX(self._flow.below))
+            first = code.most(builder.sub(low, behind), untrue)
             kept = builder.gep(carried, [place])
             past = builder.sub(high, behind)
             builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])

@@ -120,8 +120,8 @@ class Flow(NamedTuple):
         total = self.fields
         for stream in self.streams:
             if stream.kind == "sum":
-                scaled = stream.taps[0].weight != 1.0 or stream.taps[0].number is not None
-                total += len(stream.taps) - 1 + scaled + (stream.number is not None)
+                scaled = any(tap.weight != 1.0 or tap.number is not None for tap in stream.taps[:1])
+                total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
             elif stream.kind == "kicked":
@@ -241,8 +241,9 @@ class _Builder:
 
     def add(self, kind: Kind, taps: Sequence[Tap], least: int = -MOST, **more: object) -> int:
         """The place of a stream of these taps; one that is there already is not formed twice."""
-        lag = max(least, *(tap.shift + self.streams[tap.stream].lag for tap in taps))
-        lowest = min(tap.shift + self.streams[tap.stream].lowest for tap in taps)
+        lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
+        lag = max(max(lags, default=0), least)
+        lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
         made = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
         if made not in self.streams:
             self.streams.append(made)
