@@ -17,7 +17,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.integration import Cost
+from lattice.integration import RING_SAFETY, Cost
 from lattice.numeric_lattice import NumericLattice
 from lattice.refine import refine
 from lattice.run_times import check_positive, checked_times
@@ -178,7 +178,7 @@ class FieldSearch:
     threads = 1
     order = ORDER
     decay = math.inf
-    safety = 4.0
+    safety = RING_SAFETY
     unstable = 10
     most_work = math.inf
 
