@@ -236,7 +236,7 @@ def test_line_soliton_on_the_square_lattice_at_its_rate() -> None:
         error_at(LineChain(LongWaveData(reduction, {}, wave, 1 / (2 * s)), (s, 1)), (0.0, 0.3))
         for s in (3, 6)
     ]
-    assert all(error.discretisation < 0.01 * error.error for error in found)
+    assert all(error.discretisation < 0.05 * error.error for error in found)
     assert math.log2(found[0].error / found[1].error) == pytest.approx(4.0, abs=0.2)
 
 
