@@ -186,12 +186,12 @@ ENVELOPE_CASES = {
     "Peregrine, strain, pi": EnvelopeCase("fput_strain", _CUBIC, pi, "nls_peregrine", *_PEREGRINE),
     "Peregrine, displacement": EnvelopeCase("fput", _CUBIC, pi / 2, "nls_peregrine", *_PEREGRINE),
     "Peregrine, optical dimer": EnvelopeCase(
-        "mass_dimer", _DIMER, pi / 2, "nls_peregrine", *_PEREGRINE, branch="optical"
+        "mass_dimer", _DIMER, pi / 4, "nls_peregrine", *_PEREGRINE, branch="optical"
     ),
     "Peregrine, granular dimer": EnvelopeCase(
         "mass_dimer",
         _GRAINS,
-        3 * pi / 4,
+        pi,
         "nls_peregrine",
         *_PEREGRINE,
         branch="optical",
