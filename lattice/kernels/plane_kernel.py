@@ -116,7 +116,8 @@ class _Arc:
         self._flow, self._arc = flow, arc
         fields, self._height, self._columns = shape
         self._lanes = LANES if self._columns >= 2 * LANES else 1
-        self._margin = -(-max(flow.reach, 1) // LANES) * LANES
+        beside = -(-flow.acted // self._lanes) - (-flow.stretched // self._lanes)
+        self._margin = -(-beside * self._lanes // LANES) * LANES
         self._pitch = -(-self._columns // LANES) * LANES + 2 * self._margin
         most = arc[1] - arc[0] + each * (flow.rise + flow.fall)
         self._f, self._v = (_aligned((fields, most, self._pitch)) for _ in range(2))
