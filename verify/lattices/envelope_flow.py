@@ -14,7 +14,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive.carrier_fields import CarrierFields, CarrierTerm
+from derive import CarrierFields, CarrierTerm
 from lattice.spectral.exponential import ExponentialAdams
 
 Array = NDArray[np.float64]

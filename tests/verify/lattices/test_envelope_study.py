@@ -8,7 +8,6 @@ from sympy import Integer, pi
 
 from verify.lattices.envelope_study import (
     ENVELOPE_CASES,
-    EnvelopeCase,
     closing_count,
     envelope_study,
 )
