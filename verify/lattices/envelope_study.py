@@ -18,8 +18,7 @@ from derive import Envelope, Lattice, envelope
 from derive.algebra.exact_numbers import Number
 from derive.models.lattices import LATTICES, cell, m1, m2
 from derive.symbols import x
-from lattice.field_state import FieldState
-from lattice.integration import integrate
+from lattice import FieldState, integrate
 from solutions import Wave, closed_form
 from verify.lattices.convergence import ConvergenceStudy, ErrorAt, fitted_rate
 from verify.lattices.envelope_data import POWERS, EnvelopeData
