@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from derive.balances import find_scaling
     from derive.carrier import EnvelopeError
     from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
-    from derive.carrier_fields import CarrierFields, CarrierTerm, CarrierTerms, carrier_fields
+    from derive.carrier_numbers import CarrierFields, CarrierTerm, CarrierTerms, carrier_fields
     from derive.checks import Check, checks_of_envelope, checks_of_reduction
     from derive.dispersion import Dispersion, dispersion_relation
     from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
@@ -82,7 +82,7 @@ __getattr__, __dir__ = lazy_face(
         "derive.checks": "Check checks_of_envelope checks_of_reduction",
         "derive.dispersion": "Dispersion dispersion_relation",
         "derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
-        "derive.carrier_fields": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
+        "derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
         "derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
         "derive.lattice": "Bond Lattice Stencil on_site spring",
         "derive.lattice_file": "lattice_of read_lattice",
