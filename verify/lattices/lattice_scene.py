@@ -118,8 +118,8 @@ class LatticeScene:
         check.one_of("order", self.order, ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, _pairs(key, getattr(self, key)))
-        for key in ("carrier", "background"):
-            _value(key, getattr(self, key))
+        _value("k", self.carrier)
+        _value("background", self.background)
         self._check_moments()
         self._check_region()
         self._check_ansatz()
@@ -128,6 +128,9 @@ class LatticeScene:
         object.__setattr__(self, name, value)
 
     def _check_moments(self) -> None:
+        for key in ("slow_times", "times"):
+            if not getattr(self, key):
+                self._set(key, ())
         given = [key for key in ("slow_times", "times") if getattr(self, key)]
         if len(given) != 1:
             got = "both" if given else "neither"
