@@ -113,7 +113,9 @@ def smooth_or_rough(
     return np.asarray(0.5 * size * found / (largest or 1.0))
 
 
-def reference(lattice: NumericLattice, f: Array, v: Array, times: Sequence[float]) -> Array | None:
+def reference(
+    lattice: NumericLattice, f: Array, v: Array, times: Sequence[float] | Array
+) -> Array | None:
     """The fields at the times (from 0 on) by DOP853; None where it gets stuck or loses them."""
     size = f.size
 

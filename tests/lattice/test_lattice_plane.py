@@ -6,7 +6,7 @@ import pytest
 from lattice import FieldState, integrate
 from lattice.kernels import plane_kernel, reference
 from lattice.kernels.plane_flow import plane_flow
-from lattice.numeric_lattice import NumericLattice
+from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from lattice.schemes import BLANES_MOAN_6, REDUCED_PHASE_6, STOERMER_VERLET, DriftKick
 from tests.lattice.random_lattices import random_lattice, smooth_or_rough
 from tests.lattice.random_lattices import reference as exact_run
@@ -118,3 +118,16 @@ def test_estimates_bound_the_error_in_two_dimensions_at_length() -> None:
     found = [ratio for ratio in map(shortfall, range(1000, 1080)) if ratio is not None]
     assert len(found) > 60
     assert max(found) <= 1.0
+
+
+@pytest.mark.parametrize("cells", [(3, 2), (-3, 1), (2, -3), (0, 3)])
+def test_stages_stay_as_far_apart_as_springs_reach(cells: tuple[int, int]) -> None:
+    """Two stages go over the rows together only if a ring is tall."""
+    here, back = (0, 0), (-cells[0], -cells[1])
+    far = NumericBond(
+        (Entry(cells, 1.0, 0), Entry(here, -1.0, 0)),
+        (Entry(here, 1.0, 0), Entry(back, -1.0, 0)),
+        SQUARE.bonds[0].force,
+    )
+    chain = NumericLattice("far", ("u",), (1.0,), (*SQUARE.bonds, far))
+    assert misses(chain, (120, 21), 0.05, REDUCED_PHASE_6) < 1e-13
