@@ -15,7 +15,7 @@ from llvmlite import ir  # type: ignore[import-untyped]
 
 from lattice.kernels.streams import Flow, Law, Tap
 
-__all__ = ["passage_text"]
+__all__ = ["LaneCode", "lane_force", "passage_text"]
 
 ROWS = 256
 """Rows by which a block moves up, as in `lattice.kernels.blocked`."""
@@ -27,7 +27,7 @@ _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
 
 
-class _Code:
+class LaneCode:
     """A builder of vectors of doubles: what every part of the code is written with."""
 
     def __init__(self, module: Any, builder: Any, lanes: int) -> None:
@@ -35,9 +35,11 @@ class _Code:
         self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
 
     def constant(self, value: float) -> Any:
+        """A number in all lanes."""
         return ir.Constant(self.kind, value if self.lanes == 1 else [value] * self.lanes)
 
     def splat(self, value: Any) -> Any:
+        """A value of the program in all lanes."""
         if self.lanes == 1:
             return value
         undefined = ir.Constant(self.kind, ir.Undefined)
@@ -51,13 +53,16 @@ class _Code:
         return self.splat(self.builder.load(self.builder.gep(data, [place])))
 
     def address(self, data: Any, row: Any) -> Any:
+        """Where a vector stands, counted in vectors."""
         place = self.builder.mul(row, _INDEX(self.lanes))
         return self.builder.bitcast(self.builder.gep(data, [place]), self.kind.as_pointer())
 
     def load(self, data: Any, row: Any) -> Any:
+        """A vector of memory."""
         return self.builder.load(self.address(data, row), align=8)
 
     def store(self, data: Any, row: Any, value: Any) -> None:
+        """Put a vector into memory."""
         self.builder.store(value, self.address(data, row), align=8)
 
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
@@ -110,13 +115,15 @@ class _Code:
         builder.position_at_end(after)
 
     def least(self, one: Any, other: Any) -> Any:
+        """The smaller of two integers."""
         return self.builder.select(self.builder.icmp_signed("<", one, other), one, other)
 
     def most(self, one: Any, other: Any) -> Any:
+        """The larger of two integers."""
         return self.builder.select(self.builder.icmp_signed(">", one, other), one, other)
 
 
-def _whole_power(code: _Code, value: Any, exponent: int) -> Any:
+def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
     """A power by repeated squares."""
     found = None
     square, left = value, exponent
@@ -128,7 +135,7 @@ def _whole_power(code: _Code, value: Any, exponent: int) -> Any:
     return found
 
 
-def _power(code: _Code, value: Any, exponent: float) -> Any:
+def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     """A power: by products and roots where the exponent is whole or half, else by the library."""
     size = abs(exponent)
     if exponent == 0.0 or 2.0 * size != round(2.0 * size) or size > WHOLE:
@@ -141,7 +148,7 @@ def _power(code: _Code, value: Any, exponent: float) -> Any:
     return found if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), found)
 
 
-def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
+def lane_force(code: LaneCode, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
     """The force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
@@ -159,7 +166,7 @@ def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
 
 
 def _run_program(
-    code: _Code, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
+    code: LaneCode, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
 ) -> Any:
     stack: list[Any] = []
     for word, value in program:
@@ -186,7 +193,7 @@ class _Stage:
 
     def __init__(
         self,
-        code: _Code,
+        code: LaneCode,
         flow: Flow,
         numbers: Sequence[Any],
         weights: tuple[Any, Any],
@@ -219,7 +226,7 @@ class _Stage:
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
-                made = _force(code, values[0], stream.law, self._numbers)
+                made = lane_force(code, values[0], stream.law, self._numbers)
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             else:
@@ -285,7 +292,7 @@ class _Writer:
         for argument in made.args:
             if argument.type == _DOUBLES:
                 argument.add_attribute("noalias")
-        return made, _Code(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
+        return made, LaneCode(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
 
     def _group(self, together: int) -> Any:
         """The function of some stages together, from the front row ``first`` below ``past``."""
@@ -349,7 +356,7 @@ class _Writer:
         builder.ret_void()
 
     def _passage(
-        self, code: _Code, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
+        self, code: LaneCode, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
     ) -> None:
         """All stages once over the rows, a block of them at a time."""
         builder, skew = code.builder, _INDEX(self._flow.skew)

@@ -14,7 +14,7 @@ and offsets that are 0 have no place in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -148,7 +148,7 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
     >>> from lattice.numeric_lattice import numeric_lattice
     >>> flow, numbers = flow_of(numeric_lattice(LATTICES["beta_fput"], {"K2": 4, "K4": 1}))
     >>> flow.operations, flow.skew, numbers
-    (6, 1, (4.0,))
+    (6, 1, (4.0, 1.0))
     """
     if lattice.dimension != 1:
         raise ValueError(
@@ -220,6 +220,25 @@ def _work(parts: Sequence[_Part]) -> int:
     return sum(len(part.stencil) for part in parts) - 1
 
 
+def law_of(force: ForceProgram, number: Callable[[float], int]) -> tuple[Law | None, float]:
+    """A force's arithmetic and its unit, ``number`` giving places; None if there is no force."""
+    if force.instructions:
+        program = tuple(
+            (word, float(number(value)) if word == "number" else value)
+            for word, value in force.instructions
+        )
+        return Law(program=program), 1.0
+    highest = max((i for i, value in enumerate(force.coefficients) if value), default=None)
+    if highest is None:
+        return None, 1.0
+    unit = force.coefficients[highest]
+    lower = force.coefficients[:highest][::-1]
+    monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
+    leading, unit = (None, unit) if monic else (number(unit), 1.0)
+    factors = tuple(number(value / unit) if value else None for value in lower)
+    return Law(factors, leading), unit
+
+
 @dataclass
 class _Builder:
     """The streams and numbers so far."""
@@ -251,21 +270,7 @@ class _Builder:
 
     def law(self, force: ForceProgram) -> tuple[Law | None, float]:
         """A force's arithmetic and its unit; None if there is no force."""
-        if force.instructions:
-            program = tuple(
-                (word, float(self.number(value)) if word == "number" else value)
-                for word, value in force.instructions
-            )
-            return Law(program=program), 1.0
-        highest = max((i for i, value in enumerate(force.coefficients) if value), default=None)
-        if highest is None:
-            return None, 1.0
-        unit = force.coefficients[highest]
-        lower = force.coefficients[:highest][::-1]
-        monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
-        leading, unit = (None, unit) if monic else (self.number(unit), 1.0)
-        factors = tuple(self.number(value / unit) if value else None for value in lower)
-        return Law(factors, leading), unit
+        return law_of(force, self.number)
 
     def stretch(self, entries: Sequence[Entry], offset: float) -> Tap:
         """What a bond of a cell is stretched by."""

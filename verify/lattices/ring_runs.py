@@ -29,7 +29,7 @@ from lattice.trial import (
     shorter_step,
 )
 from verify.comparison.domain import front
-from verify.lattices.lattice_wave import LatticeWave, RingState, largest_group_velocity
+from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 
 Array = NDArray[np.float64]
 
@@ -186,7 +186,7 @@ class RingRuns(StepSearch):
             )
         self.expected = taken
 
-    def _check_stability(self, near: RingState) -> None:
+    def _check_stability(self, near: CellRing) -> None:
         """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
         corner = (0,) * near.lattice.dimension
         pairs = zip(near.lattice.bonds, near.lattice.stretches(near.f), strict=True)
@@ -206,7 +206,7 @@ class RingRuns(StepSearch):
         if choices.nudged:
             signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *ring.f.shape))
             ring = replace(ring, f=ring.f * (1.0 + signs[0]), v=ring.v * (1.0 + signs[1]))
-        energy = ring.lattice.energy(ring.f, ring.v)
+        energy = _energy(ring, ring.f, ring.v)
         measured, steps, last = [], 0, (ring.f, ring.v)
         for t, f, v, taken in march(ring, self.times, choices.step):
             found = self.wave.measured(f, ring.mean_strain)
@@ -215,7 +215,7 @@ class RingRuns(StepSearch):
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
         record = RingRecord(
             measured,
-            (energy, ring.lattice.energy(*last)),
+            (energy, _energy(ring, *last)),
             sites_of(ends),
             choices.step,
             steps,
@@ -248,14 +248,29 @@ class RingRuns(StepSearch):
         return super().work(choices) * SCHEME.stages * choices.size * self._fields
 
 
-def _stiffest(ring: RingState) -> list[float]:
-    """The largest slope of each bond's force about the stretches of a state."""
+def _energy(ring: CellRing, f: Array, v: Array) -> float:
+    with np.errstate(all="ignore"):
+        return ring.lattice.energy(f, v)
+
+
+def _stiffest(ring: CellRing) -> list[float]:
+    """The largest slope of each bond's force about the stretches of a state.
+
+    Raises ValueError where a force is not defined.
+    """
     pairs = zip(ring.lattice.bonds, ring.lattice.stretches(ring.f), strict=True)
-    return [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    with np.errstate(all="ignore"):
+        found = [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    if not all(map(math.isfinite, found)):
+        raise ValueError(
+            f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
+            "stretches one beyond what its force is for (take a smaller eps)"
+        )
+    return found
 
 
 def march(
-    ring: RingState, times: Sequence[float], step: float
+    ring: CellRing, times: Sequence[float], step: float
 ) -> Iterator[tuple[float, Array, Array, int]]:
     """Each of the times with the state then, and the steps since the one before; none after one
     that is not finite."""
@@ -267,7 +282,8 @@ def march(
         steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
         h = (end - begin) / steps
         for done in range(0, steps, most):
-            dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
+            with np.errstate(all="ignore"):
+                dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
             if not np.all(np.isfinite(f)):
                 return
         yield end, f, v, steps
