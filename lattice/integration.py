@@ -161,14 +161,7 @@ def integrate(
     >>> bool(np.abs(run.strain[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
-    wanted = FieldState if isinstance(model, NumericLattice) else State
-    if not isinstance(state, wanted):
-        raise ValueError(
-            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
-            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
-        )
-    dynamics = dynamics_of(model)
-    held = dynamics.checked(state)
+    held = _checked(model, state)
     moments = checked_times(times, held.t)
     if scheme not in SCHEMES:
         check_order(scheme)
@@ -180,21 +173,37 @@ def integrate(
     begun = perf_counter()
     search = RingSearch(model, held, moments, scheme, judged)
     if tolerance is not None:
-        remedy = "it is the error that is accepted, in the unit of what is judged"
-        check_positive("tolerance", tolerance, remedy)
-        try:
-            found = refine(search, tolerance)
-        except TooDearError as dear:
-            raise ValueError(
-                f"times must end before strains run away, got {moments[-1]:g} ({dear.work:.1g} "
-                "steps follow them so far; end earlier or take smaller strains)"
-            ) from None
-        trial, error = found.trial, found.error
+        trial, error = _found(search, tolerance, moments)
     else:
         assert step is not None
         trial, error = _stated(search, step, measure_error)
     made = Trajectory if isinstance(held, State) else FieldTrajectory
     return made(*_outcome(trial, error, begun, scheme))
+
+
+def _checked(model: Model | NumericLattice, state: State | FieldState) -> Any:
+    """The state with arrays of doubles; ValueError for what is no state of the lattice."""
+    wanted = FieldState if isinstance(model, NumericLattice) else State
+    if not isinstance(state, wanted):
+        raise ValueError(
+            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
+            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
+        )
+    return dynamics_of(model).checked(state)
+
+
+def _found(engine: RingSearch[Any], tolerance: float, times: Array) -> tuple[Trial, float]:
+    """A run to the tolerance, and its error."""
+    remedy = "it is the error that is accepted, in the unit of what is judged"
+    check_positive("tolerance", tolerance, remedy)
+    try:
+        found = refine(engine, tolerance)
+    except TooDearError as dear:
+        raise ValueError(
+            f"times must end before strains run away, got {times[-1]:g} ({dear.work:.1g} steps "
+            "follow them so far; end earlier or take smaller strains)"
+        ) from None
+    return found.trial, found.error
 
 
 def _stated(engine: RingSearch[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
