@@ -20,7 +20,7 @@ from lattice.field_state import FieldState
 from lattice.kernels import blocked
 from lattice.model import Held, Model, State
 from lattice.numeric_lattice import NumericLattice
-from lattice.refine import refine
+from lattice.refine import TooDearError, refine
 from lattice.run_times import check_positive, checked_times
 from lattice.scheme_order import check_order
 from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
@@ -46,6 +46,10 @@ LIMIT_SHARE = 0.9
 
 SLOW = 1e6
 """Waves that take so many times the run's duration do not bound the step."""
+
+RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
+"""Steps, in units of the longest one's and at least, that a run takes only where strains run away:
+with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -157,14 +161,7 @@ def integrate(
     >>> bool(np.abs(run.strain[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
-    wanted = FieldState if isinstance(model, NumericLattice) else State
-    if not isinstance(state, wanted):
-        raise ValueError(
-            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
-            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
-        )
-    dynamics = dynamics_of(model)
-    held = dynamics.checked(state)
+    held = _checked(model, state)
     moments = checked_times(times, held.t)
     if scheme not in SCHEMES:
         check_order(scheme)
@@ -176,15 +173,37 @@ def integrate(
     begun = perf_counter()
     search = RingSearch(model, held, moments, scheme, judged)
     if tolerance is not None:
-        remedy = "it is the error that is accepted, in the unit of what is judged"
-        check_positive("tolerance", tolerance, remedy)
-        found = refine(search, tolerance)
-        trial, error = found.trial, found.error
+        trial, error = _found(search, tolerance, moments)
     else:
         assert step is not None
         trial, error = _stated(search, step, measure_error)
     made = Trajectory if isinstance(held, State) else FieldTrajectory
     return made(*_outcome(trial, error, begun, scheme))
+
+
+def _checked(model: Model | NumericLattice, state: State | FieldState) -> Any:
+    """The state with arrays of doubles; ValueError for what is no state of the lattice."""
+    wanted = FieldState if isinstance(model, NumericLattice) else State
+    if not isinstance(state, wanted):
+        raise ValueError(
+            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
+            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
+        )
+    return dynamics_of(model).checked(state)
+
+
+def _found(engine: RingSearch[Any], tolerance: float, times: Array) -> tuple[Trial, float]:
+    """A run to the tolerance, and its error."""
+    remedy = "it is the error that is accepted, in the unit of what is judged"
+    check_positive("tolerance", tolerance, remedy)
+    try:
+        found = refine(engine, tolerance)
+    except TooDearError as dear:
+        raise ValueError(
+            f"times must end before strains run away, got {times[-1]:g} ({dear.work:.1g} steps "
+            "follow them so far; end earlier or take smaller strains)"
+        ) from None
+    return found.trial, found.error
 
 
 def _stated(engine: RingSearch[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
@@ -255,6 +274,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self._judged = judged or self._stretches_and_rates(ranges)
         stops = np.concatenate([[state.t], times])
         super().__init__(scheme.order, LIMIT_SHARE * self._admitted, stops, state.size)
+        self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
     def _stretches_and_rates(self, ranges: Array) -> Judged:
         """Both in the unit of stretches: rates in units of the highest frequency at rest."""
