@@ -1,0 +1,161 @@
+"""How fast the lattice comes near its long-wave limit: errors at fixed slow time over eps, a rate.
+
+Every error stands beside its own: a second run with a ring half as long again and a tolerance a
+hundred times as large, compared on the same cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verify.lattices.lattice_wave import LatticeWave, RingState
+from verify.lattices.ring_run import advanced
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-13
+"""Of the fields along a run, in units of eps to the power of the wave."""
+
+LOOSER = 100.0
+"""How much larger the tolerance of the second run is."""
+
+LONGER = 1.5
+"""How much longer its ring is."""
+
+SNAPSHOTS = 4
+"""Times at which lattice and theory are compared."""
+
+FEWEST = 3
+"""Errors that a rate with its uncertainty needs."""
+
+
+@dataclass(frozen=True)
+class ErrorAt:
+    """The sup error of what is compared at one eps, and what the run itself adds to it at most.
+
+    Both are in the units of the lattice; ``cells`` is the length of the ring.
+    """
+
+    eps: float
+    cells: int
+    error: float
+    discretisation: float
+
+
+@dataclass(frozen=True)
+class ConvergenceStudy:
+    """Errors at a fixed slow time and the power of eps that fits them.
+
+    ``uncertainty``: the largest difference between ``rate`` and that of two neighbours, with what
+    their discretisation errors may change.
+    """
+
+    errors: tuple[ErrorAt, ...]
+    rate: float
+    uncertainty: float
+
+    @classmethod
+    def of_errors(cls, errors: Sequence[ErrorAt]) -> ConvergenceStudy:
+        """The least-squares fit of ``log error`` by ``log eps``.
+
+        Raises ValueError for fewer than three errors.
+        """
+        if len(errors) < FEWEST:
+            raise ValueError(
+                f"errors must be at least {FEWEST}, got {len(errors)} (take more values of eps)"
+            )
+        logs = np.log([[found.eps, found.error] for found in errors])
+        rate = float(np.polyfit(*logs.T, 1)[0])
+        steps = np.diff(logs, axis=0)
+        own = np.array([found.discretisation / found.error for found in errors])
+        blur = (own[1:] + own[:-1]) / np.abs(steps[:, 0])
+        apart = np.abs(steps[:, 1] / steps[:, 0] - rate) + blur
+        return cls(tuple(errors), rate, float(np.max(apart)))
+
+
+def convergence_study(
+    make: Callable[[float], LatticeWave],
+    eps_values: Sequence[float],
+    slow_times: tuple[float, float],
+    within: float | None = None,
+) -> ConvergenceStudy:
+    """Errors of the waves that ``make`` gives for each eps, from T = ``slow_times[0]`` to [1].
+
+    Compared are the cells where the wave is, or those within ``within`` in X of the frame, which a
+    wave that does not end needs: its ring is then so long that nothing comes round it.
+    """
+    return ConvergenceStudy.of_errors(
+        [error_at(make(eps), slow_times, within) for eps in eps_values]
+    )
+
+
+def error_at(
+    wave: LatticeWave, slow_times: tuple[float, float], within: float | None = None
+) -> ErrorAt:
+    """The sup error of one wave over several times after the first, with the run's own error."""
+    begin, end = (T / wave.eps**wave.slow for T in slow_times)
+    times = np.linspace(begin, end, SNAPSHOTS + 1)
+    wave.start(begin)
+    window = _Window(wave, times, within)
+    first, second = (
+        window.differences(window.ring(longer), tolerance)
+        for longer, tolerance in ((1.0, TOLERANCE), (LONGER, LOOSER * TOLERANCE))
+    )
+    changed = max(float(np.max(np.abs(a - b))) for a, b in zip(first, second, strict=True))
+    error = max(float(np.max(np.abs(a))) for a in first)
+    return ErrorAt(wave.eps, window.ring(1.0).cells.size, error, changed)
+
+
+class _Window:
+    """The cells that are compared at each of the times, and rings that hold them."""
+
+    def __init__(self, wave: LatticeWave, times: Array, within: float | None) -> None:
+        self._wave, self._times = wave, times
+        self._ends = [self._around(float(t), within) for t in times]
+        self._is_causal = within is not None
+        duration = float(times[-1] - times[0])
+        low, high = self._ends[0]
+        if self._is_causal:
+            around = wave.ring(np.arange(int(low), int(high) + 1), float(times[0]))
+            swept = wave.speed * duration
+            reach = SAFETY * wave.signal_speed(around) * duration
+            low, high = min(low, low + swept - reach), max(high, high + swept + reach)
+        self._low, self._high = low, high
+
+    def _around(self, t: float, within: float | None) -> tuple[float, float]:
+        if within is not None:
+            half = within / self._wave.eps
+            return self._wave.speed * t - half, self._wave.speed * t + half
+        low, high = self._wave.support(t)
+        if not np.isfinite(high - low):
+            raise ValueError(
+                "within must be given for a wave that does not end, got None (the half-width in X "
+                "of what is compared)"
+            )
+        return low, high
+
+    def ring(self, longer: float) -> RingState:
+        """The state at first on a ring with all that is needed, or longer."""
+        half = longer * (self._high - self._low) / 2.0 * (1.0 if self._is_causal else 2.0)
+        middle = (self._low + self._high) / 2.0
+        cells = np.arange(int(np.floor(middle - half)), int(np.ceil(middle + half)) + 1)
+        return self._wave.ring(cells, float(self._times[0]))
+
+    def differences(self, ring: RingState, tolerance: float) -> list[Array]:
+        """Lattice less theory on the compared cells at each time after the first."""
+        states = advanced(ring, self._times, tolerance * self._wave.scale)
+        found = []
+        for t, f, (low, high) in zip(self._times[1:], states, self._ends[1:], strict=True):
+            cells = np.arange(int(np.ceil(low)), int(high) + 1)
+            places = (cells - int(ring.cells[0])) % ring.cells.size
+            lattice = self._wave.measured(f, ring.mean_strain)[:, places]
+            found.append(lattice - self._wave.strain(cells, float(t)))
+        return found
+
+
+SAFETY = 1.05
+"""On the distance that signals come."""
