@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from lattice.integration import Cost, Trajectory, integrate
+    from lattice.field_state import FieldState
+    from lattice.integration import Cost, FieldTrajectory, Trajectory, integrate
     from lattice.model import Model, State, ring_energy
     from lattice.scheme_order import check_order
     from lattice.schemes import (
@@ -26,6 +27,8 @@ __all__ = [
     "SCHEMES",
     "Composition",
     "Cost",
+    "FieldState",
+    "FieldTrajectory",
     "Model",
     "RungeKutta",
     "Scheme",
@@ -42,7 +45,8 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "lattice.integration": "Cost Trajectory integrate",
+        "lattice.integration": "Cost FieldTrajectory Trajectory integrate",
+        "lattice.field_state": "FieldState",
         "lattice.model": "Model State ring_energy",
         "lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
         "stability_limit",

@@ -1,20 +1,27 @@
-"""A numeric model from a state through given times, to a stated tolerance of the strain.
+"""A lattice with numbers from a state through given times, to a stated tolerance.
 
 The run is judged by `lattice.refine`: done again with a shorter step, and with the last digits of
 its data changed where the lattice may amplify rounding.
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from numbers import Real
 from time import perf_counter
+from typing import Any, Generic, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lattice.dynamics import dynamics_of
+from lattice.field_state import FieldState
 from lattice.kernels import blocked
-from lattice.model import Model, State
+from lattice.model import Held, Model, State
+from lattice.numeric_lattice import NumericLattice
 from lattice.refine import refine
+from lattice.run_times import check_positive, checked_times
 from lattice.scheme_order import check_order
 from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
 from lattice.stepper import Stepper, StillRing
@@ -31,9 +38,14 @@ from lattice.trial import (
 )
 
 Array = NDArray[np.float64]
+Judged = Callable[[Array, Array, float], ArrayLike]
+"""What is judged, from positions, velocities and the time."""
 
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the largest strain."""
+
+SLOW = 1e6
+"""Waves that take so many times the run's duration do not bound the step."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -71,22 +83,69 @@ class Trajectory:
     cost: Cost
 
 
+@dataclass(frozen=True)
+class FieldTrajectory:
+    """Fields ``f`` and velocities ``v`` of a ring at all ``times``: (time, field, *cells).
+
+    ``error_estimate`` is what the largest error of what is judged, of the stretches of all bonds
+    if nothing else was asked for, is at most estimated to be, over all cells and times; nan if it
+    was not asked for. ``step`` is the longest step.
+    """
+
+    times: Array
+    f: Array
+    v: Array
+    error_estimate: float
+    scheme: str
+    step: float
+    cost: Cost
+
+
+@overload
 def integrate(
     model: Model,
     state: State,
     times: ArrayLike,
     tolerance: float | None = None,
     *,
+    judged: Judged | None = None,
     scheme: Scheme = REDUCED_PHASE_6,
     step: float | None = None,
     measure_error: bool = True,
-) -> Trajectory:
-    """The lattice y_n'' = D V'(y)_n from ``state``, on its ring of sites, at all ``times``.
+) -> Trajectory: ...
+@overload
+def integrate(
+    model: NumericLattice,
+    state: FieldState,
+    times: ArrayLike,
+    tolerance: float | None = None,
+    *,
+    judged: Judged | None = None,
+    scheme: Scheme = REDUCED_PHASE_6,
+    step: float | None = None,
+    measure_error: bool = True,
+) -> FieldTrajectory: ...
+def integrate(
+    model: Model | NumericLattice,
+    state: State | FieldState,
+    times: ArrayLike,
+    tolerance: float | None = None,
+    *,
+    judged: Judged | None = None,
+    scheme: Scheme = REDUCED_PHASE_6,
+    step: float | None = None,
+    measure_error: bool = True,
+) -> Trajectory | FieldTrajectory:
+    """The lattice from ``state``, on its ring of sites, at all ``times``.
 
-    With a ``tolerance`` the step is found: the error of the strain, over all sites and times, is at
-    most that. With a ``step`` it is taken as it is (at most: each of the times is hit), and the
-    error is measured with a shorter one unless ``measure_error`` is False. ``times`` increase and
-    do not lie before ``state.t``. The state is left alone.
+    A `Model` is y_n'' = D V'(y)_n and takes a `State`; any other lattice is a `NumericLattice` and
+    takes a `FieldState`. With a ``tolerance`` the step is found: the error of the stretches of all
+    bonds (of a `Model`: of the strain), over all cells and times, is at most that. Of a ring of
+    displacements their sum, the drift of the whole ring, is not judged then. ``judged(f, v, t)`` is
+    an array of what is judged in place of them, in the fields' unit: ``lambda f, v, t: f`` judges
+    the fields themselves. With a ``step`` it is taken as it is (at most: each of the times is hit),
+    and the error is measured with a shorter one unless ``measure_error`` is False. ``times``
+    increase and do not lie before ``state.t``. The state is left alone.
 
     Raises ValueError for what cannot be run, for a lattice that blows up before the last time, and
     for a tolerance below what rounding leaves.
@@ -98,8 +157,15 @@ def integrate(
     >>> bool(np.abs(run.strain[1] - exact).max() <= run.error_estimate <= 1e-6)
     True
     """
-    state = _checked_state(state)
-    wanted = _checked_times(times, state)
+    wanted = FieldState if isinstance(model, NumericLattice) else State
+    if not isinstance(state, wanted):
+        raise ValueError(
+            f"state must be a {wanted.__name__} for a {type(model).__name__}, got a "
+            f"{type(state).__name__} (a Model takes a State, a NumericLattice a FieldState)"
+        )
+    dynamics = dynamics_of(model)
+    held = dynamics.checked(state)
+    moments = checked_times(times, held.t)
     if scheme not in SCHEMES:
         check_order(scheme)
     if (tolerance is None) == (step is None):
@@ -108,73 +174,34 @@ def integrate(
             "(a tolerance finds the step)"
         )
     begun = perf_counter()
+    search = RingSearch(model, held, moments, scheme, judged)
     if tolerance is not None:
-        remedy = "it is the error of the strain that is accepted, in the strain's unit"
-        _check_positive("tolerance", tolerance, remedy)
-        found = refine(RingSearch(model, state, wanted, scheme), tolerance)
-        return _trajectory(found.trial, found.error, begun, scheme)
-    assert step is not None
-    return _stated(RingSearch(model, state, wanted, scheme), step, measure_error, begun)
+        remedy = "it is the error that is accepted, in the unit of what is judged"
+        check_positive("tolerance", tolerance, remedy)
+        found = refine(search, tolerance)
+        trial, error = found.trial, found.error
+    else:
+        assert step is not None
+        trial, error = _stated(search, step, measure_error)
+    made = Trajectory if isinstance(held, State) else FieldTrajectory
+    return made(*_outcome(trial, error, begun, scheme))
 
 
-def _check_positive(name: str, value: float, remedy: str) -> None:
-    if not isinstance(value, Real) or not 0.0 < value < math.inf:
-        raise ValueError(f"{name} must satisfy 0 < {name} < inf, got {value!r} ({remedy})")
-
-
-def _checked_times(times: ArrayLike, state: State) -> Array:
-    try:
-        wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    except (TypeError, ValueError):
-        wanted = np.empty(0)
-    if wanted.ndim != 1 or wanted.size == 0 or not np.all(np.isfinite(wanted)):
-        shown = " ".join(repr(times).split())[:60]
-        raise ValueError(
-            f"times must be one or more finite numbers, got {shown} (give a list of them)"
-        )
-    steps = np.diff(np.concatenate([[state.t], wanted]))
-    if steps[0] < 0.0 or not np.all(steps[1:] > 0.0):
-        place = int(np.argmax([steps[0] < 0.0, *(steps[1:] <= 0.0)]))
-        raise ValueError(
-            f"times must increase from state.t = {state.t:g} on, got {wanted[place]:g} at place "
-            f"{place} (sort them; to go back in time start from the velocity's negative)"
-        )
-    return wanted
-
-
-def _checked_state(state: State) -> State:
-    """The state with arrays of doubles."""
-    found = replace(state, y=np.asarray(state.y, np.float64), s=np.asarray(state.s, np.float64))
-    for name, values in (("y", found.y), ("s", found.s)):
-        if values.shape != (found.size,) or found.size < 3:
-            raise ValueError(
-                f"state.{name} must hold one number for each of at least 3 sites, got the shape "
-                f"{values.shape} (strain and velocity are arrays of one length)"
-            )
-        broken = ~np.isfinite(values)
-        if np.any(broken):
-            place = int(np.argmax(broken))
-            raise ValueError(
-                f"state.{name} must be finite, got {values[place]} at place {place} "
-                "(look at where the state comes from)"
-            )
-    return found
-
-
-def _stated(engine: "RingSearch", step: float, measure_error: bool, begun: float) -> Trajectory:
+def _stated(engine: RingSearch[Any], step: float, measure_error: bool) -> tuple[Trial, float]:
     """A run with that step, its error measured with a shorter one."""
-    _check_positive("step", step, "it goes forward in time")
-    check_step(step, engine.scheme, engine.model, engine.state.y)
+    check_positive("step", step, "it goes forward in time")
+    check_step(step, engine.scheme, engine.first_frequency)
     choices = replace(engine.first(), step=step)
     trial, error = engine.run(choices, True), math.nan
     if measure_error:
         control = engine.run(engine.varied(choices, engine.kinds), True)
         error = RING_SAFETY * difference(trial, control) + max(trial.rounding, control.rounding)
-    return _trajectory(trial, error, begun, engine.scheme)
+    return trial, error
 
 
-def _trajectory(trial: Trial, error: float, begun: float, scheme: Scheme) -> Trajectory:
-    stepper, times, strain, velocity = trial.payload
+def _outcome(trial: Trial, error: float, begun: float, scheme: Scheme) -> tuple[Any, ...]:
+    """The parts of a trajectory."""
+    stepper, times, positions, velocities = trial.payload
     if stepper.blow_up is not None:
         raise ValueError(
             f"times must end before the lattice blows up, got {times[-1]:g} ({stepper.blow_up}, "
@@ -191,56 +218,76 @@ def _trajectory(trial: Trial, error: float, begun: float, scheme: Scheme) -> Tra
         trial.seconds,
         perf_counter() - begun,
     )
-    return Trajectory(times, strain, velocity, error, scheme.name, trial.choices.step, cost)
+    return times, positions, velocities, error, scheme.name, trial.choices.step, cost
 
 
-class RingSearch(StepSearch):
-    """Runs of a ring of sites from a state, for `refine` to judge: only the step varies."""
+class RingSearch(StepSearch, Generic[Held]):
+    """Runs of a ring of sites from a state, for `refine` to judge: only the step varies.
+
+    ``first_frequency`` is the highest of any wave about the state.
+    """
 
     safety = RING_SAFETY
 
-    def __init__(self, model: Model, state: State, times: Array, scheme: Scheme) -> None:
-        self.model, self.state, self.scheme = model, state, scheme
-        self.fragile = model.kernel[1:] != (None, None)
+    def __init__(
+        self,
+        model: Model | NumericLattice,
+        state: Held,
+        times: Array,
+        scheme: Scheme,
+        judged: Judged | None = None,
+    ) -> None:
+        self.model, self.scheme = model, scheme
+        self.state: Held = state
+        self.dynamics = dynamics_of(model)
+        self.fragile = not self.dynamics.is_linear
         self.threads = 2 if blocked.fits(state.size, scheme.stages) else 1
         self._times = times
-        self._admitted = self._longest_step(state.y)
+        ranges = self.dynamics.ranges(state)
+        self.first_frequency = self.dynamics.highest_frequency(ranges)
+        self._duration = float(times[-1] - state.t) or 1.0
+        self._admitted = self._longest_step(ranges)
         if not self._admitted > 0.0:
             raise ValueError(
-                "state.y must leave K2 + 2 K3 y + 3 K4 y^2 finite, got a strain of "
-                f"{float(np.max(np.abs(state.y))):g} (take other units)"
+                "state must leave the slopes of all forces finite, got a stretch of "
+                f"{float(np.max(np.abs(ranges))):g} (take other units)"
             )
+        self._judged = judged or self._stretches_and_rates(ranges)
         stops = np.concatenate([[state.t], times])
         super().__init__(scheme.order, LIMIT_SHARE * self._admitted, stops, state.size)
 
+    def _stretches_and_rates(self, ranges: Array) -> Judged:
+        """Both in the unit of stretches: rates in units of the highest frequency at rest."""
+        frequency = self.dynamics.highest_frequency(0.0 * ranges)
+        unit = frequency if 0.0 < frequency < math.inf else self.first_frequency or 1.0
+        stretches = self.dynamics.stretches
+        return lambda f, v, _: np.array([stretches(f), stretches(v) / unit])
+
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
-        """A run; its payload is the stepper, the times, strains and velocities."""
+        """A run; its payload is the stepper, the times, positions and velocities."""
         begun = perf_counter()
-        stepper = Stepper(
-            state := self._start(choices.nudged),
-            self.scheme,
-            self.model,
-            StillRing(state),
-            choices.step,
-            None,
-        )
+        start = self._start(choices.nudged)
+        stepper = Stepper(start, self.scheme, self.model, StillRing(start), choices.step, None)
         wanted, rows = set(self._times.tolist()), {}
         for state in stepper.through(self._times.tolist()):
             if state.t in wanted:
-                rows[state.t] = state.strain(state.sites), state.velocity(state.sites)
+                rows[state.t] = self.dynamics.in_order(state)
             progress((state.t - self._stops[0]) / (self._stops[-1] - self._stops[0] or 1.0))
-        strain, velocity = np.array([*rows.values()]).reshape(-1, 2, state.size).swapaxes(0, 1)
-        values, longest = None, self._longest_step(np.array(stepper.strain))
+        f, v = (np.array([row[part] for row in rows.values()]) for part in (0, 1))
+        values, longest = None, self._longest_step(stepper.ranges)
         self._admitted = min(self._admitted, longest)
         if stepper.blow_up is None and self._taken(choices.step) <= longest:
-            values = np.array([strain, velocity / (2.0 * math.sqrt(self.model.K2))])
+            moments = zip(f, v, self._times.tolist(), strict=True)
+            values = np.array([self._judged(*moment) for moment in moments])
         return Trial(
             choices,
             values,
             float(stepper.steps),
             perf_counter() - begun,
-            rounding_error(max(map(abs, stepper.strain)), stepper.steps * self.scheme.stages),
-            (stepper, self._times, strain, velocity),
+            rounding_error(
+                self.dynamics.largest(stepper.ranges), stepper.steps * self.scheme.stages
+            ),
+            (stepper, self._times, f, v),
         )
 
     def _taken(self, step: float) -> float:
@@ -255,21 +302,20 @@ class RingSearch(StepSearch):
             return replace(choices, step=step)
         return super().better(choices, kind, excess)
 
-    def _longest_step(self, strains: Array) -> float:
-        """The longest step that is stable about the strains; 0 if they are no numbers.
+    def _longest_step(self, ranges: Array) -> float:
+        """The longest step that is stable about what was met; 0 if there is no such step.
 
         A run with a longer one shows neither waves nor what runs away: two such runs may agree.
         """
-        with np.errstate(over="ignore", invalid="ignore"):
-            stiffest = max(float(np.max(np.abs(self.model.stiffness(strains)))), self.model.K2)
-        limit = stability_limit(self.scheme) / (2.0 * math.sqrt(stiffest))
-        return limit if math.isfinite(stiffest) else 0.0
+        highest = self.dynamics.highest_frequency(ranges)
+        limit = stability_limit(self.scheme)
+        return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
-    def _start(self, nudged: bool) -> State:
+    def _start(self, nudged: bool) -> Held:
         """A copy of the state; ``nudged`` with the last digits of both its arrays changed."""
-        start = replace(self.state, y=self.state.y.copy(), s=self.state.s.copy())
+        start = self.state.copy()
         if nudged:
-            signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, start.size))
-            start.y *= 1.0 + signs[0]
-            start.s *= 1.0 + signs[1]
+            random = np.random.default_rng(0)
+            for values in start.arrays:
+                values *= 1.0 + random.choice([-NUDGE, NUDGE], values.shape)
         return start

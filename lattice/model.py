@@ -6,7 +6,7 @@ what a window is fed does not fit the sites next to it.
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,9 +107,18 @@ class State:
     s: Array
 
     @property
+    def arrays(self) -> tuple[Array, Array]:
+        """Strains and velocities as they are stored."""
+        return self.y, self.s
+
+    @property
     def size(self) -> int:
         """Number of sites held."""
         return int(self.y.size)
+
+    def copy(self) -> "State":
+        """A state of its own."""
+        return State(self.t, self.left, self.y.copy(), self.s.copy())
 
     @property
     def sites(self) -> Sites:
@@ -260,7 +269,14 @@ class InflowCheck:
         return BlowUp(criterion, state.t, int(sites[wrong][0]))
 
 
-class Domain(Protocol):
+if TYPE_CHECKING:
+    from lattice.field_state import FieldState
+
+Held = TypeVar("Held", "State", "FieldState")
+"""A kind of state."""
+
+
+class Domain(Protocol[Held]):
     """What a run needs of a domain; ``moves`` are the times at which it follows the wave.
 
     What is written here is a ring of sites that stays where it is.
@@ -273,23 +289,23 @@ class Domain(Protocol):
         """Largest difference of y/eps between what was fed and the sites next to it."""
         return 0.0
 
-    def start(self) -> State:
+    def start(self) -> Held:
         """The initial state."""
 
-    def follow(self, state: State) -> BlowUp | None:
+    def follow(self, state: Held) -> BlowUp | None:
         """Move to the sites that belong to ``state.t``; say what is wrong there, if anything.
 
         To be called at each of the ``moves``.
         """
         return None
 
-    def fade(self, state: State) -> None:
+    def fade(self, state: Held) -> None:
         """Change what can no longer reach a compared site, if that is of use.
 
         To be called wherever the march stops.
         """
         return
 
-    def locate(self, found: BlowUp, state: State) -> BlowUp:
+    def locate(self, found: BlowUp, state: Held) -> BlowUp:
         """``found``, with what the domain may have to do with it."""
         return found

@@ -21,8 +21,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Model
-
 Array = NDArray[np.float64]
 Exact = tuple[Fraction, ...]
 
@@ -288,12 +286,12 @@ def stability_limit(scheme: Scheme) -> float:
     return low
 
 
-def check_step(step: float, scheme: Scheme, model: Model, strain: Array) -> float:
-    """The largest stable step (time units) for waves about any of the given strains.
+def check_step(step: float, scheme: Scheme, highest_frequency: float) -> float:
+    """The largest stable step (time units) for waves up to that frequency.
 
     Raises ValueError if ``step`` is past it.
     """
-    limit = stability_limit(scheme) / model.highest_frequency(strain)
+    limit = stability_limit(scheme) / highest_frequency
     if step > limit:
         raise ValueError(
             f"step must satisfy step <= {limit:.7g}, got {step:.9g} "

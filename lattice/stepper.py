@@ -3,29 +3,28 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels import blocked, plain
-from lattice.model import BlowUp, Domain, Model, State, find_blow_up
-from lattice.schemes import DriftKick, Scheme
+from lattice.dynamics import dynamics_of
+from lattice.model import BlowUp, Domain, Held, Model
+from lattice.numeric_lattice import NumericLattice
+from lattice.schemes import Scheme
 
 Array = NDArray[np.float64]
 
 
-def advance(scheme: Scheme, y: Array, s: Array, h: float, steps: int, model: Model) -> None:
-    """Advance the ring (y, s) in place by ``steps`` steps of length ``h``.
+def advance(
+    scheme: Scheme, f: Array, v: Array, h: float, steps: int, model: Model | NumericLattice
+) -> None:
+    """Advance positions and velocities in place by ``steps`` steps of length ``h``.
 
-    The fastest kernel is taken that scheme and size admit.
+    Of a `Model` they are a ring's strains and their velocities, of a `NumericLattice` its fields,
+    of shape (fields, *cells). The fastest kernel is taken that scheme and size admit.
     """
-    if not isinstance(scheme, DriftKick):
-        plain.advance_nystroem(y, s, *scheme.floats, h, steps, *model.kernel)
-        return
-    kernel = plain.advance_plain
-    if blocked.fits(y.size, scheme.stages):
-        kernel = blocked.advance_on_two_cores if blocked.pays(y.size) else blocked.advance_blocked
-    kernel(y, s, scheme.drifts * h, scheme.kicks * h, steps, *model.kernel)
+    dynamics_of(model).advance(scheme, f, v, h, steps)
 
 
 CHUNK = 64
@@ -36,47 +35,47 @@ UPDATES = 3e8
 
 
 @dataclass
-class StillRing(Domain):
+class StillRing(Domain[Held]):
     """The ring of all sites of a state."""
 
-    state: State
+    state: Held
 
-    def start(self) -> State:
+    def start(self) -> Held:
         """The state itself, which is advanced in place."""
         return self.state
 
 
-class Stepper:
+class Stepper(Generic[Held]):
     """Advances ``state`` in place, following the domain and watching for a blow-up.
 
     Between two times that are wanted, or at which the domain moves, the steps are equal and not
     longer than ``step``, so that those times are hit exactly. ``amplitude`` is the largest strain
     of the wave at the run's beginning, None if there is no wave and strains may be what they will.
-    ``strain`` holds the smallest and the largest that was met at a stop, on
-    any site. ``blow_up`` is set when the march had to stop; ``steps`` counts.
+    ``ranges`` are what was met at the stops, on any site (`Dynamics.ranges`). ``blow_up`` is set
+    when the march had to stop; ``steps`` counts.
     """
 
     def __init__(
         self,
-        state: State,
+        state: Held,
         scheme: Scheme,
-        model: Model,
-        domain: Domain,
+        model: Model | NumericLattice,
+        domain: Domain[Held],
         step: float,
         amplitude: float | None,
     ) -> None:
-        self.state = state
+        self.state: Held = state
         self.scheme = scheme
-        self.model = model
-        self.domain = domain
+        self.dynamics = dynamics_of(model)
+        self.domain: Domain[Held] = domain
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
         self._chunk = max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
-        self.strain = (math.inf, -math.inf)
+        self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
 
-    def through(self, times: Sequence[float]) -> Iterator[State]:
+    def through(self, times: Sequence[float]) -> Iterator[Held]:
         """Yield the state at every stop on the way through the increasing ``times``.
 
         Each of the ``times`` is a stop, hit exactly, as is each move of the domain; between them
@@ -88,7 +87,7 @@ class Stepper:
             if self.blow_up is not None:
                 return
 
-    def _stops_until(self, t: float) -> Iterator[State]:
+    def _stops_until(self, t: float) -> Iterator[Held]:
         begin, done = self.state.t, 0
         steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
         if steps == 0 and self.blow_up is None:
@@ -104,8 +103,9 @@ class Stepper:
     def _advance(self, h: float, steps: int, t: float) -> None:
         """Advance by a chunk that ends at ``t``; if it blows up, repeat it step by step."""
         state, begin = self.state, self.state.t
-        before = state.y.copy(), state.s.copy()
-        advance(self.scheme, state.y, state.s, h, steps, self.model)
+        before = [values.copy() for values in state.arrays]
+        f, v = state.arrays
+        self.dynamics.advance(self.scheme, f, v, h, steps)
         state.t = t
         found = self._find_blow_up()
         if found is None:
@@ -116,7 +116,8 @@ class Stepper:
             return
         self.blow_up = found if steps == 1 else None
         if steps > 1:
-            state.y[:], state.s[:] = before
+            for values, kept in zip(state.arrays, before, strict=True):
+                values[:] = kept
             state.t = begin
             for step in range(1, steps + 1):
                 if self.blow_up is None:
@@ -127,7 +128,8 @@ class Stepper:
 
         Where waves no longer exist, or strains are huge, no speed bounds what comes from there.
         """
-        y, (least, most) = self.state.y, self.strain
-        self.strain = min(least, float(y.min())), max(most, float(y.max()))
-        found = find_blow_up(self.model, self.state, self._amplitude)
+        met = self.dynamics.ranges(self.state)
+        self.ranges[:, 0] = np.fmin(self.ranges[:, 0], met[:, 0])
+        self.ranges[:, 1] = np.fmax(self.ranges[:, 1], met[:, 1])
+        found = self.dynamics.find_blow_up(self.state, self._amplitude)
         return None if found is None else self.domain.locate(found, self.state)

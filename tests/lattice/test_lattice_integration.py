@@ -264,7 +264,7 @@ def test_wrong_states_are_refused(y: Array, s: Array, message: str) -> None:
 
 
 def test_forces_beyond_all_numbers_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"state.y must leave .* finite, got a strain of"):
+    with pytest.raises(ValueError, match=r"state must leave .* finite, got a stretch of"):
         integrate(Model(1.0, 1e300, 1e300), replace(ROUGH, y=1e10 * ROUGH.y), [1.0], 1e-3)
 
 

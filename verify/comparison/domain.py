@@ -99,7 +99,7 @@ def window_moves(moving: MovingWave) -> tuple[float, ...]:
 
 
 @dataclass
-class SiteRing(Domain):
+class SiteRing(Domain[State]):
     """A fixed ring of sites about the middle of the wave's path; nothing is fed or dropped.
 
     Its seam, where the wave does not close up or is made to, sends signals at the speed of sound.
@@ -248,7 +248,7 @@ class Tail:
 
 
 @dataclass
-class Window(Domain):
+class Window(Domain[State]):
     """Sites about c t on a constant background: front cells are fed, rear cells are dropped.
 
     It moves at fixed times, whatever the time step: two runs that differ in their step alone have

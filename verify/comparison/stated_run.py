@@ -227,13 +227,13 @@ class Recording:
     ``stopped`` if Ctrl-C ended it.
     """
 
-    stepper: Stepper
+    stepper: Stepper[State]
     step_limit: float
     seconds: float
     stopped: bool = False
 
 
-def build_domain(scene: Scene, moving: MovingWave) -> Domain:
+def build_domain(scene: Scene, moving: MovingWave) -> Domain[State]:
     """The domain that the scene states. A closed ring fades where nothing asks for all sites."""
     stated = scene.discretisation
     if stated.domain == "window":
@@ -245,7 +245,7 @@ def build_domain(scene: Scene, moving: MovingWave) -> Domain:
 
 def prepare(
     scene: Scene, moving: MovingWave, restart: State | None = None
-) -> tuple[Stepper, float]:
+) -> tuple[Stepper[State], float]:
     """What steps a scene, kernels compiled, and the largest stable step.
 
     It begins with the scene's initial data, or with the state ``restart`` of an earlier run of the
@@ -255,7 +255,7 @@ def prepare(
     domain, step = build_domain(scene, moving), scene.discretisation.step
     scheme = scene.discretisation.table
     initial = domain.start()
-    limit = check_step(step, scheme, scene.constants, initial.y)
+    limit = check_step(step, scheme, scene.constants.highest_frequency(initial.y))
     advance(scheme, initial.y, initial.s, step, 0, scene.constants)
     state = initial if restart is None else restart
     amplitude = float(np.max(np.abs(initial.y)))
@@ -420,8 +420,8 @@ def _cost(scene: Scene, recording: Recording) -> dict[str, object]:
         "sites": scene.discretisation.sites,
         "step_limit": recording.step_limit,
         "seconds": recording.seconds,
-        "least_strain": stepper.strain[0],
-        "most_strain": stepper.strain[1],
+        "least_strain": float(stepper.ranges[0, 0]),
+        "most_strain": float(stepper.ranges[0, 1]),
         "feed_mismatch": stepper.domain.mismatch,
         "blow_up": "" if stepper.blow_up is None else str(stepper.blow_up),
     }

@@ -48,33 +48,42 @@ class ErrorAt:
 
 @dataclass(frozen=True)
 class ConvergenceStudy:
-    """Errors at a fixed slow time and the power of eps that fits them.
-
-    ``uncertainty``: the largest difference between ``rate`` and that of two neighbours, with what
-    their discretisation errors may change.
-    """
+    """Errors at a fixed slow time and the power of eps that fits them, with its uncertainty."""
 
     errors: tuple[ErrorAt, ...]
     rate: float
     uncertainty: float
 
-    @classmethod
-    def of_errors(cls, errors: Sequence[ErrorAt]) -> ConvergenceStudy:
-        """The least-squares fit of ``log error`` by ``log eps``.
 
-        Raises ValueError for fewer than three errors.
-        """
-        if len(errors) < FEWEST:
-            raise ValueError(
-                f"errors must be at least {FEWEST}, got {len(errors)} (take more values of eps)"
-            )
-        logs = np.log([[found.eps, found.error] for found in errors])
-        rate = float(np.polyfit(*logs.T, 1)[0])
-        steps = np.diff(logs, axis=0)
-        own = np.array([found.discretisation / found.error for found in errors])
-        blur = (own[1:] + own[:-1]) / np.abs(steps[:, 0])
-        apart = np.abs(steps[:, 1] / steps[:, 0] - rate) + blur
-        return cls(tuple(errors), rate, float(np.max(apart)))
+def fitted_rate(
+    eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()
+) -> tuple[float, float]:
+    """The least-squares slope of ``log error`` by ``log eps``, and its uncertainty.
+
+    That is the largest difference between it and the slope of two neighbours, with what the errors
+    ``own`` of the runs may change: the slope itself drifts with eps, so that a standard error would
+    promise too much.  Raises ValueError for fewer than three errors, and for what has no logarithm.
+
+    >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16])[0]
+    2.0
+    """
+    if len(eps) != len(errors) or len(errors) < FEWEST or len({*eps}) < len(eps):
+        raise ValueError(
+            f"errors must be at least {FEWEST}, each at its own eps, got {len(errors)} at "
+            f"{len({*eps})} (take more values of eps)"
+        )
+    if not (min(eps) > 0.0 and 0.0 < min(errors) <= max(errors) < np.inf):
+        raise ValueError(
+            f"errors must be finite and > 0, got {min(errors):g} to {max(errors):g} (an error of 0 "
+            "has no rate)"
+        )
+    places = np.argsort(eps)
+    logs = np.log(np.array([eps, errors], dtype=np.float64)[:, places])
+    slope = float(np.polyfit(logs[0], logs[1], 1)[0])
+    widths, heights = np.diff(logs, axis=1)
+    shares = np.array(own or np.zeros(len(errors)))[places] / np.exp(logs[1])
+    blur = (shares[1:] + shares[:-1]) / widths
+    return round(slope, 12), float(np.max(np.abs(heights / widths - slope) + blur))
 
 
 def convergence_study(
@@ -88,9 +97,10 @@ def convergence_study(
     Compared are the cells where the wave is, or those within ``within`` in X of the frame, which a
     wave that does not end needs: its ring is then so long that nothing comes round it.
     """
-    return ConvergenceStudy.of_errors(
-        [error_at(make(eps), slow_times, within) for eps in eps_values]
-    )
+    errors = tuple(error_at(make(eps), slow_times, within) for eps in eps_values)
+    own = [found.discretisation for found in errors]
+    rate, uncertainty = fitted_rate(eps_values, [found.error for found in errors], own)
+    return ConvergenceStudy(errors, rate, uncertainty)
 
 
 def error_at(

@@ -50,11 +50,6 @@ class LatticeWave(ABC):
     slow: int
     speed: float
 
-    def start(self, t: float) -> None:
-        """Say when the lattice is started; what is computed and not known in closed form begins
-        there.
-        """
-
     @abstractmethod
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Fields and their time derivatives, (fields, *sites): data at the first time.

@@ -111,9 +111,9 @@ def _step_limit() -> Reading:
     worst, told = 0.0, []
     for scheme in SCHEMES:
         limit = stability_limit(scheme) / LINEAR.highest_frequency(np.zeros(1))
-        check_step(limit * (1.0 - 1e-6), scheme, LINEAR, np.zeros(1))
+        check_step(limit * (1.0 - 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         try:
-            check_step(limit * (1.0 + 1e-6), scheme, LINEAR, np.zeros(1))
+            check_step(limit * (1.0 + 1e-6), scheme, LINEAR.highest_frequency(np.zeros(1)))
         except ValueError as error:
             told.append(str(error))
         worst = max(worst, abs(_observed_limit(scheme, limit) / limit - 1.0))

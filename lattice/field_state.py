@@ -1,0 +1,104 @@
+"""The state of any lattice with numbers, and what can be wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lattice.model import GROWTH, BlowUp
+from lattice.numeric_lattice import ROUNDED, NumericLattice
+
+Array = NDArray[np.float64]
+
+WAVES = {1: 33, 2: 9, 3: 5}
+"""Of a grid over the zone at which the waves about the bonds of single cells are looked at."""
+
+CELLS = 4096
+"""Cells that are looked at at once: some 10 MB for two fields."""
+
+TINY = 1e-300
+
+
+@dataclass
+class FieldState:
+    """Fields ``f`` and velocities ``v``, of shape (fields, *cells), on a ring at the time ``t``.
+
+    Of displacements that grow with the cell the periodic part is held; the rest is in the offsets
+    of the lattice's bonds. A run changes the arrays in place.
+    """
+
+    t: float
+    f: Array
+    v: Array
+
+    @property
+    def arrays(self) -> tuple[Array, Array]:
+        """Positions and velocities."""
+        return self.f, self.v
+
+    @property
+    def size(self) -> int:
+        """Fields of all cells."""
+        return int(self.f.size)
+
+    def copy(self) -> FieldState:
+        """A state of its own."""
+        return FieldState(self.t, self.f.copy(), self.v.copy())
+
+
+def field_blow_up(
+    lattice: NumericLattice, state: FieldState, initial_amplitude: float | None
+) -> BlowUp | None:
+    """The first criterion that the state meets, None if it is sound; as `find_blow_up`.
+
+    For a wave, whose largest stretch began with ``initial_amplitude`` (less the bond's offset):
+    waves about the bonds of some cell grow, that is, the lattice made of such cells is unstable; or
+    the largest stretch has grown by more than ``GROWTH``.
+    """
+    broken = ~np.all(np.isfinite(state.f) & np.isfinite(state.v), axis=0)
+    if broken.any():
+        return _seen("the fields are not finite", state, broken)
+    if initial_amplitude is None:
+        return None
+    with np.errstate(all="ignore"):
+        stretches = lattice.stretches(state.f)
+        pairs = list(zip(lattice.bonds, stretches, strict=True))
+        slopes = [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+    torn = ~np.all(np.isfinite(slopes), axis=0)
+    if torn.any():
+        return _seen("a bond is stretched beyond its force", state, torn)
+    if not lattice.is_stable([float(np.min(slope)) for slope in slopes]):
+        growing = _growing(lattice, slopes)
+        if growing.any():
+            return _seen("waves about the bonds of a cell grow", state, growing)
+    moved = np.max([np.abs(stretch - bond.offset) for bond, stretch in pairs], axis=0)
+    large = moved > GROWTH * initial_amplitude
+    if large.any():
+        return _seen(f"the largest stretch has grown {GROWTH:g}-fold", state, large)
+    return None
+
+
+def _growing(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
+    """Whether waves grow in the lattice that has the slopes of a cell everywhere, cell by cell."""
+    units = np.eye(len(slopes))
+    waves = _wavenumbers(lattice.dimension)
+    matrices = np.array([lattice.dynamical_matrix(waves, list(unit)) for unit in units])
+    flat = np.stack([slope.ravel() for slope in slopes])
+    found = []
+    for part in np.array_split(flat, -(-flat.shape[1] // CELLS), axis=1):
+        squares = np.linalg.eigvals(np.einsum("bc,bwij->cwij", part, matrices)).real
+        squares = squares.reshape(part.shape[1], -1)
+        found.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
+    return np.concatenate(found).reshape(slopes[0].shape)
+
+
+def _wavenumbers(dimension: int) -> Array:
+    axis = np.linspace(0.0, np.pi, WAVES[dimension])
+    axes = [axis, *[np.linspace(-np.pi, np.pi, 2 * axis.size - 1)] * (dimension - 1)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
+
+
+def _seen(criterion: str, state: FieldState, where: NDArray[np.bool_]) -> BlowUp:
+    return BlowUp(criterion, state.t, int(np.argmax(where)))

@@ -1,0 +1,40 @@
+"""Any scheme on any lattice by NumPy: for what no machine code is written, slower and shorter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Acceleration = Callable[[Array], Array]
+
+
+def advance_splitting(
+    acceleration: Acceleration, f: Array, v: Array, drifts: Array, kicks: Array, steps: int
+) -> None:
+    """Advance (f, v) in place by a drift-kick splitting whose weights hold the time step."""
+    for _ in range(steps):
+        for drift, kick in zip(drifts[:-1], kicks, strict=True):
+            f += drift * v
+            v += kick * acceleration(f)
+        f += drifts[-1] * v
+
+
+def advance_nystroem_method(
+    acceleration: Acceleration, f: Array, v: Array, table: tuple[Array, ...], h: float, steps: int
+) -> None:
+    """Advance (f, v) in place by steps h of a method whose ``table`` is a `NystroemTable`."""
+    nodes, inner, outer, weights = table
+    for _ in range(steps):
+        forces: list[Array] = []
+        for node, row in zip(nodes, inner, strict=True):
+            stage = f + node * h * v
+            for weight, force in zip(row, forces, strict=False):
+                stage += weight * h * h * force
+            forces.append(acceleration(stage))
+        f += h * v
+        for out, weight, force in zip(outer, weights, forces, strict=True):
+            f += out * h * h * force
+            v += weight * h * force

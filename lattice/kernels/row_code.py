@@ -1,0 +1,380 @@
+"""The machine code of a chain's stages, in LLVM's language: written from the streams of a stage.
+
+Cells are laid out in rows of ``lanes``, each a vector; neighbouring cells stand in neighbouring
+rows (`lattice.kernels.chain_kernel`). Several stages go up the rows together, each `Flow.skew` rows
+behind the one before, and what a stream keeps stays in registers as far as there are any.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]
+
+from lattice.kernels.streams import Flow, Law, Tap
+
+__all__ = ["passage_text"]
+
+ROWS = 256
+"""Rows by which a block moves up, as in `lattice.kernels.blocked`."""
+
+WHOLE = 64
+"""Largest whole exponent that is taken by products."""
+
+_DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
+_DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
+_CONTRACT = ("contract",)
+
+
+class _Code:
+    """A builder of vectors of doubles: what every part of the code is written with."""
+
+    def __init__(self, module: Any, builder: Any, lanes: int) -> None:
+        self.module, self.builder, self.lanes = module, builder, lanes
+        self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
+
+    def constant(self, value: float) -> Any:
+        return ir.Constant(self.kind, value if self.lanes == 1 else [value] * self.lanes)
+
+    def splat(self, value: Any) -> Any:
+        if self.lanes == 1:
+            return value
+        undefined = ir.Constant(self.kind, ir.Undefined)
+        seed = self.builder.insert_element(undefined, value, _INDEX(0))
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
+        return self.builder.shuffle_vector(seed, undefined, mask)
+
+    def number(self, data: Any, place: Any) -> Any:
+        """One double of memory in all lanes."""
+        place = _INDEX(place) if isinstance(place, int) else place
+        return self.splat(self.builder.load(self.builder.gep(data, [place])))
+
+    def address(self, data: Any, row: Any) -> Any:
+        place = self.builder.mul(row, _INDEX(self.lanes))
+        return self.builder.bitcast(self.builder.gep(data, [place]), self.kind.as_pointer())
+
+    def load(self, data: Any, row: Any) -> Any:
+        return self.builder.load(self.address(data, row), align=8)
+
+    def store(self, data: Any, row: Any, value: Any) -> None:
+        self.builder.store(value, self.address(data, row), align=8)
+
+    def fma(self, factor: Any, other: Any, term: Any) -> Any:
+        """factor * other + term, rounded once where the processor can."""
+        product = self.builder.fmul(factor, other, flags=_CONTRACT)
+        return self.builder.fadd(product, term, flags=_CONTRACT)
+
+    def function(self, name: str, *values: Any) -> Any:
+        """The C library's function of that name, lane by lane."""
+        known = self.module.globals
+        if name not in known:
+            kind = ir.FunctionType(_DOUBLE, [_DOUBLE] * len(values))
+            ir.Function(self.module, kind, name)
+        if self.lanes == 1:
+            return self.builder.call(known[name], values)
+        found = ir.Constant(self.kind, ir.Undefined)
+        for lane in map(_INDEX, range(self.lanes)):
+            parts = [self.builder.extract_element(value, lane) for value in values]
+            one = self.builder.call(known[name], parts)
+            found = self.builder.insert_element(found, one, lane)
+        return found
+
+    def root(self, value: Any) -> Any:
+        suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
+        name, known = f"llvm.sqrt.{suffix}", self.module.globals
+        if name not in known:
+            ir.Function(self.module, ir.FunctionType(self.kind, [self.kind]), name)
+        return self.builder.call(known[name], [value])
+
+    @contextmanager
+    def loop(self, start: Any, stop: Any, step: int = 1) -> Iterator[Any]:
+        """A loop over an index from ``start`` below ``stop``."""
+        builder = self.builder
+        before = builder.block
+        head, body, after = (builder.append_basic_block() for _ in range(3))
+        builder.branch(head)
+        builder.position_at_end(head)
+        index = builder.phi(_INDEX)
+        index.add_incoming(start, before)
+        builder.cbranch(builder.icmp_signed("<", index, stop), body, after)
+        builder.position_at_end(body)
+        yield index
+        index.add_incoming(builder.add(index, _INDEX(step)), builder.block)
+        builder.branch(head)
+        builder.position_at_end(after)
+
+    def least(self, one: Any, other: Any) -> Any:
+        return self.builder.select(self.builder.icmp_signed("<", one, other), one, other)
+
+    def most(self, one: Any, other: Any) -> Any:
+        return self.builder.select(self.builder.icmp_signed(">", one, other), one, other)
+
+
+def _whole_power(code: _Code, value: Any, exponent: int) -> Any:
+    """A power by repeated squares."""
+    found = None
+    square, left = value, exponent
+    while left:
+        if left % 2:
+            found = square if found is None else code.builder.fmul(found, square)
+        left //= 2
+        square = code.builder.fmul(square, square) if left else square
+    return found
+
+
+def _power(code: _Code, value: Any, exponent: float) -> Any:
+    """A power: by products and roots where the exponent is whole or half, else by the library."""
+    size = abs(exponent)
+    if exponent == 0.0 or 2.0 * size != round(2.0 * size) or size > WHOLE:
+        return code.function("pow", value, code.constant(exponent))
+    whole = int(size)
+    found = _whole_power(code, value, whole) if whole else None
+    if size != whole:
+        root = code.root(value)
+        found = root if found is None else code.builder.fmul(found, root)
+    return found if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), found)
+
+
+def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
+    """The force at the stretch x."""
+    if law.program:
+        return _run_program(code, x, law.program, numbers)
+    builder = code.builder
+    found = None if law.leading is None else builder.fmul(numbers[law.leading], x)
+    for factor in law.factors:
+        factor = None if factor is None else numbers[factor]
+        if found is None:
+            found = x if factor is None else builder.fadd(x, factor)
+        elif factor is None:
+            pass
+        else:
+            found = builder.fadd(found, factor, flags=_CONTRACT)
+        found = builder.fmul(x, found, flags=_CONTRACT)
+    return x if found is None else found
+
+
+def _run_program(
+    code: _Code, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
+) -> Any:
+    stack: list[Any] = []
+    for word, value in program:
+        if word == "x":
+            stack.append(x)
+        elif word == "number":
+            stack.append(numbers[int(value)])
+        elif word == "add":
+            stack.append(code.builder.fadd(stack.pop(), stack.pop()))
+        elif word == "multiply":
+            stack.append(code.builder.fmul(stack.pop(), stack.pop()))
+        elif word == "power":
+            stack.append(_power(code, stack.pop(), value))
+        else:
+            stack.append(code.function(word, stack.pop()))
+    return stack.pop()
+
+
+class _Stage:
+    """One of the stages that go together: its weights, and what its streams keep.
+
+    A stream's slots hold its values of the rows before, the latest first.
+    """
+
+    def __init__(
+        self,
+        code: _Code,
+        flow: Flow,
+        numbers: Sequence[Any],
+        weights: tuple[Any, Any],
+        depths: Sequence[int],
+    ) -> None:
+        self._code, self._flow, self._numbers = code, flow, numbers
+        self._drift, kick = weights
+        self._kicks = {
+            stream.field: code.builder.fmul(kick, numbers[stream.number])
+            for stream in flow.streams
+            if stream.kind == "kicked" and stream.number is not None
+        }
+        self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
+        self._latest: list[Any] = []
+
+    def value(self, term: Tap, lag: int) -> Any:
+        """The stream's value where another with that ``lag`` now wants it."""
+        behind = lag - term.shift - self._flow.streams[term.stream].lag
+        if behind == 0:
+            return self._latest[term.stream]
+        return self._code.builder.load(self.slots[term.stream][behind - 1])
+
+    def row(self, positions: Sequence[Any], velocities: Sequence[Any]) -> None:
+        """Go one row up."""
+        code, flow = self._code, self._flow
+        self._latest = [
+            code.fma(self._drift, v, f) for f, v in zip(positions, velocities, strict=True)
+        ]
+        self._latest += velocities
+        for stream in flow.streams[2 * flow.fields :]:
+            values = [self.value(term, stream.lag) for term in stream.taps]
+            if stream.kind == "force":
+                made = _force(code, values[0], stream.law, self._numbers)
+            elif stream.kind == "kicked":
+                made = code.fma(self._kicks[stream.field], values[1], values[0])
+            else:
+                made = self._sum(stream.taps, values)
+                if stream.number is not None:
+                    made = code.builder.fadd(made, self._numbers[stream.number])
+            self._latest.append(made)
+
+    def _sum(self, terms: Sequence[Tap], values: Sequence[Any]) -> Any:
+        code, total = self._code, None
+        for term, value in zip(terms, values, strict=True):
+            weight = None if term.number is None else self._numbers[term.number]
+            if weight is None and abs(term.weight) != 1.0:
+                weight = code.constant(term.weight)
+            if weight is not None:
+                if total is None:
+                    total = code.builder.fmul(weight, value)
+                else:
+                    total = code.fma(weight, value, total)
+            elif total is None:
+                total = value if term.weight > 0 else code.builder.fneg(value)
+            elif term.weight > 0:
+                total = code.builder.fadd(total, value)
+            else:
+                total = code.builder.fsub(total, value)
+        return total
+
+    def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
+        """Positions and new velocities of the row ``lag`` behind the front."""
+        flow = self._flow
+        positions = [self.value(Tap(place), lag) for place in range(flow.fields)]
+        return positions, [self.value(Tap(place), lag) for place in flow.kicked]
+
+    def latest(self, place: int) -> Any:
+        """A stream's value that was formed last."""
+        return self._latest[place]
+
+    def keep(self) -> None:
+        """Make the latest values those of the row before."""
+        builder = self._code.builder
+        for slots, latest in zip(self.slots, self._latest, strict=True):
+            kept = [latest, *(builder.load(slot) for slot in slots)]
+            for slot, value in zip(slots, kept, strict=False):
+                builder.store(value, slot)
+
+
+class _Writer:
+    """Writes the functions of a chain's module."""
+
+    def __init__(self, flow: Flow, lanes: int, together: int, count: int) -> None:
+        self._flow, self._lanes, self._together, self._count = flow, lanes, together, count
+        self._module = ir.Module("chain")
+
+    def text(self) -> str:
+        groups = {size: self._group(size) for size in sorted({1, self._together})}
+        self._passages(groups)
+        return str(self._module)
+
+    def _function(self, name: str, kinds: Sequence[Any], internal: bool) -> Any:
+        made = ir.Function(self._module, ir.FunctionType(ir.VoidType(), kinds), name)
+        if internal:
+            made.linkage = "internal"
+        for argument in made.args:
+            if argument.type == _DOUBLES:
+                argument.add_attribute("noalias")
+        return made, _Code(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
+
+    def _group(self, together: int) -> Any:
+        """The function of some stages together, from the front row ``first`` below ``past``."""
+        kinds = [*[_DOUBLES] * 6, *[_INDEX] * 4]
+        function, code = self._function(f"stages_{together}", kinds, internal=True)
+        f, v, carried, drifts, kicks, data, plane, level, first, past = function.args
+        flow, builder = self._flow, code.builder
+        numbers = [code.number(data, place) for place in range(self._count)]
+        stages = []
+        for behind in range(together):
+            depths = flow.depths(followed=behind < together - 1)
+            place = builder.add(level, _INDEX(behind))
+            weights = code.number(drifts, place), code.number(kicks, place)
+            stages.append(_Stage(code, flow, numbers, weights, depths))
+        slots = [slot for stage in stages for kept in stage.slots for slot in kept]
+        for row, slot in enumerate(slots):
+            builder.store(code.load(carried, _INDEX(row)), slot)
+        planes = [builder.mul(plane, _INDEX(place)) for place in range(flow.fields)]
+        fields, speeds = ([builder.gep(data, [p]) for p in planes] for data in (f, v))
+        with code.loop(first, past) as row:
+            positions = [code.load(data, row) for data in fields]
+            velocities = [code.load(data, row) for data in speeds]
+            for behind, stage in enumerate(stages):
+                stage.row(positions, velocities)
+                if behind < together - 1:
+                    positions, velocities = stage.outcome(flow.skew)
+            for stage in stages:
+                stage.keep() if stage is not stages[-1] else None
+            last = builder.sub(row, _INDEX((together - 1) * flow.skew))
+            for data, place in zip(fields, range(flow.fields), strict=True):
+                code.store(data, last, stages[-1].latest(place))
+            for data, place in zip(speeds, flow.kicked, strict=True):
+                behind_front = builder.sub(last, _INDEX(flow.streams[place].lag))
+                code.store(data, behind_front, stages[-1].latest(place))
+            stages[-1].keep()
+        for row, slot in enumerate(slots):
+            code.store(carried, _INDEX(row), builder.load(slot))
+        builder.ret_void()
+        return function
+
+    def _passages(self, groups: dict[int, Any]) -> None:
+        """The function that is called: ``passages`` times ``stages`` stages over all rows."""
+        kinds = [*[_DOUBLES] * 6, *[_INDICES] * 2, *[_INDEX] * 6]
+        function, code = self._function("passages", kinds, internal=False)
+        f, v, carried, drifts, kicks, numbers, target, source, *counts = function.args
+        copies, plane, rows, stages, passages, period = counts
+        builder = code.builder
+        with code.loop(_INDEX(0), passages) as passage:
+            with code.loop(_INDEX(0), copies) as copy:
+                places = [builder.load(builder.gep(data, [copy])) for data in (target, source)]
+                for data in (f, v):
+                    for field in range(self._flow.fields):
+                        offset = builder.mul(plane, _INDEX(field))
+                        to, at = (
+                            builder.gep(data, [builder.add(offset, place)]) for place in places
+                        )
+                        builder.store(builder.load(at), to)
+            begun = builder.srem(builder.mul(passage, stages), period)
+            weights = [builder.gep(data, [begun]) for data in (drifts, kicks)]
+            self._passage(code, groups, (f, v, carried, *weights, numbers, plane), rows, stages)
+        builder.ret_void()
+
+    def _passage(
+        self, code: _Code, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
+    ) -> None:
+        """All stages once over the rows, a block of them at a time."""
+        builder, skew = code.builder, _INDEX(self._flow.skew)
+        sizes = {size: self._flow.kept(size) * self._lanes for size in groups}
+        together = self._together
+        paired = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(together))
+        carried = data[2]
+        most = builder.mul(builder.sdiv(stages, _INDEX(together)), _INDEX(sizes[together]))
+
+        def advance(size: int, level: Any, low: Any, place: Any) -> None:
+            behind = builder.mul(level, skew)
+            high = code.least(builder.add(low, _INDEX(ROWS)), rows)
+            first = code.most(builder.sub(low, behind), _INDEX(0))
+            kept = builder.gep(carried, [place])
+            past = builder.sub(high, behind)
+            builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])
+
+        with code.loop(_INDEX(0), rows, ROWS) as low:
+            with code.loop(_INDEX(0), paired, together) as level:
+                number = builder.sdiv(level, _INDEX(together))
+                advance(together, level, low, builder.mul(number, _INDEX(sizes[together])))
+            if together > 1:
+                with code.loop(paired, stages) as level:
+                    number = builder.sub(level, paired)
+                    place = builder.add(most, builder.mul(number, _INDEX(sizes[1])))
+                    advance(1, level, low, place)
+
+
+def passage_text(flow: Flow, lanes: int, together: int, count: int) -> str:
+    """The module of that chain's stages, which take ``count`` numbers, as text."""
+    return _Writer(flow, lanes, together, count).text()
