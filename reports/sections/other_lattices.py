@@ -1,0 +1,229 @@
+"""What the report prints of other lattices: their equations, envelopes and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from derive import Reduction
+from derive.normal_form import NORMAL_EQUATIONS
+from derive.output.notation import latex_of, terms
+from derive.symbols import k
+from reports.latex import escape, scientific, table
+from reports.sections.theory import domain_latex
+from solutions import CATALOGUE, ClosedForm
+from verify.processes import Job, Key
+from verify.studies.lattice_models import (
+    ENVELOPES,
+    LatticeModel,
+    closed_waves,
+    lattice_models,
+    tabled_envelope,
+)
+
+if TYPE_CHECKING:
+    from verify.studies.evaluation_accuracy import Accuracy
+    from verify.studies.proofs import ProofRecord
+    from verify.verdict import Verdict
+
+PAPERS = "mKdV"
+"""The equation whose waves have sections of their own."""
+
+
+@dataclass(frozen=True)
+class ModelRow:
+    """One long wave of a lattice, in LaTeX; ``model`` is the lattice in words.
+
+    ``size`` is the power of eps of the strain, ``waves`` are the names of closed forms.
+    """
+
+    model: str
+    kind: str
+    size: int
+    equation: str
+    speed: str
+    needs: str
+    waves: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class EnvelopeRow:
+    """The envelope equation of a lattice's carriers: wavenumber and coefficients, in LaTeX."""
+
+    model: str
+    wavenumber: str
+    coefficients: tuple[str, ...]
+
+
+def model_jobs() -> dict[Key, Job]:
+    """The derivations of the tables, a job a lattice."""
+    models: dict[Key, Job] = {
+        ("model", place): Job(model_rows, (place,), 0.3)
+        for place, _ in enumerate(lattice_models())
+    }
+    envelopes: dict[Key, Job] = {
+        ("envelope", place): Job(envelope_row, (place,), 0.3) for place, _ in enumerate(ENVELOPES)
+    }
+    return models | envelopes
+
+
+def model_rows(place: int) -> list[ModelRow]:
+    """The rows of one of `lattice_models`."""
+    model = list(lattice_models())[place]
+    return [_model_row(model, reduction) for reduction in model.reductions()]
+
+
+def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
+    lattice, scaling = reduction.lattice, reduction.scaling
+    title = f"{lattice.title}, {model.case}" if model.case else lattice.title
+    used = reduction.pde.latex() + latex_of(reduction.speed_squared)
+    equal = [
+        *((sp.Symbol(name), value) for name, value in model.values),
+        *(pair for pair in lattice.definitions if latex_of(pair[0]) in used),
+    ]
+    remarks = ", ".join(f"${latex_of(left)} = {latex_of(right)}$" for left, right in equal)
+    return ModelRow(
+        escape(title) + (f": {remarks}" if remarks else ""),
+        reduction.pde.kind.replace(" or generalised KP", " or"),
+        scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0),
+        _equation_latex(reduction),
+        latex_of(reduction.speed_squared),
+        ", ".join(f"${condition.latex()}$" for condition in reduction.conditions),
+        closed_waves(reduction),
+    )
+
+
+def _equation_latex(reduction: Reduction) -> str:
+    """The reduced equation with each coefficient as short as it can be written."""
+    masses = {symbol for mass in reduction.lattice.masses for symbol in mass.free_symbols}
+    text = reduction.pde.latex()
+    for part in (reduction.pde.polynomial, reduction.pde.transverse):
+        for term in terms(part):
+            text = text.replace(latex_of(term.size), shortest(term.size, masses))
+    return text
+
+
+def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
+    """The LaTeX of a factored value, its factors collected by the symbols if that is shorter.
+
+    >>> a, b, m, n = sp.symbols("a b m n")
+    >>> shortest(sp.factor(sp.expand(m**2 * (a + b)**3 + n**2 * (a + b)**2 * a)), [m, n])
+    '\\\\left(a + b\\\\right)^{2} \\\\left(m^{2} \\\\left(a + b\\\\right) + n^{2} a\\\\right)'
+    """
+    chosen = sorted(symbols, key=str)
+    collected = value.replace(
+        lambda part: part.is_Add, lambda part: sp.collect(sp.expand(part), chosen, sp.factor)
+    )
+    return min(latex_of(value), latex_of(collected), key=len)
+
+
+def model_table(rows: Iterable[ModelRow]) -> str:
+    """Each lattice once, in words across the table, with its long waves below."""
+    lines, last = [], ""
+    for found in rows:
+        if found.model != last:
+            lines.append([rf"\multicolumn{{4}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{found.model}}}"])
+            last = found.model
+        size = rf"$\epsilon^{{{found.size}}}$" if found.size > 1 else r"$\epsilon$"
+        where = rf"$c^{{2}} = {found.speed}$"
+        lines.append(
+            [
+                rf"\nopagebreak {escape(found.kind)}",
+                size,
+                rf"${found.equation}$\newline {where}"
+                + (f"; needs {found.needs}" if found.needs else ""),
+                wave_names(found.waves),
+            ]
+        )
+    head = ["equation", "strain", "", "closed waves"]
+    return table("L{23mm}lL{92mm}L{29mm}", head, lines)
+
+
+def wave_names(names: Sequence[str]) -> str:
+    """The waves without the name of their equation; those of the paper's by their number.
+
+    >>> wave_names(["kp_line_soliton", "kp_lump"]), wave_names([])
+    ('line soliton, lump', 'none')
+    """
+    if not names:
+        return "none"
+    equation = closed_equation(names[0])
+    if equation == PAPERS:
+        return rf"the {len(names)} of section~\ref{{sec:solutions}}"
+    prefix = equation.lower().replace(" ", "_")
+    words = [name.removeprefix(f"{prefix}_").replace("_", " ") for name in names]
+    return escape(", ".join(words))
+
+
+def closed_equation(name: str) -> str:
+    """The equation of a closed form of the catalogue, among `NORMAL_EQUATIONS`."""
+    return CATALOGUE[CATALOGUE.names.index(name)].equation.normal
+
+
+COEFFICIENTS = {"v": "v", "p": "p", "q": "q"}
+"""What a row of envelopes shows."""
+
+
+def envelope_row(place: int) -> EnvelopeRow:
+    """The row of one of `ENVELOPES`, with s and C for sine and cosine of k/2."""
+    name, wavenumber = ENVELOPES[place]
+    found = tabled_envelope(name, wavenumber)
+    short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
+    return EnvelopeRow(
+        escape(found.lattice.title),
+        "$k$" if wavenumber is None else f"${latex_of(wavenumber)}$",
+        tuple(latex_of(found.expressions[part].subs(short)) for part in COEFFICIENTS),
+    )
+
+
+def envelope_table(rows: Iterable[EnvelopeRow]) -> str:
+    """Lattice, wavenumber, group velocity, p and q."""
+    lines = [
+        [found.model, found.wavenumber, *(rf"$\displaystyle {text}$" for text in found.coefficients)]
+        for found in rows
+    ]
+    head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS.values())]
+    return table("L{44mm}llll", head, lines, gap="0.8ex")
+
+
+def further_forms() -> list[ClosedForm]:
+    """The closed forms of other equations than the paper's."""
+    return [form for form in CATALOGUE if form.equation.normal != PAPERS]
+
+
+def normal_equations() -> list[tuple[str, str]]:
+    """Names and LaTeX of the normal forms that the further closed forms solve, in their order."""
+    names = dict.fromkeys(form.equation.normal for form in further_forms())
+    return [(name, NORMAL_EQUATIONS[name].latex) for name in names]
+
+
+def form_table(
+    proofs: Iterable[ProofRecord],
+    residuals: Mapping[str, Verdict],
+    accuracy: Iterable[Accuracy],
+) -> str:
+    """The further closed forms: equation, domains, verdict, residual and worst error."""
+    proved = {record.name: record for record in proofs}
+    worst = {found.name: max(found.errors) for found in accuracy}
+    rows = []
+    for form in further_forms():
+        record, residual = proved.get(form.name), residuals.get(form.name)
+        rows.append(
+            [
+                escape(form.equation.name),
+                escape(form.title),
+                ", ".join(domain_latex(parameter.domain) for parameter in form.parameters) or "--",
+                "--" if record is None else escape(record.outcome.value),
+                _number(residual.residual if residual else None),
+                _number(worst.get(form.name)),
+            ]
+        )
+    head = ["equation", "solution", "parameters", "verdict", "residual", "worst error"]
+    return table("L{27mm}L{42mm}L{38mm}lll", head, rows)
+
+
+def _number(value: float | None) -> str:
+    return "--" if value is None else scientific(value)
