@@ -184,9 +184,7 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
     return kept
 
 
-def _envelope(
-    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]
-) -> Derivation:
+def _envelope(scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]) -> Derivation:
     from derive import envelope
 
     k = formula("k", scene.carrier, {})
@@ -239,9 +237,7 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     from verify.lattices.envelope_data import EnvelopeData
 
     far = mean_square_far(wave) if scene.order == "leading" else 0.0
-    return EnvelopeData(
-        found.source, found.numbers, wave, scene.eps, scene.order, mean_square=far
-    )
+    return EnvelopeData(found.source, found.numbers, wave, scene.eps, scene.order, mean_square=far)
 
 
 FAR, SAMPLES = 200.0, 4096

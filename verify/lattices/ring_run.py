@@ -1,32 +1,31 @@
-"""A ring of any lattice through given times."""
+"""A ring of any lattice through given times, with a step that is a share of the longest stable."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.field_state import FieldState
+from lattice.integration import integrate
+from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from verify.lattices.lattice_wave import RingState
 
 Array = NDArray[np.float64]
 
 
-def advanced(ring: RingState, times: Array, tolerance: float) -> list[Array]:
-    """The fields' periodic parts at the times after the first, to a tolerance a step."""
-    from scipy.integrate import solve_ivp
+def advanced(ring: RingState, times: Array, share: float) -> list[Array]:
+    """The fields' periodic parts at the times after the first.
 
-    shape = (2, *ring.f.shape)
-
-    def rate(_: float, state: Array) -> Array:
-        f, v = state.reshape(shape)
-        return np.array([v, ring.lattice.acceleration(f)]).ravel()
-
-    found = solve_ivp(
-        rate,
-        (times[0], times[-1]),
-        np.array([ring.f, ring.v]).ravel(),
-        "DOP853",
-        t_eval=times[1:],
-        rtol=1e-13,
-        atol=tolerance,
+    ``share`` of the longest step that is stable at the stiffest bonds of the state.  Raises
+    ValueError as `lattice.integrate` does.
+    """
+    stretches = ring.lattice.stretches(ring.f)
+    pairs = zip(ring.lattice.bonds, stretches, strict=True)
+    stiffest = [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    frequency = max(
+        ring.lattice.highest_frequency(slopes) for slopes in (stiffest, ring.lattice.rest_slopes())
     )
-    return [state.reshape(shape)[0] for state in found.y.T]
+    step = share * stability_limit(REDUCED_PHASE_6) / frequency
+    state = FieldState(float(times[0]), ring.f, ring.v)
+    found = integrate(ring.lattice, state, times[1:], step=step, measure_error=False)
+    return list(found.f)

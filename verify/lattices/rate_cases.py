@@ -1,0 +1,236 @@
+"""Lattices, their long waves and the rates at which they must come together, as data.
+
+The ansatz leaves out what is ``eps**2`` smaller, in most cases: at fixed slow time the strain's
+error is then of that power beyond the wave's own, and with the first correction of the next one.
+Where quadratic forces cancel in a cell without vanishing the correction comes a power earlier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias
+
+from sympy import Expr, Rational
+
+from derive import LATTICES, Scaling, reduce
+from derive.lattice import Lattice
+from derive.reduction import Reduction
+from derive.symbols import eps
+from solutions import Wave, closed_form
+from verify.lattices.computed_soliton import ComputedSoliton
+from verify.lattices.convergence import ConvergenceStudy, convergence_study
+from verify.lattices.long_wave_data import JetWave, LongWaveData
+
+Value: TypeAlias = int | str | Expr
+
+
+@dataclass(frozen=True)
+class RateCase:
+    """A lattice with numbers, an ansatz, a wave of its reduced equation, and the rates to expect.
+
+    ``wave`` names a closed form, or "" is the computed soliton of the ``speed`` in ``parameters``.
+    ``rates``: the power of eps that the strain's error falls with, for each order of the data.
+    ``within``: of X, where the wave does not end.
+    """
+
+    name: str
+    lattice: str
+    constants: Mapping[str, Value]
+    scaling: Scaling
+    wave: str
+    parameters: Mapping[str, Value]
+    rates: Mapping[str, float]
+    eps: tuple[float, ...] = (0.3, 0.2, 0.15, 0.1)
+    slow_times: tuple[float, float] = (0.0, 2.0)
+    within: float | None = None
+    interval: tuple[float, float] | None = field(default=None)
+
+    @cached_property
+    def numeric(self) -> Lattice:
+        """The lattice with its numbers."""
+        values = {name: _exact(value) for name, value in self.constants.items()}
+        return LATTICES[self.lattice].with_values(values)
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """Its reduction, two orders beyond the evolution equation."""
+        return reduce(self.numeric, self.scaling)
+
+    @cached_property
+    def solution(self) -> JetWave:
+        """The wave of the reduced equation."""
+        values = {name: _exact(value) for name, value in self.parameters.items()}
+        if not self.wave:
+            return ComputedSoliton(self.reduction, float(values["speed"]))
+        return Wave(closed_form(self.wave), self.reduction.normal_form(), **values)
+
+    def data(self, at: float, order: str) -> LongWaveData:
+        """The wave on the lattice at one eps."""
+        return LongWaveData(
+            self.reduction, {}, self.solution, at, order, self.numeric, self.interval
+        )
+
+    def study(self, order: str, values: tuple[float, ...] = ()) -> ConvergenceStudy:
+        """Its errors over eps."""
+        chosen = values or self.eps
+        return convergence_study(
+            lambda at: self.data(at, order), chosen, self.slow_times, self.within
+        )
+
+
+def _exact(value: Value) -> Expr:
+    return value if isinstance(value, Expr) else Rational(value)
+
+
+HALF = Rational(1, 2)
+
+CUBIC = {"K2": 1, "K3": 0, "K4": 1}
+FULL = {"K2": 1, "K3": 1, "K4": 1}
+FURTHER = {"L2": "1/10", "L3": 0, "L4": "1/10"}
+FURTHER_QUADRATIC = {"L2": "1/10", "L3": "1/10", "L4": 0}
+MASSES = {"m1": 1, "m2": 2}
+DEGENERATE = {"K2": "4/3", "K4": 0, "L2": "-1/12", "L4": 0}
+NEARLY = {"K2": (4 - eps**2) / 3, "L2": (eps**2 - 1) / 12}
+"""``K2 + 4 L2 = 1`` and ``K2 + 16 L2 = eps^2``."""
+
+THIRD = {"leading": 3.0, "slaved": 3.0, "corrected": 5.0}
+FOURTH = {"leading": 4.0, "slaved": 4.0, "corrected": 6.0}
+SIXTH = {"leading": 6.0, "slaved": 6.0, "corrected": 8.0}
+OF_CELLS = {"slaved": 3.0, "corrected": 5.0}
+OF_CELLS_QUADRATIC = {"slaved": 4.0, "corrected": 6.0}
+
+KDV, MKDV, GARDNER = "kdv_soliton", "soliton_sech", "gardner_soliton"
+LARGER = (0.5, 0.4, 0.3, 0.25)
+"""For times of order eps^-5."""
+
+RATE_CASES = {
+    case.name: case
+    for case in (
+        RateCase("1", "fput_strain", CUBIC, Scaling(), MKDV, {"kappa": HALF}, THIRD),
+        RateCase("2", "fput_strain", FULL, Scaling(2), KDV, {"kappa": 1}, FOURTH),
+        RateCase(
+            "3", "fput_strain", {**CUBIC, "K3": eps / 2}, Scaling(), GARDNER, {"kappa": 2}, THIRD
+        ),
+        RateCase(
+            "4a",
+            "fput_strain",
+            FULL,
+            Scaling(2, background=((0, Rational(1, 5)),)),
+            KDV,
+            {"kappa": 1},
+            FOURTH,
+        ),
+        RateCase(
+            "4b",
+            "fput_strain",
+            FULL,
+            Scaling(background=((0, -Rational(1, 3)),)),
+            MKDV,
+            {"kappa": HALF},
+            THIRD,
+        ),
+        RateCase(
+            "4c",
+            "fput_strain",
+            CUBIC,
+            Scaling(background=((1, HALF),)),
+            GARDNER,
+            {"kappa": 1},
+            THIRD,
+        ),
+        RateCase(
+            "5a",
+            "next_nearest",
+            {**FULL, "K4": 0, **FURTHER_QUADRATIC},
+            Scaling(2),
+            KDV,
+            {"kappa": 1},
+            FOURTH,
+        ),
+        RateCase(
+            "5b", "next_nearest", {**CUBIC, **FURTHER}, Scaling(), MKDV, {"kappa": HALF}, THIRD
+        ),
+        RateCase(
+            "5c",
+            "next_nearest",
+            {**DEGENERATE, "K3": 1, "L3": 0},
+            Scaling(4, time=5),
+            "",
+            {"speed": 1},
+            SIXTH,
+            LARGER,
+        ),
+        RateCase(
+            "5d",
+            "next_nearest",
+            {**DEGENERATE, "K3": 0, "K4": 1, "L3": 0},
+            Scaling(2, time=5),
+            "",
+            {"speed": 1},
+            FOURTH,
+            LARGER,
+        ),
+        RateCase(
+            "5e",
+            "next_nearest",
+            {**NEARLY, "K3": 1, "K4": 0, "L3": 0, "L4": 0},
+            Scaling(4, time=5),
+            "kawahara_soliton",
+            {},
+            SIXTH,
+            LARGER,
+        ),
+        RateCase(
+            "5f",
+            "next_nearest",
+            {**NEARLY, "K3": 0, "K4": -1, "L3": 0, "L4": 0},
+            Scaling(2, time=5),
+            "modified_kawahara_soliton",
+            {},
+            FOURTH,
+            LARGER,
+        ),
+        RateCase(
+            "6a", "mass_dimer", {**CUBIC, **MASSES}, Scaling(0), MKDV, {"kappa": HALF}, OF_CELLS
+        ),
+        RateCase(
+            "6b",
+            "mass_dimer",
+            {**FULL, "K4": 0, **MASSES},
+            Scaling(1),
+            KDV,
+            {"kappa": 1},
+            OF_CELLS_QUADRATIC,
+        ),
+        RateCase(
+            "6c",
+            "dimer",
+            {**CUBIC, "H2": 2, "H3": 0, "H4": 1, **MASSES},
+            Scaling(0),
+            MKDV,
+            {"kappa": HALF},
+            OF_CELLS,
+        ),
+        RateCase(
+            "6d",
+            "dimer",
+            {**FULL, "K4": 0, "H2": 2, "H3": 1, "H4": 0, **MASSES},
+            Scaling(1),
+            KDV,
+            {"kappa": 1},
+            OF_CELLS_QUADRATIC,
+        ),
+        RateCase(
+            "6e",
+            "dimer",
+            {"K2": 1, "K3": 1, "K4": 6, "H2": 2, "H3": -8, "H4": 60, **MASSES},
+            Scaling(0),
+            MKDV,
+            {"kappa": HALF},
+            {"slaved": 2.0, "corrected": 3.0},
+        ),
+    )
+}
+"""The cases by name: the row of the equation, as in the tests of the reductions."""
