@@ -90,6 +90,26 @@ def plot(source: str, output: str | None, kind: str) -> int:
 longwave.add_command(report)
 
 
+@longwave.command(epilog=example("longwave converge toda_soliton --eps 0.2,0.14,0.1,0.07"))
+@click.argument("scene", shell_complete=complete_scenes)
+@click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
+@click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
+@click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
+@json_option
+def converge(
+    scene: str, eps: str | None, tolerance: float | None, output: str | None, json_wanted: bool
+) -> int:
+    """Run a scene at several eps and fit its rate.
+
+    SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
+    lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
+    run stands beside its own.
+    """
+    from longwave.lattice_plotting import converge_and_draw
+
+    return converge_and_draw(scene, eps, tolerance, output, json_wanted, called_by())
+
+
 @longwave.command("list", epilog=example("longwave list waves --json"))
 @click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")

@@ -19,6 +19,7 @@ from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
+from longwave.lattice_plotting import draw_lattice_run
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -34,12 +35,11 @@ from reports.figures.drawing import (
     styled,
 )
 from reports.figures.paper_figures import snapshots
-from verify.cli.console import check_output, plain_console, progress_bar
+from verify.cli.console import check_output, picture_path, plain_console, progress_bar
 from verify.comparison import Scene, load_run, run
-from verify.comparison.scene import find_scene, scene_of
+from verify.comparison.scene import scene_of
 from verify.comparison.stated_run import UnfinishedRun
-
-SUFFIXES = (".png", ".pdf", ".svg")
+from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
 ALL = "all"
 
@@ -55,7 +55,7 @@ WIDTH, MOST = 90, 270
 LOOKS = 201
 """Times of map and crest track where the scene does not state any."""
 
-Source = xr.Dataset | Scene | str | Path
+Source = xr.Dataset | Scene | LatticeScene | str | Path
 
 
 @dataclass(frozen=True)
@@ -86,14 +86,17 @@ def plot(
     Raises ValueError in one line: source, kind and suffix; a run without the variables. OSError
     if ``output`` cannot be written.
     """
-    path = None if output is None else _checked_output(output)
+    path = None if output is None else picture_path(output)
     if kind not in (ALL, *PICTURES):
         known = ", ".join((ALL, *PICTURES))
         raise ValueError(f"kind must be a known one, got {kind!r} (one of {known})")
     found = read_source(source)
-    data = (
-        run(_for_pictures(found, kind), progress, announce) if isinstance(found, Scene) else found
-    )
+    if isinstance(found, Scene):
+        data = run(_for_pictures(found, kind), progress, announce)
+    elif isinstance(found, LatticeScene):
+        data = _run_of_lattice(found, progress, announce)
+    else:
+        data = found
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = _draw(data, kind)
@@ -102,19 +105,17 @@ def plot(
     return figure
 
 
-def _checked_output(output: str | Path) -> Path:
-    path = Path(output) if isinstance(output, str | Path) else None
-    if path is None or path.suffix.lower() not in SUFFIXES:
-        got = shown(output if path is None else path.name)
-        raise ValueError(
-            f"output must be a path ending in {', '.join(SUFFIXES)}, got {got} (such as 'run.png')"
-        )
-    return path
+def _run_of_lattice(
+    scene: LatticeScene, progress: Progress | None, announce: Announce | None
+) -> xr.Dataset:
+    from verify.lattices.lattice_run import run_lattice_scene
+
+    return run_lattice_scene(scene, progress, announce).dataset
 
 
-def read_source(source: Source) -> xr.Dataset | Scene:
+def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
     """The run or the scene that is meant; ValueError if it is neither, or cannot be read."""
-    if isinstance(source, xr.Dataset | Scene):
+    if isinstance(source, xr.Dataset | Scene | LatticeScene):
         return source
     if not isinstance(source, str | Path):
         raise ValueError(
@@ -124,7 +125,7 @@ def read_source(source: Source) -> xr.Dataset | Scene:
     path = Path(source)
     if path.suffix == ".nc" or (path.is_file() and _is_binary(path)):
         return _read_run(path)
-    return find_scene(str(source))
+    return find_any_scene(str(source))
 
 
 def _is_binary(path: Path) -> bool:
@@ -163,6 +164,12 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
 
 def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
+    if "lattice_scene" in data.attrs:
+        if kind not in (ALL, "snapshots"):
+            raise ValueError(
+                f"kind must be snapshots for a scene that names a lattice, got {kind!r} (leave it)"
+            )
+        return draw_lattice_run(data, _title(data))
     scene = _scene_of(data)
     drawn = _pictures(data, kind)
     heights = [picture.height(data) for picture in drawn]

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 
 from derive.command_line import announce
+from verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
 """Columns of a table where stdout is no terminal."""
@@ -64,6 +65,21 @@ def check_output(text: str | None, example: str = "run.nc") -> None:
         )
     if not Path(text).parent.is_dir():
         raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
+
+
+SUFFIXES = (".png", ".pdf", ".svg")
+"""Of pictures."""
+
+
+def picture_path(output: str | Path) -> Path:
+    """The path of a picture; ValueError for a suffix that cannot be drawn."""
+    path = Path(output) if isinstance(output, str | Path) else None
+    if path is None or path.suffix.lower() not in SUFFIXES:
+        got = shown(output if path is None else path.name)
+        raise ValueError(
+            f"output must be a path ending in {', '.join(SUFFIXES)}, got {got} (such as 'run.png')"
+        )
+    return path
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from sympy import Expr, pi, sqrt
@@ -187,6 +187,12 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
 def _envelope(scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]) -> Derivation:
     from derive import envelope
 
+    if not lattice.is_polynomial:
+        in_masses = {str(s) for mass in lattice.masses for s in mass.free_symbols}
+        outer = {name: value for name, value in numbers.items() if name not in in_masses}
+        if in_masses:  # a symbol must be left for the dispersion relation to be solved for
+            lattice = lattice.with_values(outer)
+            numbers = {name: value for name, value in numbers.items() if name in in_masses}
     k = formula("k", scene.carrier, {})
     found = envelope(lattice, k=k, branch=scene.branch, **numbers)
     return Derivation(lattice, found, found.normal_form(**numbers), numbers)
@@ -234,10 +240,17 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     found, wave = derivation(scene), wave_of(scene)
     if isinstance(found.source, Reduction):
         return LongWaveData(found.source, {}, wave, scene.eps, scene.order, found.lattice)
-    from verify.lattices.envelope_data import EnvelopeData
+    from verify.lattices.envelope_data import EnvelopeData, EnvelopeWave
 
     far = mean_square_far(wave) if scene.order == "leading" else 0.0
-    return EnvelopeData(found.source, found.numbers, wave, scene.eps, scene.order, mean_square=far)
+    return EnvelopeData(
+        found.source,
+        found.numbers,
+        cast(EnvelopeWave, wave),
+        scene.eps,
+        scene.order,
+        mean_square=far,
+    )
 
 
 FAR, SAMPLES = 200.0, 4096

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from derive.carrier_fields import CarrierFields, CarrierTerm
-from lattice.spectral.exponential import ExponentialAdams
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.command_line import duration
+from lattice.dynamics import dynamics_of
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from lattice.trial import (
     NUDGE,
@@ -45,6 +46,9 @@ WIDER = 64
 
 GROWTH = 100.0
 """Growth of the largest value on the compared cells that counts as a blow-up."""
+
+UPDATES = 1e8
+"""Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
 
 SECONDS_PER_UPDATE = 3e-9
 """Seconds for a force on one field of a cell: of the generic kernel, with data and comparison."""
@@ -251,18 +255,17 @@ def _stiffest(ring: RingState) -> list[float]:
 def march(
     ring: RingState, times: Sequence[float], step: float
 ) -> Iterator[tuple[float, Array, Array, int]]:
-    """Each of the times with the state then, and the steps since the one before."""
+    """Each of the times with the state then, and the steps since the one before; none after one
+    that is not finite."""
+    dynamics = dynamics_of(ring.lattice)
     f, v = ring.f.copy(), ring.v.copy()
     yield times[0], f, v, 0
+    most = max(1, int(UPDATES / (SCHEME.stages * f.size)))
     for begin, end in pairwise(times):
         steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
         h = (end - begin) / steps
-        with np.errstate(over="ignore", invalid="ignore"):
-            for _ in range(steps):
-                for drift, kick in zip(SCHEME.drifts, [*SCHEME.kicks, 0.0], strict=True):
-                    f += drift * h * v
-                    if kick:
-                        v += kick * h * ring.lattice.acceleration(f)
-        if not np.all(np.isfinite(f)):
-            return
+        for done in range(0, steps, most):
+            dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
+            if not np.all(np.isfinite(f)):
+                return
         yield end, f, v, steps
