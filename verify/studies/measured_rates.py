@@ -1,0 +1,85 @@
+"""The rates at which lattices come near their long-wave limits, measured for a report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from derive import LATTICES
+from solutions import closed_form
+from verify.lattices.convergence import ConvergenceStudy
+from verify.lattices.rate_cases import RATE_CASES, RateCase
+from verify.processes import Job, Key
+
+SECONDS = {"leading": 0.3, "slaved": 0.3, "corrected": 3.0}
+"""About the time of a case by the order of its data."""
+
+COMPUTED_SECONDS = 10.0
+"""The same where the wave itself is computed."""
+
+REACHED = 0.2
+"""How far from what is expected a measured rate may be, beside its own uncertainty."""
+
+
+@dataclass(frozen=True)
+class MeasuredRate:
+    """A case's errors over eps with data of one order, and the rate to expect.
+
+    ``lattice`` and ``wave`` are titles, ``constants`` (name, value) pairs of texts, ``kind`` is
+    the equation's name.
+    """
+
+    case: str
+    lattice: str
+    constants: tuple[tuple[str, str], ...]
+    kind: str
+    wave: str
+    order: str
+    expected: float
+    study: ConvergenceStudy
+
+    @property
+    def reached(self) -> bool:
+        """Whether the expected rate is within the measured one's uncertainty, or close to it."""
+        return abs(self.study.rate - self.expected) <= max(REACHED, self.study.uncertainty)
+
+
+def measured_rate(name: str, order: str) -> MeasuredRate:
+    """Measure one of `RATE_CASES` with data of an order.
+
+    >>> found = measured_rate("2", "leading")
+    >>> found.kind, found.expected, found.reached
+    ('KdV', 4.0, True)
+    """
+    case = RATE_CASES[name]
+    return MeasuredRate(
+        name,
+        LATTICES[case.lattice].title,
+        tuple((key, str(value)) for key, value in case.constants.items()),
+        case.reduction.pde.kind,
+        closed_form(case.wave).title if case.wave else "soliton, computed",
+        order,
+        case.rates[order],
+        case.study(order),
+    )
+
+
+def rate_jobs(full: bool) -> dict[Key, Job]:
+    """Every case in closed form with its simplest data; if ``full`` all cases and the next order.
+
+    Data of leading and of slaved order are the same with one field in a cell.
+    """
+    return {
+        ("rate", (name, order)): Job(measured_rate, (name, order), _seconds(case, order))
+        for name, case in RATE_CASES.items()
+        for order in _orders(case, full)
+    }
+
+
+def _orders(case: RateCase, full: bool) -> list[str]:
+    if not full:
+        return list(case.rates)[:1] if case.wave else []
+    return [order for order in case.rates if order != "slaved" or "leading" not in case.rates]
+
+
+def _seconds(case: RateCase, order: str) -> float:
+    return SECONDS[order] + (0.0 if case.wave else COMPUTED_SECONDS)
