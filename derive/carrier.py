@@ -66,7 +66,8 @@ class Carrier:
 
     ``parts``: for each field the series without the mean.  ``mean``: the mean S, of the field or,
     in a lattice of displacements, of the strain of a cell; ``means`` are its orders.  ``flow``: G
-    of ``A_T = G``.  ``relation``: the dispersion relation, a polynomial in w^2.
+    of ``A_T = G``.  ``relation``: the dispersion relation, a polynomial in w^2.  ``detuning``: what
+    a constant mean adds to G_0, as a multiple of A.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class Carrier:
             raise EnvelopeError(f"{self.fixed} must enter the dispersion relation, got it nowhere")
         self.images = {self.fixed: value}
         self.means: list[DifferentialPolynomial] = []
-        self.velocity = self.field.zero
+        self.velocity = self.detuning = self.field.zero
         self.flow = self._series({})
         self.mean = self._series({2: self._letter(MEAN_LETTER)})
         self.parts = [self._series({}) for _ in self.lattice.fields]
@@ -103,6 +104,7 @@ class Carrier:
         """Find all parts up to G_1."""
         for order in (2, 3, LAST):
             if order > 2 and not self.is_pinned:
+                self.detuning = self.detuning or self._detuning()
                 self._solve_mean(order)
             self._solve_carrier(order)
             if order < LAST:
@@ -129,6 +131,11 @@ class Carrier:
         later = {0: found, 1: self._letter(MEAN_LETTER)}
         self.mean = self._with_mean(self.mean, later)
         self.parts = [self._with_mean(part, later) for part in self.parts]
+
+    def _detuning(self) -> RationalFunction:
+        """The coefficient of S A in ``A_T = G_0``, while the mean is free."""
+        row = self._weighted(self.carried[1], self._rows(3, 1))
+        return row.coefficient(A, MEAN_LETTER) / (2 * self.field(w) * self._inertia(self.carried))
 
     def _solve_carrier(self, order: int) -> None:
         """The group velocity or G at this order, then the rest of harmonic 1."""
@@ -166,7 +173,7 @@ class Carrier:
     def _rows(self, order: int, j: int) -> Rows:
         """The part of ``mass f'' - forces`` at this order and harmonic, for each field."""
         rows = [
-            self.number(mass) * self._acceleration(index, order)
+            self.number(mass) * self._acceleration(index, order, j)
             for index, mass in enumerate(self.lattice.masses)
         ]
         for bond in self.lattice.bonds:
@@ -176,49 +183,54 @@ class Carrier:
                 force = force * stretch + force.constant(self.number(coefficient))
             for end in bond.action:
                 pull = self._shifted(force, end.shift[0])
-                rows[end.field] = rows[end.field] + self.field(-end.weight) * pull
-        return tuple(
-            row.parts.get(order, self._nothing).select(lambda m: harmonic(m) == j) for row in rows
-        )
+                found = pull.parts.get(order, self._nothing).select(lambda m: harmonic(m) == j)
+                rows[end.field] = rows[end.field] + self.field(-end.weight) * found
+        return tuple(rows)
 
-    def _acceleration(self, index: int, order: int) -> EpsSeries:
-        own = self._series(self.parts[index].parts, order)
+    def _acceleration(self, index: int, order: int, j: int) -> DifferentialPolynomial:
+        """The j-th harmonic of f'' at this order; d/dt is ``-j w - eps v D + eps^2 d_T`` there."""
+        own = self.parts[index]
         share = self.field.zero if self.is_pinned else self.uniform[0][index]
         if share and not self.is_displacement:
-            own = own + share * self._series(self.mean.parts, order)
-        total = self._time_derivative(self._time_derivative(own))
-        if share and self.is_displacement:
-            mean = self._series(self.mean.parts, order)
-            drift = self.velocity**2 * mean.derivative(0).delayed(1)
-            slow = -2 * self.velocity * self._slow(mean).delayed(2)
-            total = total + share * (drift + slow)
+            own = own + share * self.mean
+
+        def part(power: int) -> DifferentialPolynomial:
+            return own.parts.get(power, self._nothing).select(lambda m: harmonic(m) == j)
+
+        turn, v = j * self.field(w), self.velocity
+        total = turn**2 * part(order)
+        total = total + 2 * turn * v * part(order - 1).derivative(0)
+        total = total + v**2 * part(order - 2).derivative(0).derivative(0)
+        for power in self.flow.parts:
+            total = total + -2 * turn * self._slow(part(order - 2 - power), power)
+            total = total + -2 * v * self._slow(part(order - 3 - power), power).derivative(0)
+        if share and self.is_displacement and j == 0:
+            total = total + share * self._drift(order)
         return total
 
-    def _time_derivative(self, series: EpsSeries) -> EpsSeries:
-        total = self._slow(series).delayed(2) + -self.velocity * series.derivative(0).delayed(1)
-        turned = (
-            (order, part.map_terms(lambda m, value: -harmonic(m) * self.field(w) * value))
-            for order, part in series.parts.items()
-        )
-        return total + EpsSeries.collect(self.field, series.limit, turned)
+    def _drift(self, order: int) -> DifferentialPolynomial:
+        """The second time derivative of a displacement whose X-derivative is the mean."""
+        parts = self.mean.parts
+        total = self.velocity**2 * parts.get(order - 1, self._nothing).derivative(0)
+        for power in self.flow.parts:
+            slow = self._slow(parts.get(order - 2 - power, self._nothing), power)
+            total = total + -2 * self.velocity * slow
+        return total
 
-    def _slow(self, series: EpsSeries) -> EpsSeries:
-        """d/dT along the flow."""
-        total = self._series({}, series.limit)
-        for order, part in series.parts.items():
-            for monomial, value in part.terms.items():
-                for i, (count, kind) in enumerate(monomial):
-                    if kind == MEAN:
-                        continue
-                    rest = DifferentialPolynomial.monomial(
-                        self.field, (*monomial[:i], *monomial[i + 1 :])
-                    )
-                    for power, flow in self.flow.parts.items():
-                        moved = flow if kind == LETTER else self.conjugated(flow)
-                        for _ in range(count):
-                            moved = moved.derivative(0)
-                        term = {order + power: value * (rest * moved)}
-                        total = total + self._series(term, series.limit)
+    def _slow(self, part: DifferentialPolynomial, power: int) -> DifferentialPolynomial:
+        """d/dT along the flow, the term of ``eps^power``."""
+        moved = {LETTER: [self.flow.parts[power]]}
+        moved[CONJUGATE] = [self.conjugated(moved[LETTER][0])]
+        for flows in moved.values():
+            while len(flows) <= max((count for m in part.terms for count, _ in m), default=0):
+                flows.append(flows[-1].derivative(0))
+        total = self._nothing
+        for monomial, value in part.terms.items():
+            for i, (count, kind) in enumerate(monomial):
+                if kind != MEAN:
+                    rest = (*monomial[:i], *monomial[i + 1 :])
+                    term = DifferentialPolynomial(self.field, {rest: value})
+                    total = total + term * moved[kind][count]
         return total
 
     def _stretch(self, bond: Bond, order: int) -> EpsSeries:
@@ -308,8 +320,8 @@ class Carrier:
     @cached_property
     def mean_flow(self) -> EpsSeries:
         """The T-derivative of the X-integral of the mean, at its first order."""
-        first = self._series({2: self.means[0]} if self.means else {}, 2)
-        integral = self._slow(first).parts.get(2, self._nothing).antiderivative()
+        first = self.means[0] if self.means else self._nothing
+        integral = self._slow(first, 0).antiderivative()
         if integral is None:
             raise EnvelopeError("the mean must be conserved, got none in A_T (take strains)")
         return self._series({2: integral})

@@ -10,11 +10,10 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import comb
 from typing import Any
 
 import mpmath
-from sympy import Expr, I, Integer, S, Symbol, cos, factor, pi, simplify, sin, sqrt, symbols
+from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
 from derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
 from derive.algebra.jets import DifferentialPolynomial
@@ -23,10 +22,8 @@ from derive.carrier import Carrier, EnvelopeError, w
 from derive.lattice import Lattice
 from derive.normal_form import NormalForm, normal_form_of
 from derive.output.notation import Displayed, Printed, latex_of, text_of
+from derive.sines import cosine, in_sines, omega, sine
 from derive.symbols import k
-
-omega = Symbol("omega", positive=True)
-_SINE, _COSINE = symbols("s C", real=True)
 
 DIGITS = 60
 """Of the numbers at a given wavenumber, before they are rounded."""
@@ -43,8 +40,8 @@ ROUNDING = 1e-12
 _MAPPED = ("v", "p", "q")
 """What the normal form depends on."""
 
-TURNED = ("p", "q")
-"""Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A``."""
+TURNED = ("p", "q", "detuning")
+"""Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A + i detuning S A``."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,9 @@ class EnvelopeNumbers:
     ``omega`` and ``v``: frequency and group velocity.  ``p``, ``q``: those of the NLS equation.
     ``mean``: the mean is ``eps^2 mean |A|^2`` (in a lattice of displacements, that of the strain of
     a cell).  ``second``: the second harmonic is ``eps^2 second A^2``, complex where it is shifted
-    against the carrier.  ``a3``, ``a1``, ``a2``: those of
+    against the carrier.  ``detuning``: a mean ``eps^2 S`` of the lattice's own adds
+    ``detuning S A`` to the left of the NLS equation; 0 where the lattice is tied to its place.
+    ``a3``, ``a1``, ``a2``: those of
     ``G1 = a3 A_3 + a1 |A|^2 A_1 + a2 A^2 conj(A_1)`` with ``A_m = (-i d/dX)^m A``, in
     ``i A_T = p A_2 - q |A|^2 A + eps G1``.
     """
@@ -68,6 +67,7 @@ class EnvelopeNumbers:
     a3: float
     a1: complex
     a2: complex
+    detuning: float
 
     @property
     def is_focusing(self) -> bool:
@@ -117,6 +117,7 @@ class Envelope(Displayed):
             "a3": second.coefficient(A_XXX),
             "a1": -second.coefficient(A, B, A_X),
             "a2": second.coefficient(A, A, B_X),
+            "detuning": found.detuning,
         }
 
     @cached_property
@@ -129,9 +130,8 @@ class Envelope(Displayed):
 
     def _expression(self, element: RationalFunction) -> Expr:
         angle = k if self.wavenumber is None else self.wavenumber
-        actual = {_SINE: sin(angle / 2), _COSINE: cos(angle / 2)}
-        parts = (part.subs(self.constants).subs(actual) for part in _in_sines(element))
-        real, imaginary = (factor(part) for part in parts)
+        actual = {sine: sin(angle / 2), cosine: cos(angle / 2)}
+        real, imaginary = (part.subs({**self.constants, **actual}) for part in in_sines(element))
         found = real + I * imaginary
         return found if self.wavenumber is None else simplify(found)
 
@@ -173,10 +173,10 @@ class Envelope(Displayed):
     def _exact_numbers(self, angle: Expr, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
         """v, p and q where the dispersion relation is linear in omega^2."""
         relation, root = self.carrier.relation, self.carrier.field(w)
-        at = {_SINE: sin(angle / 2), _COSINE: cos(angle / 2), **values}
+        at = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         squared = relation / (relation.diff(w) / (2 * root)) - root**2
-        at[omega] = sqrt(_in_sines(squared)[0].subs(at))
-        parts = {name: _in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
+        at[omega] = sqrt(in_sines(squared)[0].subs(at))
+        parts = {name: in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
         return {name: part.subs(at) for name, part in parts.items()}
 
     def _values(self, constants: Mapping[str, Number]) -> dict[Symbol, Expr]:
@@ -270,7 +270,7 @@ class Envelope(Displayed):
 
 _LATEX = {
     "v": "v", "p": "p", "q": "q", "mean": "b_0", "second": "b_2",
-    "a3": "a_3", "a1": "a_1", "a2": "a_2",
+    "a3": "a_3", "a1": "a_1", "a2": "a_2", "detuning": r"\delta",
 }  # fmt: skip
 
 
@@ -405,46 +405,3 @@ def _resonance(words: str, point: Mapping[str, mpmath.mpc]) -> str:
         f"k must be no resonance, got {mpmath.nstr(point['angle'], 8)}, where {words} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )
-
-
-def _trigonometric(element: RationalFunction, *, below: bool) -> tuple[Expr, Expr]:
-    """Real and imaginary part of one side of the line at z = exp(i k), w = i omega.
-
-    It is turned by half of its span in z; both sides of what is real are turned by the same angle.
-    """
-    terms = element.terms(below=below)
-    turns = [exponents[0] for exponents, _ in terms] or [0]
-    middle = max(turns) + min(turns)
-    parts = [Integer(0), Integer(0)]
-    for (turn, power, *rest), value in terms:
-        size = value * omega**power
-        for symbol, exponent in zip(element.field.symbols[2:], rest, strict=True):
-            size *= symbol**exponent
-        count = 2 * turn - middle
-        for i in range(abs(count) + 1):
-            term = comb(abs(count), i) * _COSINE ** (abs(count) - i) * _SINE**i * size
-            quarter = (power + (i if count > 0 else -i)) % 4
-            parts[quarter % 2] += term if quarter < 2 else -term
-    return parts[0].expand(), parts[1].expand()
-
-
-def _in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
-    """Real and imaginary part in sin(k/2), cos(k/2), omega and the constants, in factors."""
-    (real, imaginary), (below, below_imaginary) = (
-        _trigonometric(element, below=line) for line in (False, True)
-    )
-    if below_imaginary:
-        real, imaginary = (
-            real * below + imaginary * below_imaginary,
-            imaginary * below - real * below_imaginary,
-        )
-        below = below**2 + below_imaginary**2
-    return factor(_reduced(real) / _reduced(below)), factor(_reduced(imaginary) / _reduced(below))
-
-
-def _reduced(expression: Expr) -> Expr:
-    """A polynomial in the cosine's first power."""
-    found = Integer(0)
-    for (power,), value in expression.as_poly(_COSINE).terms():
-        found += (value * (1 - _SINE**2) ** (power // 2)).expand() * _COSINE ** (power % 2)
-    return factor(found)

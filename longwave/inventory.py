@@ -59,7 +59,7 @@ def waves() -> list[Record]:
             "name": form.name,
             "title": form.title,
             "equation": form.equation.name,
-            "s": form.equation.s,
+            "s": None if form.equation.free_sign else form.equation.s,
             "parameters": [
                 {"name": parameter.name, "domain": parameter.domain}
                 for parameter in form.parameters
@@ -156,7 +156,7 @@ def _wave_row(record: Record) -> Record:
     return {
         "name": record["name"],
         "wave": record["title"],
-        "s": f"{record['s']:+d}",
+        "equation": record["equation"],
         "parameters": domains,
         "background": record["background"],
         "period in xi": record["period"] or "",

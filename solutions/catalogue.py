@@ -1,7 +1,8 @@
 """The catalogue of closed forms. Adding one is one file in ``forms`` and one line here."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, overload
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CATALOGUE", "Catalogue", "closed_form"]
 
-_MODULES = {
+_MODULES: Mapping[str, str] = {
     "rational_1": "rational",
     "rational_2": "rational",
     "rational_3": "rational",
@@ -51,6 +52,17 @@ _MODULES = {
 }
 """Name of a form, which is that of the function that makes it -> its module in ``forms``."""
 
+_EQUATIONS: Mapping[str, str] = {
+    "kdv": "KdV",
+    "gardner": "Gardner",
+    "kawahara": "Kawahara",
+    "modified": "modified Kawahara",
+    "kp": "KP",
+    "nls": "NLS",
+}
+"""First word of a form's name -> its equation among `derive.normal_form.NORMAL_EQUATIONS`; the
+other forms are of mKdV."""
+
 LARGEST_ORDER = 12
 """Highest order of a rational solution that is made from its name."""
 
@@ -59,14 +71,15 @@ _SHIFT = re.compile(r"tau_([1-9]\d?)")
 
 
 class Catalogue(Sequence["ClosedForm"]):
-    """The closed forms in order; each is made when it is first asked for.
+    """The closed forms of these names in order; each is made when it is first asked for.
 
-    >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[-1].title
-    (16, 'rational_1', 'kink and antikink')
+    >>> len(CATALOGUE), CATALOGUE.names[0], CATALOGUE[15].title
+    (36, 'rational_1', 'kink and antikink')
     """
 
-    names = tuple(_MODULES)
-    modules = tuple(sorted({f"solutions.forms.{module}" for module in _MODULES.values()}))
+    def __init__(self, names: Iterable[str]) -> None:
+        self.names = tuple(names)
+        self.modules = tuple(sorted({self.module(name) for name in self.names}))
 
     @overload
     def __getitem__(self, place: int) -> "ClosedForm": ...
@@ -81,15 +94,30 @@ class Catalogue(Sequence["ClosedForm"]):
         return len(self.names)
 
     def __repr__(self) -> str:
-        return f"<Catalogue of {len(self)} closed forms: {', '.join(self.names)}>"
+        counts = Counter(map(self.equation, self.names))
+        told = ", ".join(f"{count} of {equation}" for equation, count in counts.items())
+        return f"<Catalogue of {len(self)} closed forms: {told}>"
+
+    def of(self, equation: str) -> "Catalogue":
+        """Those of an equation, by its name in `derive.normal_form.NORMAL_EQUATIONS`.
+
+        >>> CATALOGUE.of("KP").names
+        ('kp_line_soliton', 'kp_lump')
+        """
+        return Catalogue(name for name in self.names if self.equation(name) == equation)
 
     @staticmethod
     def module(name: str) -> str:
         """The module with the function ``name``, which makes that form."""
         return f"solutions.forms.{_MODULES[name]}"
 
+    @staticmethod
+    def equation(name: str) -> str:
+        """The name of the equation that the form called ``name`` solves."""
+        return _EQUATIONS.get(name.partition("_")[0], "mKdV")
 
-CATALOGUE = Catalogue()
+
+CATALOGUE = Catalogue(_MODULES)
 
 
 @cache

@@ -117,6 +117,11 @@ class Equation:
         return (xi, zeta, tau) if self.has_across else (xi, tau)
 
     @property
+    def free_sign(self) -> tuple[sp.Symbol, ...]:
+        """The symbol ``s``, where either sign will do."""
+        return (s,) if self.s == s else ()
+
+    @property
     def has_across(self) -> bool:
         """Whether there is a second direction, zeta."""
         return _LEFT_SIDES[self.normal].has_across

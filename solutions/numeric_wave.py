@@ -1,24 +1,20 @@
-"""A wave as numbers: its values at arrays of points, without the formulas that they came from.
+"""A wave as numbers: its values at arrays of points, without the formulas that they came from."""
 
-The points are checked, broadcast, and cut into chunks that stay in the cache.
-"""
-
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from decimal import Decimal
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
-from numbers import Integral, Real
-from typing import Any, Literal, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from solutions.points import check_points, evaluate_points
 from solutions.run.doubledouble import split
-from solutions.run.evaluator import Evaluator, PointEvaluator
 from solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
-from solutions.run.machine import scale_rows
+from solutions.run.machine import add_row, scale_rows
+
+if TYPE_CHECKING:
+    from solutions.run.evaluator import Evaluator, PointEvaluator
 
 __all__ = [
     "NumericWave",
@@ -28,8 +24,6 @@ __all__ = [
     "Side",
     "WaveNumbers",
     "WaveValues",
-    "check_points",
-    "evaluate_points",
     "settle_rows",
 ]
 
@@ -119,7 +113,7 @@ class NumericWave:
     def __init__(
         self,
         numbers: WaveNumbers,
-        make: Callable[[Part], PointEvaluator],
+        make: Callable[[Part], "PointEvaluator"],
         settle: Callable[..., Array],
     ) -> None:
         self.numbers = numbers
@@ -187,15 +181,14 @@ class NumericWave:
         found = settle_rows(rows, certain, points, settle)[:, 0]
         return found[: highest + 1] + 1j * found[highest + 1 :] if parts == 2 else found
 
-    def _taylor(self, highest: int) -> Evaluator:
+    def _taylor(self, highest: int) -> "Evaluator":
         if not isinstance(highest, int) or isinstance(highest, bool) or not 0 <= highest <= HIGHEST:
             raise ValueError(
-                f"highest must be a whole number from 0 to {HIGHEST}, got {_shown(highest)} "
+                f"highest must be a whole number from 0 to {HIGHEST}, got {highest!r:.40} "
                 "(the order of the highest X derivative)"
             )
         if highest not in self._series:
-            program = self._evaluator("formula")
-            assert isinstance(program, Evaluator)
+            program: Any = self._evaluator("formula")
             rows = [0, 3 + self.numbers.is_planar] if self.numbers.is_complex else [0]
             self._series[highest] = program.taylor(rows, highest)
         return self._series[highest]
@@ -210,7 +203,8 @@ class NumericWave:
 
         (points, _) = check_points(X, T)
         fastest = max(abs(phase.rate) for phase in self._phases("formula", self._slow))
-        return integral_from_zero(lambda x: self(x, T).Y, points, 1.0 / fastest)
+        width = 1.0 / fastest if fastest else np.inf
+        return integral_from_zero(lambda x: self(x, T).Y, points, width)
 
     def phase_zeros(self, t: float, eps: float) -> list[float]:
         """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
@@ -280,7 +274,7 @@ class NumericWave:
             f"for {self.numbers.name} (use Wave.mp, or less extreme ones)"
         )
 
-    def _evaluator(self, part: Part) -> PointEvaluator:
+    def _evaluator(self, part: Part) -> "PointEvaluator":
         if part not in self._evaluators:
             self._evaluators[part] = self._make(part)
         return self._evaluators[part]
@@ -319,10 +313,19 @@ class NumericWave:
         phases = self._phases(part, variables)
         rows = evaluate_points(partial(self._evaluator(part), phases), *points)
         rows = scale_rows(rows, self._scales)
+        if self.numbers.rates.drift:
+            self._drift(rows)
         with np.errstate(invalid="ignore"):
             certain = rows[:, 2] <= CERTAIN * np.maximum(1, np.abs(rows[:, 0]))
         settle = partial(self._settle, part, variables)
         return settle_rows(rows, certain, points, settle)
+
+    def _drift(self, rows: Array) -> None:
+        """Subtract drift Y_X from Y_T, for ``xi = a (X - drift T)``."""
+        drift = split(-self.numbers.rates.drift)
+        count = 3 + self.numbers.is_planar
+        for first in range(0, len(rows), count):
+            add_row(rows[first + 2], rows[first + 1], drift)
 
 
 def settle_rows(
@@ -362,124 +365,3 @@ def check_side(side: Side) -> Side:
     if side not in ("left", "right"):
         raise ValueError(f"side must be 'left' or 'right', got {side!r} (a far field has two)")
     return side
-
-
-CHUNK = 4096
-
-
-@lru_cache(maxsize=1)
-def _executor() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="wave")
-
-
-def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
-    """``function`` at points of one shape: ``(..., points)`` becomes ``(..., *shape)``.
-
-    ``function`` takes flat contiguous arrays of one size. Chunks run in threads, as the compiled
-    loops release the interpreter.
-
-    >>> grid = check_points([1, 2], [[3], [4]])
-    >>> evaluate_points(lambda x, t: np.stack([x, x * t]), *grid).tolist()
-    [[[1.0, 2.0], [1.0, 2.0]], [[3.0, 6.0], [4.0, 8.0]]]
-    """
-    flat = [np.ravel(axis) for axis in points]
-    slices = [slice(start, start + CHUNK) for start in range(0, max(flat[0].size, 1), CHUNK)]
-    if len(slices) == 1:
-        out = function(*(axis.copy() for axis in flat))
-    else:
-        chunks = _executor().map(lambda s: function(*(axis[s].copy() for axis in flat)), slices)
-        out = np.concatenate(list(chunks), axis=-1)
-    return out.reshape(*out.shape[:-1], *points[0].shape)
-
-
-def check_points(
-    position: ArrayLike, time: ArrayLike, across: ArrayLike | None = None
-) -> tuple[Array, ...]:
-    """Positions, times and places across, if there are any, as doubles, broadcast together.
-
-    Integers must be doubles exactly; other numbers are rounded to the nearest double.
-
-    Raises ValueError for what is no finite real number, and for shapes that do not broadcast.
-
-    >>> check_points([1, 2], 1j)
-    Traceback (most recent call last):
-    ...
-    ValueError: every time must be a real number, got complex128 (take its real part)
-    """
-    given = [("position", position), ("time", time)]
-    given += [] if across is None else [("place across", across)]
-    found = [_doubles(name, values) for name, values in given]
-    try:
-        return tuple(np.broadcast_arrays(*found))
-    except ValueError:
-        names = "position and time" if across is None else "position, time and place across"
-        raise ValueError(
-            f"{names} must broadcast, got the shapes {' and '.join(str(a.shape) for a in found)} "
-            "(give one of them a further axis)"
-        ) from None
-
-
-def _doubles(name: str, values: ArrayLike) -> Array:
-    if np.ma.is_masked(values):
-        raise ValueError(f"no {name} may be masked, got a masked array (leave such points out)")
-    try:
-        array = np.asarray(values)
-    except (ValueError, TypeError):
-        raise ValueError(
-            f"every {name} must be a number or an array of one shape, got {type(values).__name__} "
-            "with rows of different lengths or no numbers (make it an array first)"
-        ) from None
-    if array.dtype.kind == "O":
-        doubles = _from_objects(name, array)
-    elif array.dtype.kind in "iuf":
-        with np.errstate(over="ignore"):
-            doubles = array.astype(float)
-        if array.dtype.kind != "f":
-            _check_integers(name, array, doubles)
-    else:
-        remedy = {"c": "take its real part", "b": "0 and 1 are numbers"}
-        raise ValueError(
-            f"every {name} must be a real number, got {array.dtype} "
-            f"({remedy.get(array.dtype.kind, 'convert it to numbers')})"
-        )
-    if not np.all(np.isfinite(doubles)):
-        raise ValueError(
-            f"every {name} must be finite, got NaN or infinity (leave such points out)"
-        )
-    return doubles
-
-
-def _shown(value: object) -> str:
-    from derive.algebra.exact_numbers import shown  # with SymPy, for what is wrong alone
-
-    return shown(value)
-
-
-def _check_integers(name: str, integers: NDArray[Any], doubles: Array) -> None:
-    beyond = np.abs(doubles) >= 2.0**53
-    for integer, double in zip(integers[beyond].tolist(), doubles[beyond].tolist(), strict=True):
-        if integer != int(double):
-            raise ValueError(
-                f"every integer {name} must be a double exactly, got {_shown(integer)} "
-                "(use Wave.mp)"
-            )
-
-
-def _from_objects(name: str, objects: NDArray[Any]) -> Array:
-    """Doubles from Python's own numbers (int of any size, Fraction, Decimal, ...)."""
-    doubles = np.empty(objects.shape)
-    for index, number in np.ndenumerate(objects):
-        if isinstance(number, bool | np.bool_) or not isinstance(number, Real | Decimal):
-            raise ValueError(
-                f"every {name} must be a real number, got {_shown(number)} "
-                f"of type {type(number).__name__} (convert it to numbers)"
-            )
-        try:
-            doubles[index] = float(number)
-        except OverflowError:
-            raise ValueError(
-                f"every {name} must be finite as a double, got {_shown(number)} (take less)"
-            ) from None
-        if isinstance(number, Integral):
-            _check_integers(name, np.array([number], dtype=object), doubles[index][None])
-    return doubles

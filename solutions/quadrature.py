@@ -29,14 +29,14 @@ def integral_from_zero(function: Callable[[Array], Array], points: Array, width:
     """
     places, back = np.unique(np.append(0.0, points.ravel()), return_inverse=True)
     gaps = np.diff(places)
-    counts = np.ceil(gaps / width).astype(np.int64)
+    counts = np.maximum(np.ceil(gaps / width), 1.0).astype(np.int64)
     if counts.sum() > MOST_PANELS:
         raise ValueError(
             f"points must span at most {MOST_PANELS * width:g}, got {places[-1] - places[0]:g} "
             "(integrate between nearer ones)"
         )
     first = np.repeat(np.cumsum(counts) - counts, counts)
-    step = np.repeat(gaps / np.maximum(counts, 1), counts)
+    step = np.repeat(gaps / counts, counts)
     left = np.repeat(places[:-1], counts) + (np.arange(counts.sum()) - first) * step
     panels = _panel_integrals(function, left, step)
     ends = np.concatenate([[0.0], np.cumsum(panels)])[np.append(0, np.cumsum(counts))]

@@ -67,8 +67,8 @@ class Wave(NumericWave):
         self.form = form
         self.normal_form = normal_form
         self.parameters: Mapping[sp.Symbol, sp.Expr] = form.check(parameters)
-        if form.equation.s == s:
-            self.parameters = {**self.parameters, s: normal_form.s}
+        for sign in form.equation.free_sign:
+            self.parameters = {**self.parameters, sign: normal_form.s}
         super().__init__(self._all_numbers(), self._make_evaluator, self._settled)
 
     def _all_numbers(self) -> WaveNumbers:
@@ -209,8 +209,8 @@ class Wave(NumericWave):
         if highest is not None:
             rates = [form.a**order for order in range(highest + 1)]
         scales = [form.h * rate for rate in rates]
-        found = self._expression(part), self.parameters, variables, scales, point, digits
-        return evaluate_mp(*found, highest=highest)
+        stated = self._expression(part), self.parameters, variables, scales, point, digits
+        return evaluate_mp(*stated, drift=form.drift, highest=highest)
 
 
 def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:

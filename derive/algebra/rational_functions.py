@@ -176,6 +176,19 @@ class RationalFunction:
         one = self.field.one.numer
         return [RationalFunction(self.field, part, one) for part, _ in polynomial.factor()[1]]
 
+    def factored_terms(
+        self, *, below: bool = False
+    ) -> list[tuple[list[tuple[Exponents, int]], int]]:
+        """The terms of each irreducible factor with its power, a number first."""
+        polynomial = self.denom if below else self.numer
+        content, parts = polynomial.factor()
+        nothing = (0,) * len(self.field.symbols)
+        found = [([(nothing, int(content))], 1)]
+        for part, times in parts:
+            terms = [(tuple(map(int, e)), int(value)) for e, value in part.terms()]
+            found.append((terms, int(times)))
+        return found
+
     def numerator(self) -> RationalFunction:
         """The numerator."""
         return RationalFunction(self.field, self.numer, self.field.one.numer)

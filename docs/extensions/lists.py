@@ -64,18 +64,18 @@ def _files(holders: Iterable[Holder]) -> str:
 
 
 def waves() -> str:
-    """The closed forms: name, title, sign, domains, formula where it is short."""
+    """The closed forms: name, title, equation, domains, formula where it is short."""
     rows = [
         [
             f"`{form.name}`",
             form.title,
-            f"${form.equation.s:+d}$",
+            form.equation.name,
             "<br>".join(domain_latex(parameter.domain) for parameter in form.parameters),
             _formula(form),
         ]
         for form in CATALOGUE
     ]
-    return table(["name", "wave", "$s$", "parameters", "$U(\\xi, \\tau)$"], rows)
+    return table(["name", "wave", "equation", "parameters", "$U$"], rows)
 
 
 def _formula(form: ClosedForm) -> str:

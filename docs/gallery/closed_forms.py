@@ -1,4 +1,4 @@
-"""Every wave of the catalogue.
+"""Every wave of mKdV.
 
 $U(\\xi, \\tau)$ for $-12 \\le \\xi \\le 12$ (across) and $-2 \\le \\tau \\le 2$ (upwards); the
 rational waves are shown closer.
@@ -18,7 +18,7 @@ VALUES |= {"U_0": 0.5, "kappa": 1}
 def picture() -> Figure:
     """One panel for each closed form."""
     figure = Figure((6.5, 6.5), layout="constrained")
-    for form, ax in zip(CATALOGUE, figure.subplots(4, 4).flat, strict=True):
+    for form, ax in zip(CATALOGUE.of("mKdV"), figure.subplots(4, 4).flat, strict=True):
         own = {p.name: VALUES[p.name] for p in form.parameters if p.name in VALUES}
         wave = Wave(form, NormalForm(S.One, S.One, S(form.equation.s), S.One), **own)
         width, height = (3, 0.3) if form.name.startswith("rational") else (12, 2)

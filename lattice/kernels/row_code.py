@@ -199,12 +199,12 @@ class _Stage:
         self.slots = [[code.builder.alloca(code.kind) for _ in range(depth)] for depth in depths]
         self._latest: list[Any] = []
 
-    def value(self, term: Tap, lag: int) -> Any:
+    def value(self, tap: Tap, lag: int) -> Any:
         """The stream's value where another with that ``lag`` now wants it."""
-        behind = lag - term.shift - self._flow.streams[term.stream].lag
+        behind = lag - tap.shift - self._flow.streams[tap.stream].lag
         if behind == 0:
-            return self._latest[term.stream]
-        return self._code.builder.load(self.slots[term.stream][behind - 1])
+            return self._latest[tap.stream]
+        return self._code.builder.load(self.slots[tap.stream][behind - 1])
 
     def row(self, positions: Sequence[Any], velocities: Sequence[Any]) -> None:
         """Go one row up."""
@@ -214,7 +214,7 @@ class _Stage:
         ]
         self._latest += velocities
         for stream in flow.streams[2 * flow.fields :]:
-            values = [self.value(term, stream.lag) for term in stream.taps]
+            values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 made = _force(code, values[0], stream.law, self._numbers)
             elif stream.kind == "kicked":
@@ -225,20 +225,20 @@ class _Stage:
                     made = code.builder.fadd(made, self._numbers[stream.number])
             self._latest.append(made)
 
-    def _sum(self, terms: Sequence[Tap], values: Sequence[Any]) -> Any:
+    def _sum(self, taps: Sequence[Tap], values: Sequence[Any]) -> Any:
         code, total = self._code, None
-        for term, value in zip(terms, values, strict=True):
-            weight = None if term.number is None else self._numbers[term.number]
-            if weight is None and abs(term.weight) != 1.0:
-                weight = code.constant(term.weight)
+        for tap, value in zip(taps, values, strict=True):
+            weight = None if tap.number is None else self._numbers[tap.number]
+            if weight is None and abs(tap.weight) != 1.0:
+                weight = code.constant(tap.weight)
             if weight is not None:
                 if total is None:
                     total = code.builder.fmul(weight, value)
                 else:
                     total = code.fma(weight, value, total)
             elif total is None:
-                total = value if term.weight > 0 else code.builder.fneg(value)
-            elif term.weight > 0:
+                total = value if tap.weight > 0 else code.builder.fneg(value)
+            elif tap.weight > 0:
                 total = code.builder.fadd(total, value)
             else:
                 total = code.builder.fsub(total, value)

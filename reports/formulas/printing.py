@@ -236,6 +236,9 @@ class _Printer(LatexPrinter):
     _print_cos = _print_sin = _print_Function
     _print_cosh = _print_sinh = _print_tanh = _print_sech = _print_Function
 
+    def _print_ImaginaryUnit(self, expr: sp.Expr) -> str:
+        return "i"
+
     def _print_elliptic_k(self, expr: sp.Expr, exp: str | None = None) -> str:
         power = f"^{{{exp}}}" if exp else ""
         return rf"K{power}({self._print(sp.sqrt(expr.args[0]))})"

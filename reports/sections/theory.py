@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from verify.studies.proofs import ProofRecord
     from verify.verdict import Verdict
 
+PAPER_FORMS = CATALOGUE.of("mKdV")
+"""The closed forms of the paper's equation."""
+
 DERIVATION_ORDERS = 7
 """Highest power of eps shown: two beyond the mKdV equation."""
 
@@ -53,7 +56,7 @@ def derivation() -> dict[str, Any]:
     }
 
 
-def solution_table(forms: Iterable[ClosedForm] = CATALOGUE) -> str:
+def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
     """The closed forms: name, sign, domains, background, equation of the paper and source."""
     rows = [
         [
@@ -86,11 +89,11 @@ def _domain_word(word: str) -> str:
     named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
     named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
     letter, _, index = word.partition("_")
-    plain = f"{letter}_{{{index}}}" if index else word
+    plain = f"{named.get(letter, letter)}_{{{index}}}" if index else word
     return f"${named.get(word, plain)}$"
 
 
-def formulas(forms: Iterable[ClosedForm] = CATALOGUE) -> list[dict[str, str]]:
+def formulas(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[dict[str, str]]:
     """Every closed form as a display made from its expression, with its background."""
     return [
         {
@@ -107,7 +110,7 @@ def formulas(forms: Iterable[ClosedForm] = CATALOGUE) -> list[dict[str, str]]:
     ]
 
 
-def equations(forms: Iterable[ClosedForm] = CATALOGUE) -> list[tuple[str, str]]:
+def equations(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[tuple[str, str]]:
     """The equations that the forms solve: name and LaTeX, each once."""
     return sorted({(form.equation.name, _equation(form.equation)) for form in forms})
 

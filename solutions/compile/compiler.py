@@ -40,7 +40,7 @@ def kept_program(
     """
     folder = cache_folder(__name__, source_digest(__name__))
     if folder is None:
-        return compile_program(expressions(), parameters)
+        return compile_program(expressions(), parameters, form.equation.has_across)
     if form.module:
         key = f"{source_digest(form.module)} {form.name} {part} {parameters}"
     else:
@@ -49,15 +49,22 @@ def kept_program(
     kept = read_whole(path)
     if kept is not None:
         return Program.read(kept.decode())
-    program = compile_program(expressions(), parameters)
+    program = compile_program(expressions(), parameters, form.equation.has_across)
     write_whole(path, program.text().encode())
     return program
 
 
-def compile_program(expressions: Sequence[sp.Expr], parameters: Parameters) -> Program:
-    """Compile real ``expressions`` in xi, tau, zeta and ``parameters``."""
+def compile_program(
+    expressions: Sequence[sp.Expr], parameters: Parameters, has_across: bool = False
+) -> Program:
+    """Compile real ``expressions`` in xi, tau, zeta and ``parameters``.
+
+    Without zeta there is no derivative in it, either: ``has_across`` is the equation's.
+    """
     lowering = Lowering()
-    tape, outputs = tape_of(lowering, [lowering.lower(expression) for expression in expressions])
+    tape, outputs = tape_of(
+        lowering, [lowering.lower(expression) for expression in expressions], has_across
+    )
     phases, calls = tuple(lowering.phases.values()), tuple(lowering.calls.values())
     jacobi = [symbol for call in calls for symbol in call.symbols]
     assembler = Assembler([*(phase.symbol for phase in phases), *jacobi])

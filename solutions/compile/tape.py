@@ -167,12 +167,14 @@ def _is_negated_symbol(expression: sp.Basic) -> bool:
     return isinstance(expression, sp.Mul) and bool((-expression).is_Symbol)
 
 
-def tape_of(lowering: Lowering, values: Sequence[sp.Expr]) -> tuple[Tape, list[sp.Expr]]:
+def tape_of(
+    lowering: Lowering, values: Sequence[sp.Expr], has_across: bool
+) -> tuple[Tape, list[sp.Expr]]:
     """A tape of lowered expressions; entries of each one's value, xi and tau derivative.
 
-    The derivative in zeta follows where a phase has it.
+    The derivative in zeta follows where the equation has it.
     """
-    across = [zeta] if any(phase.w != 0 for phase in lowering.phases.values()) else []
+    across = [zeta] if has_across else []
     tape = Tape((xi, _ALONG, *across))
     drift = _seed(tape, lowering)
     replacements, results = sp.cse(values, symbols=sp.numbered_symbols("y_", real=True))
@@ -189,11 +191,14 @@ def tape_of(lowering: Lowering, values: Sequence[sp.Expr]) -> tuple[Tape, list[s
 
 
 def _seed(tape: Tape, lowering: Lowering) -> sp.Expr:
-    """Set the derivatives of phases and Jacobi functions; return the carrier's drift q/p."""
+    """Set the derivatives of phases and Jacobi functions; return the carrier's drift q/p.
+
+    The carrier's p is 0 at no values of the parameters; without one, the drift is 0.
+    """
     phases = {phase.symbol: phase for phase in lowering.phases.values()}
     calls = list(lowering.calls.values())
     carrying = [phases[call.phase] for call in calls] + list(phases.values())
-    carrier = next((phase for phase in carrying if phase.p != 0), None)
+    carrier = next((phase for phase in carrying if phase.p.is_nonzero), None)
     rates = {}
     for phase in phases.values():
         along = phase.q

@@ -8,12 +8,12 @@ from solutions.symbols import kappa, s, tau, xi, zeta
 
 __all__ = ["kp_line_soliton", "kp_lump"]
 
-_slope = sp.Symbol("slope", real=True)
+_q = sp.Symbol("q", real=True)
 
 
 def kp_line_soliton() -> ClosedForm:
-    """The soliton along a line, constant where ``xi + slope zeta`` is; for either sign."""
-    phase = kappa * (xi + _slope * zeta - (4 * kappa**2 + 3 * s * _slope**2) * tau)
+    """The soliton along a line, constant where ``xi + q zeta`` is; for either sign."""
+    phase = kappa * (xi + _q * zeta - (4 * kappa**2 + 3 * s * _q**2) * tau)
     return ClosedForm(
         name="kp_line_soliton",
         title="KP line soliton",
@@ -21,7 +21,7 @@ def kp_line_soliton() -> ClosedForm:
         equation=KP,
         parameters=(
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(_slope, default=sp.S.Zero),
+            Parameter(_q, default=sp.S.Zero),
         ),
         background=sp.S.Zero,
         far_fields=FarFields(sp.S.Zero, sp.S.Zero),
@@ -32,9 +32,9 @@ def kp_line_soliton() -> ClosedForm:
 
 
 def kp_lump() -> ClosedForm:
-    """The lump of KP-I, of height 4 kappa**2; it moves along its slope."""
-    along = xi + _slope * zeta - 3 * (kappa**2 - _slope**2) * tau
-    across = kappa * (zeta + 6 * _slope * tau)
+    """The lump of KP-I, of height 4 kappa**2; askew where q is not 0."""
+    along = xi + _q * zeta - 3 * (kappa**2 - _q**2) * tau
+    across = kappa * (zeta + 6 * _q * tau)
     size = across**2 + 1 / kappa**2
     return ClosedForm(
         name="kp_lump",
@@ -43,7 +43,7 @@ def kp_lump() -> ClosedForm:
         equation=KP_1,
         parameters=(
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
-            Parameter(_slope, default=sp.S.Zero),
+            Parameter(_q, default=sp.S.Zero),
         ),
         background=sp.S.Zero,
         far_fields=FarFields(sp.S.Zero, sp.S.Zero),

@@ -31,19 +31,19 @@ def _on_plane_wave(
     period: sp.Expr | None = None,
 ) -> ClosedForm:
     """The plane wave times ``1 + change``."""
-    wave = _BACKGROUND * (1 + change)
-    end = _BACKGROUND if period is None else wave
+    bounded = _BACKGROUND * (1 + (change if stable is None else stable))
+    end = _BACKGROUND if period is None else bounded
     return ClosedForm(
         name=name,
         title=title,
-        expression=wave,
+        expression=_BACKGROUND * (1 + change),
         equation=FOCUSING_NLS,
         parameters=(*parameters, AMPLITUDE),
         background=_BACKGROUND,
         far_fields=FarFields(end, end),
         reference=reference,
         period=period,
-        stabilise=None if stable is None else lambda: _BACKGROUND * (1 + stable),
+        stabilise=lambda: bounded,
     )
 
 

@@ -20,7 +20,7 @@ __all__ = [
 
 AMPLITUDE = Parameter(A, lower=Bound(sp.S.Zero, "the zero solution"), default=sp.S.One)
 
-_speed, _level, _wavenumber = sp.symbols("v c q", real=True)
+_speed, _wavenumber = sp.symbols("v q", real=True)
 _SOURCE = Reference("V. E. Zakharov and A. B. Shabat, Sov. Phys. JETP 34 (1972) 62")
 
 
@@ -72,19 +72,19 @@ def nls_bright() -> ClosedForm:
 
 
 def nls_dark() -> ClosedForm:
-    """The dark soliton of depth kappa and speed 2 c, black where c = 0 (s = -1)."""
-    carrier = plane_wave(-2 * (kappa**2 + _level**2))
-    tanh = sp.tanh(kappa * (xi - 2 * _level * tau))
-    ends = (carrier * (sp.I * _level + side * kappa) for side in (-1, 1))
+    """The dark soliton of speed v, black where v = 0, on sqrt(kappa**2 + v**2/4) (s = -1)."""
+    carrier = plane_wave(-2 * (kappa**2 + _speed**2 / 4))
+    rest = sp.I * _speed / 2
+    ends = (carrier * (side * kappa + rest) for side in (-1, 1))
     return _constant(
         "nls_dark",
         "dark soliton",
         DEFOCUSING_NLS,
         (
             Parameter(kappa, lower=Bound(sp.S.Zero, "the plane wave"), default=sp.S.One),
-            Parameter(_level, default=sp.S.Zero),
+            Parameter(_speed, default=sp.S.Zero),
         ),
-        carrier * (kappa * tanh + sp.I * _level),
+        carrier * (kappa * sp.tanh(kappa * (xi - _speed * tau)) + rest),
         sp.S.Zero,
         FarFields(*ends),
     )

@@ -38,7 +38,7 @@ from solutions.run.elementary import (
 )
 from solutions.run.jit import njit
 
-__all__ = ["run_pairs", "scale_rows"]
+__all__ = ["add_row", "run_pairs", "scale_rows"]
 
 
 @njit(inner=True, error_model="numpy")
@@ -154,6 +154,19 @@ def _scale_row(row: Array, factor: Pair) -> None:
     for i in range(row.shape[1]):
         bounded = factor[0], factor[1], UNIT * abs(factor[0])
         row[0, i], row[1, i], row[2, i] = multiply((row[0, i], row[1, i], row[2, i]), bounded)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_row(row: Array, other: Array, factor: Pair) -> None:
+    bounded = factor[0], factor[1], UNIT * abs(factor[0])
+    for i in range(row.shape[1]):
+        part = multiply((other[0, i], other[1, i], other[2, i]), bounded)
+        row[0, i], row[1, i], row[2, i] = add((row[0, i], row[1, i], row[2, i]), part)
+
+
+def add_row(row: Array, other: Array, factor: Pair) -> None:
+    """Add ``factor`` times the bounded numbers ``other`` (3, ...) to ``row``, in place."""
+    _add_row(row.reshape(PARTS, -1), other.reshape(PARTS, -1), factor)
 
 
 def scale_rows(rows: Array, factors: Sequence[Pair]) -> Array:

@@ -33,11 +33,14 @@ def evaluate_mp(
     rates: Sequence[sp.Expr],
     point: Sequence[sp.Expr],
     digits: int,
+    *,
+    drift: sp.Expr = sp.S.Zero,
     highest: int | None = None,
 ) -> tuple[Any, ...]:
     """U and its xi, tau and zeta derivatives times the ``rates``, to ``digits`` digits, as mpf.
 
-    With ``highest`` they are U and its xi derivatives up to that order instead.
+    From the third, ``drift`` times the second is subtracted. With ``highest`` they are U and its xi
+    derivatives up to that order instead.
     ``point`` is (x, t) or (x, t, z); xi = a x + d t, tau = b t and zeta = e z for ``variables``
     (a, b, d, e). Where U is complex the values are mpc. Derivatives are by differences, which know
     nothing of the derivative rules and so are a check of these. The working precision is doubled
@@ -54,7 +57,9 @@ def evaluate_mp(
             else:
                 values = _along(context, formula, place, given, highest)
             scales = [_convert(context, rate) for rate in rates]
-            found = tuple(rate * value for rate, value in zip(scales, values, strict=True))
+            found = [rate * value for rate, value in zip(scales, values, strict=True)]
+            if highest is None:
+                found[2] -= _convert(context, drift) * found[1]
         agree = before is not None and _agree(context, found, before, digits)
         if agree:
             with context.workdps(digits):
@@ -96,7 +101,7 @@ def _along(
     return list(context.diffs(value, place[0], highest))
 
 
-def _agree(context: Any, one: tuple[Any, ...], other: tuple[Any, ...], digits: int) -> bool:
+def _agree(context: Any, one: Sequence[Any], other: Sequence[Any], digits: int) -> bool:
     bound = context.mpf(10) ** -(digits + 1)
     return all(abs(a - b) <= bound * max(1, abs(a)) for a, b in zip(one, other, strict=True))
 

@@ -15,9 +15,12 @@ from solutions.symbols import tau, xi
 
 RANGES = {
     "k": (0.05, 0.99),
-    **dict.fromkeys(("A", "A_1", "p", "q"), (0.3, 2.0)),
-    "A_2": (0.1, 0.9),
+    **dict.fromkeys(("A", "A_1", "kappa_1", "p", "q"), (0.3, 2.0)),
+    **dict.fromkeys(("A_2", "kappa_2"), (0.1, 0.9)),
     "kappa": (0.1, 1.9),
+    "nls_akhmediev a": (0.01, 0.49),
+    "nls_kuznetsov_ma a": (0.51, 2.0),
+    "gardner_table_soliton kappa": (0.05, 0.99),
 }
 """``A_2`` in units of A_1, and kappa in units of A where the wave has these."""
 
@@ -31,10 +34,10 @@ def draw(rng: np.random.Generator) -> Draw:
     def parameters(form: ClosedForm) -> dict[str, float]:
         values: dict[str, float] = {}
         for parameter in form.parameters:
-            low, high = RANGES.get(parameter.name, (-1.0, 1.0))
-            high *= {"A_2": values.get("A_1", 1.0), "kappa": values.get("A", 1.0)}.get(
-                parameter.name, 1.0
-            )
+            own = RANGES.get(parameter.name, (-1.0, 1.0))
+            low, high = RANGES.get(f"{form.name} {parameter.name}", own)
+            unit = {"A_2": "A_1", "kappa_2": "kappa_1", "kappa": "A"}.get(parameter.name, "")
+            high *= values.get(unit, 1.0)
             values[parameter.name] = round(float(rng.uniform(low, high)), 4)
             if parameter.name == "alpha":
                 quarter = float(mpmath.ellipk(values["k"] ** 2))
@@ -66,5 +69,5 @@ def in_mp(ctx: Any) -> Callable[..., Any]:
 
 @pytest.fixture
 def normal_forms() -> dict[int, NormalForm]:
-    """One normal form for each sign s."""
+    """One normal form of mKdV for each sign s."""
     return {1: mkdv_normal_form(K2=4, K4=1), -1: mkdv_normal_form(K2=1, K4=-1)}

@@ -275,7 +275,7 @@ def test_arguments_are_left_alone() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(
-    form=st.sampled_from(CATALOGUE),
+    form=st.sampled_from(CATALOGUE.of("mKdV")),
     X=st.floats(-1e15, 1e15),
     T=st.floats(-1e15, 1e15),
 )
@@ -286,7 +286,7 @@ def test_finite_in_finite_out(form: Any, X: float, T: float) -> None:
     assert all(np.isfinite(part) and abs(part) < 1e6 for part in wave(X, T))
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+@pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
 def test_pairs_have_25_digits(form: Any, draw: Any, normal_forms: Any, ctx: Any) -> None:
     wave = Wave(form, normal_forms[form.equation.s], **draw(form))
     n, t = 37.0, 3.0
@@ -304,7 +304,7 @@ def test_pairs_agree_in_double(normal_forms: Any, rng: np.random.Generator) -> N
         assert np.allclose(single, pair[0], rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+@pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
 def test_no_points_give_no_values(form: ClosedForm, draw: Any, normal_forms: Any) -> None:
     wave = Wave(form, normal_forms[form.equation.s], **draw(form))
     nothing = np.zeros((2, 0))

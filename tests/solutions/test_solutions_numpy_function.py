@@ -21,7 +21,7 @@ PARAMETERS = {
 }
 
 
-@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
+@pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
 def test_lambdified_form_agrees_with_the_wave(form: ClosedForm) -> None:
     names = [parameter.name for parameter in form.parameters]
     values = {name: PARAMETERS[name] for name in names}

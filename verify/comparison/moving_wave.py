@@ -94,7 +94,7 @@ def _make_wave(form: "ClosedForm", constants: Model, values: Mapping[str, float 
             f"K3 must be 0 for an mKdV wave, got {constants.K3:g} "
             "(order eps^4 of the reduction reads K3 (Y^2)_XX = 0)"
         )
-    if constants.K4 * form.equation.s <= 0:
+    if form.equation.normal == "mKdV" and constants.K4 * form.equation.s <= 0:
         sign = ">" if form.equation.s > 0 else "<"
         raise ValueError(
             f"K4 must satisfy K4 {sign} 0 for {form.name}, got {constants.K4:g} "

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import sympy as sp
 
 from solutions.record import ClosedForm
 from solutions.symbols import k
-from verify.proof import form_domains, prove, prove_equal
+from verify.proof import form_domains, prove_equal
+from verify.proof.catalogue_proofs import own_problem
+from verify.proof.prover import decide
 from verify.subexpressions import abbreviated, distinct_nodes, replaced
 from verify.verdict import Outcome
 
@@ -174,7 +176,8 @@ def _mutants(form: ClosedForm) -> Iterator[Mutant]:
 
 
 def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
-    verdict = prove(form.equation, mutant.expression, domains=form_domains(form))
+    problem = own_problem(replace(form, expression=mutant.expression))
+    verdict = decide(problem, time.perf_counter())
     if verdict.outcome is Outcome.REFUTED:
         return None
     proved = verdict.outcome is Outcome.PROVED
@@ -190,7 +193,7 @@ def solution_reason(form: ClosedForm, expression: sp.Expr) -> str:
     >>> solution_reason(form, sp.Integer(3))
     'constant'
     """
-    variables = (form.equation.xi, form.equation.tau)
+    variables = form.equation.variables
     if not expression.free_symbols & set(variables):
         return "constant"
     if expression == -form.expression:

@@ -126,8 +126,10 @@ def _point(form: ClosedForm, draw: random.Random) -> Point:
     for parameter in in_order_of_dependence(form.parameters):
         low, high = _interval(parameter, point)
         point[parameter.symbol] = low + (high - low) * _fraction(draw)
-    for variable in (form.equation.xi, form.equation.tau):
+    for variable in form.equation.variables:
         point[variable] = HALF_WIDTH * (2 * _fraction(draw) - 1)
+    for sign in form.equation.free_sign:
+        point[sign] = sp.Integer(draw.choice((1, -1)))
     return point
 
 
@@ -215,7 +217,8 @@ class ResidualProgram:
     """
 
     def __init__(self, expression: sp.Expr, equation: Equation) -> None:
-        self.symbols = tuple(sorted({equation.xi, equation.tau} | expression.free_symbols, key=str))
+        symbols = {*equation.variables, *equation.free_sign} | expression.free_symbols
+        self.symbols = tuple(sorted(symbols, key=str))
         self._context = mpmath.mp.clone()
         tape = Tape()
         try:
@@ -247,7 +250,7 @@ def _term_entries(tape: Tape, expression: sp.Expr, equation: Equation) -> list[s
 
     The field is first an undefined function, whose derivatives stand unevaluated in the terms.
     """
-    field = sp.Function("U")(equation.xi, equation.tau)
+    field = sp.Function("U")(*equation.variables)
     residual = sp.expand(equation.residual(field))
     value = tape.record(expression)
     entries = {}

@@ -243,14 +243,8 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     from verify.lattices.envelope_data import EnvelopeData, EnvelopeWave
 
     far = mean_square_far(wave) if scene.order == "leading" else 0.0
-    return EnvelopeData(
-        found.source,
-        found.numbers,
-        cast(EnvelopeWave, wave),
-        scene.eps,
-        scene.order,
-        mean_square=far,
-    )
+    A = cast(EnvelopeWave, wave)
+    return EnvelopeData(found.source, found.numbers, A, scene.eps, scene.order, mean_square=far)
 
 
 FAR, SAMPLES = 200.0, 4096

@@ -17,6 +17,7 @@ from derive.algebra.exact_numbers import Number
 from derive.carrier_envelope import Envelope
 from derive.carrier_fields import CarrierTerms, carrier_fields
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
+from verify.lattices.envelope_flow import EnvelopeFlow
 from verify.lattices.lattice_wave import ORDERS, LatticeWave
 
 Array = NDArray[np.float64]
@@ -24,6 +25,16 @@ Complex = NDArray[np.complex128]
 
 POWERS = {"leading": 1, "slaved": 2, "corrected": 3}
 """The highest power of eps in the fields."""
+
+
+FLAT = 1e-9
+"""A wave has ended where it is below that share of its largest value."""
+
+FARTHEST = 400.0
+"""A wave that has not ended so far in X fills the line."""
+
+WIDER = 2.0
+"""The interval on which the next order is solved, in units of the wave's width."""
 
 
 class EnvelopeWave(Protocol):
@@ -38,14 +49,14 @@ class EnvelopeData(LatticeWave):
 
     ``numbers`` are the lattice's constants; ``k`` and ``branch`` those of the envelope unless they
     are given.  The order "leading" is the carrier with its amplitude alone; "slaved" has the terms
-    in eps^2 too; "corrected" has those in eps^3, and its wave must solve the equation with the next
-    order (`EnvelopeFlow`).
+    in eps^2 too; "corrected" has those in eps^3, and from `start` on its amplitude follows the
+    equation with the next order (`EnvelopeFlow`), on an ``interval`` of X which that repeats: whole
+    periods, or many times the width of what there is.  A wave that ends needs none.
 
     Slaved data hold the mean strain that belongs to the wave.  Leading data hold none but a uniform
     one: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an infinite chain.
     Without it a wave on a background turns at another frequency, by a part of order eps^2.
 
-    ``extent`` says between which X there is a wave at all times; without it A fills the line.
     Cells must be consecutive on a lattice of displacements, which are told up to a common constant.
     """
 
@@ -63,13 +74,14 @@ class EnvelopeData(LatticeWave):
         k: Number | None = None,
         branch: str | int | None = None,
         mean_square: float = 0.0,
-        extent: tuple[float, float] = (-np.inf, np.inf),
+        interval: tuple[float, float] | None = None,
     ) -> None:
         if order not in ORDERS:
             raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
         if not 0.0 < eps < np.inf:
             raise ValueError(f"eps must satisfy 0 < eps < inf, got {eps} (0.05 is usual)")
-        self.eps, self.order, self.wave, self.extent = float(eps), order, wave, extent
+        self.eps, self.order, self.wave = float(eps), order, wave
+        self._interval, self._flow = interval, wave if order != "corrected" else None
         self.carrier = carrier_fields(envelope, k, branch, **numbers)
         self.speed = self.carrier.v
         self._declared, self._numbers = envelope.lattice, numbers
@@ -84,8 +96,41 @@ class EnvelopeData(LatticeWave):
 
     def support(self, t: float) -> tuple[float, float]:
         """The cells between which there is a wave."""
-        first, last = (X / self.eps + self.speed * t for X in self.extent)
-        return first, last
+        first, last = _ends(self.wave, self.eps**2 * t)
+        return first / self.eps + self.speed * t, last / self.eps + self.speed * t
+
+    def start(self, t: float) -> None:
+        """Let the amplitude of corrected data begin as the wave at this time."""
+        if self.order != "corrected":
+            return
+        T = self.eps**2 * t
+        first, last = self._interval or _ends(self.wave, T, WIDER)
+        if not np.isfinite(last - first):
+            raise ValueError(
+                "interval must be given for a wave that does not end, got None (two ends in X that "
+                "hold whole periods of |A|, or many times the width of what there is)"
+            )
+        ends = self.wave.jets(np.array([first, last]), T, 0)[0]
+        self._flow = EnvelopeFlow(
+            self.carrier,
+            self.eps,
+            lambda X: self.wave.jets(X, T, 0)[0],
+            first=first,
+            length=last - first,
+            points=2 ** int(np.log2((last - first) / self.eps)),
+            T0=T,
+            turn=float(np.angle(ends[1] * np.conj(ends[0]))),
+        )
+
+    @property
+    def amplitude(self) -> EnvelopeWave:
+        """A: the wave, or of corrected data what it becomes; ValueError before `start`."""
+        if self._flow is None:
+            raise ValueError(
+                "start must be called for corrected data, got no time yet (the amplitude follows "
+                "the next order from there)"
+            )
+        return self._flow
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Fields and their time derivatives, (fields, *sites)."""
@@ -168,6 +213,17 @@ def _integral(values: Array, slopes: Array, n: Array) -> Array:
     return np.asarray(np.cumsum(steps) - (slopes - slopes[0]) / 12)
 
 
+def _ends(wave: EnvelopeWave, T: float, wider: float = 1.0) -> tuple[float, float]:
+    """The X between which there is a wave, stretched about their middle; or all X."""
+    X = np.linspace(-FARTHEST, FARTHEST, 8001)
+    size = np.abs(wave.jets(X, T, 0)[0])
+    inside = X[size > FLAT * np.max(size)]
+    if abs(inside[0]) == FARTHEST or abs(inside[-1]) == FARTHEST:
+        return -np.inf, np.inf
+    middle, half = (inside[0] + inside[-1]) / 2, (inside[-1] - inside[0]) / 2
+    return float(middle - wider * half), float(middle + wider * half)
+
+
 class _Jets:
     """A, its conjugate and their X-derivatives at cells and a time, with their time derivatives."""
 
@@ -175,7 +231,7 @@ class _Jets:
         form, self.eps = data.carrier, data.eps
         most = 1 if data.order == "corrected" else 0
         flows = [[term for term in terms if term.power <= most] for terms in form.flow]
-        found = data.wave.jets(self.eps * (n - form.v * t), self.eps**2 * t, form.highest_jet)
+        found = data.amplitude.jets(self.eps * (n - form.v * t), self.eps**2 * t, form.highest_jet)
         self.values = np.asarray(found, dtype=np.complex128)
         self.rates = [
             self.eps**2 * self._sum(flow) - self.eps * form.v * self.values[m + 1]

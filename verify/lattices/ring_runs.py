@@ -50,8 +50,9 @@ GROWTH = 100.0
 UPDATES = 1e8
 """Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
 
-SECONDS_PER_UPDATE = 3e-9
-"""Seconds for a force on one field of a cell: of the generic kernel, with data and comparison."""
+SECONDS_PER_UPDATE = {1: 6e-10, 2: 2e-8}
+"""Seconds for a force on one field of a cell, by the number of axes (measured: 2e-10 to 5e-10 on a
+chain, 1e-8 on two axes)."""
 
 USUAL_RUNS = 4.0
 """Runs of a search, in units of the first."""
@@ -169,7 +170,8 @@ class RingRuns(StepSearch):
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
         sites = sites_of(self.compared.ring(self.times, signals, WIDER))
         steps = (self.times[-1] - self.times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
-        taken = steps * SCHEME.stages * sites * self._fields * SECONDS_PER_UPDATE * USUAL_RUNS
+        each = SECONDS_PER_UPDATE[min(self.wave.lattice.dimension, 2)]
+        taken = steps * SCHEME.stages * sites * self._fields * each * USUAL_RUNS
         held = BYTES_PER_CELL * sites * self._fields
         remedy = "take a larger eps, end earlier or compare fewer cells"
         if held > MOST_BYTES:

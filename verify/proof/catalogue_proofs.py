@@ -1,11 +1,12 @@
 """The catalogue's closed forms and the rational orders behind them, proved and checked by name.
 
-They are proved in the lab variables X, T with all constants symbolic, parametrised so that no
-square root is left.  The normal form's variables are ``xi = a X``, ``tau = b T`` with square roots
-of K2 and K4 in a and b.  In the generators c > 0 and a > 0 everything is rational: K2, the
-sign-fixed K4 and b follow from the derivation's own record, and (K2, |K4|) <-> (c, a) is one to
-one.  What holds identically in X, T, a, c therefore holds for all X, T, K2 > 0 and K4 of that
-sign.
+A form is proved in the variables of its normal form, those of NLS with the complex equation as it
+stands.  The forms of mKdV are proved in the lab variables X, T with all constants symbolic,
+parametrised so that no square root is left.  The normal form's variables are ``xi = a X``,
+``tau = b T`` with square roots of K2 and K4 in a and b.  In the generators c > 0 and a > 0
+everything is rational: K2, the sign-fixed K4 and b follow from the derivation's own record, and
+(K2, |K4|) <-> (c, a) is one to one.  What holds identically in X, T, a, c therefore holds for all
+X, T, K2 > 0 and K4 of that sign.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from __future__ import annotations
 import functools
 import re
 import time
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -35,24 +36,31 @@ from .domains import Domain
 from .problem import Problem, equality_problem, solution_problem
 from .prover import decide
 from .rational_proofs import prove_rational, rational_certificate
+from .statement_problem import statement_problem
+from .statement_text import Statement
 
 
 def prove_form(form: ClosedForm) -> ProofVerdict:
-    """Decide whether ``form`` solves the reduced equation of X, T, K2 > 0 and K4.
+    """Decide whether ``form`` solves its equation; if it is mKdV, that of X, T, K2 > 0 and K4.
 
-    The canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by the
-    generators of `lab_frame`, one to one.
+    Of mKdV the canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by
+    the generators of `lab_frame`, one to one.
 
     >>> from solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
-    return decide(lab_problem(form), start)
+    return decide(_problems(form)[0](form), start)
+
+
+def _problems(form: ClosedForm) -> Sequence[Callable[[ClosedForm], Problem]]:
+    """What is to be proved of ``form``, and what else states that it solves its equation."""
+    return (lab_problem, own_problem) if form.equation.normal == "mKdV" else (own_problem,)
 
 
 def lab_problem(form: ClosedForm) -> Problem:
-    """The statement that ``form`` solves the equation in the lab variables."""
+    """The statement that ``form``, one of mKdV, solves the equation in the lab variables."""
     domains = form_domains(form)
     frame = lab_frame(form.equation.s)
     variables = {form.equation.xi: frame.xi, form.equation.tau: frame.tau}
@@ -69,7 +77,15 @@ def lab_problem(form: ClosedForm) -> Problem:
 
 def own_problem(form: ClosedForm) -> Problem:
     """The statement that ``form`` solves its equation in its own variables."""
-    return solution_problem(form.equation, form.expression, stated=form_domains(form))
+    equation, domains = form.equation, form_domains(form)
+    unknown = sp.Function("U")(*equation.variables)
+    left = equation.residual(unknown)
+    if not equation.is_complex:
+        return solution_problem(
+            left, form.expression, name=form.name, equation_name=equation.name, stated=domains
+        )
+    statement = Statement(form.name, (left,), {unknown: form.expression}, domains)
+    return replace(statement_problem(statement, left), equation_name=equation.name)
 
 
 def prove_stable(form: ClosedForm) -> ProofVerdict:
@@ -89,7 +105,7 @@ def stable_problem(form: ClosedForm) -> Problem:
     return equality_problem(
         form.expression,
         form.stable,
-        (form.equation.xi, form.equation.tau),
+        form.equation.variables,
         name=form.name,
         equation_name="stable form = canonical form",
         stated=domains,
@@ -144,9 +160,10 @@ def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
         yield rational_certificate(int(family), tau.A, tau.B)
-    for made in (lab_problem, own_problem, stable_problem):
-        table = NodeTable()
-        yield {"statement": statement_data(made(form), table), "nodes": table.nodes}
+    for made in (*_problems(form), stable_problem):
+        problem = made(form)
+        table = NodeTable(list(problem.solutions))
+        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
 
 
 a = sp.Symbol("a", positive=True)

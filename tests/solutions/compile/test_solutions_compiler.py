@@ -41,7 +41,7 @@ def test_a_kept_program_gives_the_same_numbers(name: str, folder: Path, normal_f
 @pytest.mark.parametrize("name", NAMES)
 def test_a_program_survives_being_written_down(name: str) -> None:
     form = closed_form(name)
-    program = compile_program(form.stable, tuple(p.symbol for p in form.parameters))
+    program = compile_program([form.stable], tuple(p.symbol for p in form.parameters))
     assert Program.read(program.text()).text() == program.text()
 
 
@@ -49,7 +49,7 @@ def test_a_kept_program_needs_no_expression(folder: Path, normal_forms: Any) -> 
     values("kink", normal_forms)
     form = closed_form("kink")
 
-    def never() -> sp.Expr:
+    def never() -> list[sp.Expr]:
         raise AssertionError("the expression was made")
 
     kept_program(form, "wave", never, tuple(p.symbol for p in form.parameters))

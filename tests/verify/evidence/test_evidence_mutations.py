@@ -1,5 +1,6 @@
 """Wrong formulas: made one change at a time, and every one caught by the residual alone."""
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -12,7 +13,8 @@ from solutions.record import ClosedForm
 from solutions.symbols import X_0, k, tau, xi
 from verify.evidence.mutations import Mutant, mutants
 from verify.evidence.residual import Sampling, check_residual
-from verify.proof import prove
+from verify.proof.catalogue_proofs import own_problem
+from verify.proof.prover import decide
 from verify.subexpressions import replaced
 from verify.verdict import Outcome
 
@@ -52,7 +54,8 @@ def _refuted(form: ClosedForm, mutant: Mutant) -> bool:
 
 def _is_a_solution(form: ClosedForm, mutant: Mutant) -> bool:
     """Whether the misprint solves the equation all the same, by exact proof."""
-    return prove(form.equation, mutant.expression).outcome is Outcome.PROVED
+    problem = own_problem(replace(form, expression=mutant.expression))
+    return decide(problem, time.perf_counter()).outcome is Outcome.PROVED
 
 
 def _handful(form: ClosedForm) -> list[Mutant]:
@@ -60,7 +63,9 @@ def _handful(form: ClosedForm) -> list[Mutant]:
     return list({_kind(mutant): mutant for mutant in reversed(list(_wrong(form)))}.values())
 
 
-QUICK_FORMS = [form for form in CATALOGUE if form.name not in ("rogue_cn", "breather_sn")]
+QUICK_FORMS = [
+    form for form in CATALOGUE.of("mKdV") if form.name not in ("rogue_cn", "breather_sn")
+]
 
 
 @pytest.mark.parametrize("form", QUICK_FORMS, ids=lambda form: form.name)

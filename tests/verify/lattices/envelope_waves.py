@@ -13,7 +13,10 @@ xi, tau = Symbol("xi", real=True), Symbol("tau", real=True)
 WAVES = {
     "bright": (1, sech(xi) * exp(I * tau)),
     "dark": (-1, tanh(xi) * exp(-2 * I * tau)),
-    "peregrine": (1, (1 - 4 * (1 + 4 * I * tau) / (1 + 4 * xi**2 + 16 * tau**2)) * exp(2 * I * tau)),
+    "peregrine": (
+        1,
+        (1 - 4 * (1 + 4 * I * tau) / (1 + 4 * xi**2 + 16 * tau**2)) * exp(2 * I * tau),
+    ),
     "plane": (1, exp(2 * I * tau)),
 }
 """Each with its sign s."""

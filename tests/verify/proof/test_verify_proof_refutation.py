@@ -9,7 +9,10 @@ from verify.proof import form_domains, prove
 from verify.verdict import Outcome
 
 
-@pytest.mark.parametrize("name", ["kink", "soliton_sech", "wave_cn", "rational_1", "soliton_dn"])
+@pytest.mark.parametrize(
+    "name",
+    ["kink", "soliton_sech", "wave_cn", "rational_1", "soliton_dn", "gardner_kink", "nls_dn"],
+)
 def test_no_mutant_is_undecided(name: str) -> None:
     found = count_mutants(closed_form(name))
     assert found.undecided == 0

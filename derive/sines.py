@@ -1,0 +1,127 @@
+"""Rational functions of ``z = exp(i k)`` and ``w = i omega`` in sin(k/2), cos(k/2) and omega.
+
+A factor that conjugation, z -> 1/z and w -> -w, takes to itself is real or imaginary once it is
+turned by half of its span in z.  So a polynomial is factored first, and each factor is turned.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import comb
+
+from sympy import Expr, Integer, Symbol, symbols
+
+from derive.algebra.rational_functions import RationalFunction, RationalFunctions
+
+omega = Symbol("omega", positive=True)
+sine, cosine = symbols("s C", real=True)
+"""sin(k/2) and cos(k/2)."""
+
+Complex = tuple[RationalFunction, RationalFunction]
+"""Real and imaginary part."""
+
+
+def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
+    """Real and imaginary part, in factors; the first two symbols of the field are z and w.
+
+    >>> z, w, K = symbols("z w K")
+    >>> field = RationalFunctions((z, w, K))
+    >>> in_sines(field.from_expr(K * (z - 2 + 1 / z) * w))
+    (0, -4*K*omega*s**2)
+    """
+    field = RationalFunctions((sine, cosine, omega, *element.field.symbols[2:]))
+    above, below = _Product(field, element, below=False), _Product(field, element, below=True)
+    rest = _times(above.rest, _power(field, above.turns - below.turns))
+    if below.rest[1]:
+        real, imaginary = below.rest
+        rest = _times(rest, (real, -imaginary))
+        size = _reduced(real * real + imaginary * imaginary)
+    else:
+        size = below.rest[0]
+    for _ in range((above.quarters - below.quarters) % 4):
+        rest = -rest[1], rest[0]
+    pure = above.pure / below.pure
+    real, imaginary = (_factored(part / size) * pure if part else Integer(0) for part in rest)
+    return real, imaginary
+
+
+class _Product:
+    """The factors of one side of the line: ``pure i^quarters rest exp(i k turns/2)``.
+
+    ``pure`` is the product of those that are real or imaginary, ``rest`` that of the others.
+    """
+
+    def __init__(self, field: RationalFunctions, element: RationalFunction, *, below: bool) -> None:
+        self.field = field
+        self.pure: Expr = Integer(1)
+        self.quarters = self.turns = 0
+        self.rest: Complex = (field.one, field.zero)
+        for terms, times in element.factored_terms(below=below):
+            turns = [exponents[0] for exponents, _ in terms]
+            middle = max(turns) + min(turns)
+            self.turns += middle * times
+            self._add(_turned(field, terms, middle), times)
+
+    def _add(self, part: Complex, times: int) -> None:
+        real, imaginary = part
+        if real and imaginary:
+            for _ in range(times):
+                self.rest = _times(self.rest, part)
+            return
+        self.quarters += times if imaginary else 0
+        self.pure *= _factored(imaginary or real) ** times
+
+
+def _turned(
+    field: RationalFunctions, terms: list[tuple[tuple[int, ...], int]], middle: int
+) -> Complex:
+    """A polynomial in z and w, times ``exp(-i k middle/2)``."""
+    real, imaginary = field.zero, field.zero
+    for (turn, power, *others), value in terms:
+        size = field.from_terms([((0, 0, power, *others), value)])
+        cos_part, sin_part = (size * part for part in _power(field, 2 * turn - middle))
+        for _ in range(power % 4):
+            cos_part, sin_part = -sin_part, cos_part
+        real, imaginary = real + cos_part, imaginary + sin_part
+    return real, imaginary
+
+
+@cache
+def _power(field: RationalFunctions, count: int) -> Complex:
+    """``(C + i s)**count``."""
+    real, imaginary = field.zero, field.zero
+    for i in range(abs(count) + 1):
+        sign = 1 if i % 4 < 2 else -1
+        exponents = (i, abs(count) - i, *(0,) * (len(field.symbols) - 2))
+        term = field.from_terms([(exponents, sign * comb(abs(count), i))])
+        real, imaginary = (real, imaginary + term) if i % 2 else (real + term, imaginary)
+    return _reduced(real), _reduced(imaginary if count > 0 else -imaginary)
+
+
+def _times(left: Complex, right: Complex) -> Complex:
+    return (
+        _reduced(left[0] * right[0] - left[1] * right[1]),
+        _reduced(left[0] * right[1] + left[1] * right[0]),
+    )
+
+
+def _reduced(polynomial: RationalFunction) -> RationalFunction:
+    """A polynomial in the cosine's first power."""
+    field = polynomial.field
+    square = field.one - field(sine) ** 2
+    total = field.zero
+    for (first, second, *others), value in polynomial.terms():
+        term = field.from_terms([((first, second % 2, *others), value)])
+        total = total + term * square ** (second // 2)
+    return total
+
+
+def _factored(element: RationalFunction) -> Expr:
+    """The quotient in SymPy, both sides in factors."""
+    sides = []
+    for below in (False, True):
+        product: Expr = Integer(1)
+        for terms, times in element.factored_terms(below=below):
+            product *= element.field.from_terms(terms).as_expr() ** times
+        sides.append(product)
+    return sides[0] / sides[1]
