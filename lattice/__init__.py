@@ -22,16 +22,20 @@ if TYPE_CHECKING:
         scheme_named,
         stability_limit,
     )
+    from lattice.spectral.field_ring import FieldRing
+    from lattice.spectral.spectral_integration import SpectralTrajectory, spectral_integrate
 
 __all__ = [
     "SCHEMES",
     "Composition",
     "Cost",
+    "FieldRing",
     "FieldState",
     "FieldTrajectory",
     "Model",
     "RungeKutta",
     "Scheme",
+    "SpectralTrajectory",
     "Splitting",
     "State",
     "Trajectory",
@@ -39,6 +43,7 @@ __all__ = [
     "integrate",
     "ring_energy",
     "scheme_named",
+    "spectral_integrate",
     "stability_limit",
 ]
 
@@ -51,5 +56,7 @@ __getattr__, __dir__ = lazy_face(
         "lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
         "stability_limit",
         "lattice.scheme_order": "check_order",
+        "lattice.spectral.field_ring": "FieldRing",
+        "lattice.spectral.spectral_integration": "SpectralTrajectory spectral_integrate",
     },
 )

@@ -206,12 +206,12 @@ class NumericWave:
         width = 1.0 / fastest if fastest else np.inf
         return integral_from_zero(lambda x: self(x, T).Y, points, width)
 
-    def phase_zeros(self, t: float, eps: float) -> list[float]:
+    def phase_zeros(self, t: float, eps: float, *, m: float = 0.0) -> list[float]:
         """The sites at which one of the wave's phases vanishes at lattice time t, ascending.
 
         The crest of a localised wave is near one of them.
         """
-        zeros = {phase.zero(t) for phase in self._phases("wave", self._lattice(eps))}
+        zeros = {phase.zero(t, m) for phase in self._phases("wave", self._lattice(eps))}
         return sorted(zero for zero in zeros if zero is not None)
 
     def background(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike | None = None) -> WaveValues:

@@ -1,0 +1,158 @@
+"""Fields and velocities of any lattice on a ring of real circumferences at one time, sampled.
+
+Fields that are L-periodic in a real cell variable x and obey the lattice's equations with shifts
+f(x) -> f(x + s) obey them at every x + n: such a ring is an exact quasi-periodic solution of the
+infinite lattice, whatever L is. Along each axis it has its own circumference.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lattice.spectral.ring import TAIL
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+INTERPOLATION = 1e-13
+"""Relative accuracy of the interpolation, in units of the coefficients' root mean square sum."""
+
+
+def modes_of(values: Array) -> Complex:
+    """Fourier coefficients over all axes but the first; of the last axis those of k >= 0."""
+    axes = tuple(range(1, values.ndim))
+    modes: Complex = ducc0.fft.r2c(values, axes=axes, inorm=2, nthreads=1)
+    return modes
+
+
+def values_of(modes: Complex, last: int, out: Array | None = None) -> Array:
+    """The real functions with these coefficients, ``last`` points along the last axis."""
+    axes = tuple(range(1, modes.ndim))
+    values: Array = ducc0.fft.c2r(modes, axes=axes, lastsize=last, forward=False, out=out)
+    return values
+
+
+@dataclass(frozen=True)
+class FieldRing:
+    """Samples of fields ``f`` and velocities ``v`` at time ``t``, shape (fields, *counts).
+
+    Along each axis the points are ``left + j circumference/count``. Displacements that grow with
+    the cell leave their mean strain to the lattice, and are periodic here.
+
+    >>> x = 7.5 / 16 * np.arange(16)
+    >>> wave = np.cos(2 * np.pi * x / 7.5)[None]
+    >>> ring = FieldRing(0.0, (0.0,), (7.5,), wave, 0 * wave)
+    >>> ring.at(7.5 / 4 + 7.5 / 12).round(9)
+    array([[-0.5]])
+    """
+
+    t: float
+    left: tuple[float, ...]
+    circumferences: tuple[float, ...]
+    f: Array
+    v: Array
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """The number of points along each axis."""
+        return self.f.shape[1:]
+
+    def points(self, axis: int = 0) -> Array:
+        """The sample points along an axis."""
+        steps = np.arange(self.counts[axis], dtype=np.float64)
+        points: Array = self.left[axis] + self.circumferences[axis] / steps.size * steps
+        return points
+
+    def at(self, *x: ArrayLike) -> Array:
+        """The fields at any real positions, an array for each axis: shape (fields, positions)."""
+        return self._interpolated(self.f, x)
+
+    def velocities_at(self, *x: ArrayLike) -> Array:
+        """The velocities at any real positions."""
+        return self._interpolated(self.v, x)
+
+    def sampled(self, counts: tuple[int, ...]) -> FieldRing:
+        """The same functions at other numbers of points, exactly."""
+        if counts == self.counts:
+            return self
+        f, v = (_sampled(values, counts) for values in (self.f, self.v))
+        return replace(self, f=f, v=v)
+
+    def tail(self) -> float:
+        """What the last 1/TAIL of the spectrum, along any axis, adds to a field at most."""
+        return spectrum_tails(modes_of(self.f), self.counts)
+
+    def _interpolated(self, values: Array, x: tuple[ArrayLike, ...]) -> Array:
+        places = [np.atleast_1d(np.asarray(part, dtype=np.float64)) for part in x]
+        turns = [
+            np.mod((place - left) / length, 1.0) * (2.0 * math.pi)
+            for place, left, length in zip(places, self.left, self.circumferences, strict=True)
+        ]
+        coordinates = np.stack(np.broadcast_arrays(*turns), axis=-1)
+        found = [self._along(part, coordinates.reshape(-1, len(turns))) for part in values]
+        return np.stack(found).reshape(len(values), *coordinates.shape[:-1])
+
+    def _along(self, values: Array, turns: Array) -> Array:
+        modes = np.fft.fftshift(np.fft.fftn(values, norm="forward"))
+        grown = [(0, 1 - count % 2) for count in values.shape]
+        modes = _with_both_ends(modes, grown)
+        padded = [(0, 1 - count % 2) for count in modes.shape]
+        found = ducc0.nufft.u2nu(
+            grid=np.pad(modes, padded),
+            coord=turns,
+            forward=False,
+            epsilon=INTERPOLATION,
+            periodicity=2.0 * math.pi,
+        )
+        real: Array = np.ascontiguousarray(found.real)
+        return real
+
+
+def _with_both_ends(modes: Complex, grown: list[tuple[int, int]]) -> Complex:
+    """Shifted coefficients whose first, of an even number of points, stands at both ends."""
+    modes = np.pad(modes, grown)
+    for axis, (_, more) in enumerate(grown):
+        if more:
+            ends = [(slice(None),) * axis + (place,) for place in (0, -1)]
+            modes[ends[0]] *= 0.5
+            modes[ends[1]] = modes[ends[0]]
+    return modes
+
+
+def _sampled(values: Array, counts: tuple[int, ...]) -> Array:
+    """The trigonometric interpolants at other numbers of points, axis by axis."""
+    for axis, count in enumerate(counts, 1):
+        size = values.shape[axis]
+        if size == count:
+            continue
+        modes = np.moveaxis(np.fft.fft(values, axis=axis, norm="forward"), axis, 0)
+        number = np.fft.fftfreq(size, 1.0 / size).astype(np.int64)
+        found = np.zeros((count, *modes.shape[1:]), dtype=np.complex128)
+        np.add.at(found, number % count, modes)
+        if size % 2 == 0:
+            half = 0.5 * modes[size // 2]
+            found[-(size // 2) % count] -= half
+            found[size // 2 % count] += half
+        moved = np.fft.ifft(np.moveaxis(found, 0, axis), axis=axis, norm="forward")
+        values = np.ascontiguousarray(moved.real)
+    return values
+
+
+def spectrum_tails(modes: Complex, counts: tuple[int, ...]) -> float:
+    """The most, over the fields, that the last 1/TAIL of the modes along any axis can come to."""
+    size = np.abs(modes)
+    size[..., 1 : (counts[-1] + 1) // 2] *= 2.0
+    inner = size
+    for axis, count in enumerate(counts, 1):
+        last = axis == len(counts)
+        most = count // 2
+        numbers = np.abs(np.fft.fftfreq(count, 1.0 / count)) if not last else np.arange(most + 1)
+        inner = np.compress(numbers < most + 1 - max((most + 1) // TAIL, 1), inner, axis=axis)
+    axes = tuple(range(1, modes.ndim))
+    outer = np.sum(size, axis=axes) - np.sum(inner, axis=axes)
+    return float(np.max(np.maximum(outer, 0.0)))

@@ -1,0 +1,362 @@
+"""Any lattice on a ring of real circumferences through given times, to a stated tolerance.
+
+The run is judged by `lattice.refine`: done again with a shorter step and more points, and with the
+last digits of its data changed. The tail of the spectrum is watched all the time: where it rises
+above its bound, the run is begun again with more points. Fewer than the state has are taken where
+they hold it, none fewer where its points are the sites of lattices.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import ducc0  # type: ignore[import-not-found]
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lattice.integration import Cost
+from lattice.numeric_lattice import NumericLattice
+from lattice.refine import refine
+from lattice.run_times import check_positive, checked_times
+from lattice.spectral.crest_energy import crest_energy_spread
+from lattice.spectral.evolution import WATCH, SamplingError
+from lattice.spectral.exponential import ORDER
+from lattice.spectral.field_ring import FieldRing
+from lattice.spectral.lattice_ring import (
+    LatticeRing,
+    RunawayError,
+    ring_slopes,
+    ring_stretches,
+    whole,
+)
+from lattice.spectral.ring import ALIKE, telling_step
+from lattice.trial import (
+    LEAST_FACTOR,
+    NUDGE,
+    STEP_RATIO,
+    Choices,
+    Engine,
+    Kind,
+    Progress,
+    Trial,
+    rounding_error,
+)
+
+Array = NDArray[np.float64]
+Judged = Callable[[FieldRing], Array]
+
+TAIL_SHARE = 0.1
+"""Bound of the spectrum's tail, in units of the tolerance."""
+
+ROUNDED_TAIL = 2.0**-46
+"""A tail below so much of the fields is rounding, which more points do not lower."""
+
+DENSITY_RATIO = 1.25
+"""Points of a control run, in units of those of the run before it."""
+
+DENSER = 1.4
+"""Points with which a run is begun again whose spectrum's tail rose, or whose control tells so."""
+
+LEAST_POINTS = 8
+"""Points along an axis at least."""
+
+MOST_POINTS = 2**22
+"""Points on the largest ring; a run takes some 500 bytes a point and field."""
+
+
+RUN_AWAY = 0.01
+"""If the times at which three runs lose the fields differ less, in units of the time since the
+beginning, and beside what the watch resolves, it is not the step that does it."""
+
+
+@dataclass(frozen=True)
+class SpectralTrajectory:
+    """Rings at all ``times``. ``error_estimate`` is of what was judged, sup over all times."""
+
+    times: Array
+    states: tuple[FieldRing, ...]
+    error_estimate: float
+    step: float
+    cost: Cost
+
+
+def spectral_integrate(
+    lattice: NumericLattice,
+    state: FieldRing,
+    times: ArrayLike,
+    tolerance: float,
+    speed: float | tuple[float, ...] = 0.0,
+    *,
+    judged: Judged | None = None,
+) -> SpectralTrajectory:
+    """The lattice from ``state``, on its ring of real circumferences, at all ``times``.
+
+    ``speed`` is that of the frame in which the waves are nearly still, one for each axis: it costs
+    nothing and lets steps be long. ``tolerance`` is the error that is accepted of what ``judged``
+    makes of a ring, an array of one shape however many points the ring has; without it, of the
+    stretches of all bonds at the state's own points. ``times`` increase and do not lie before
+    ``state.t``. Raises ValueError for what cannot be run, for a lattice that blows up before the
+    last time, and for a tolerance that needs too many points or lies below what rounding leaves.
+
+    >>> from derive import LATTICES
+    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 0})
+    >>> x, k = 20.5 / 64 * np.arange(64), 2 * np.pi / 20.5
+    >>> ring = FieldRing(0.0, (0.0,), (20.5,), np.cos(k * x)[None], np.zeros((1, 64)))
+    >>> run = spectral_integrate(chain, ring, [50.0], 1e-6, speed=1.0)
+    >>> exact = np.cos(k * x) * np.cos(2 * np.sin(k / 2) * 50.0)
+    >>> error = np.abs(run.states[0].at(x) - exact).max()
+    >>> bool(error <= run.error_estimate <= 1e-6)
+    True
+    """
+    state = _checked_ring(lattice, state)
+    wanted = checked_times(times, state.t)
+    check_positive("tolerance", tolerance, "it is the error accepted of what is judged")
+    frame = _frame(lattice, speed)
+    begun = perf_counter()
+    engine = FieldSearch(lattice, state, wanted, frame, tolerance, judged)
+    found = refine(engine, tolerance)
+    trial = found.trial
+    if trial.values is None:
+        raise ValueError(engine.refusal(float(wanted[-1])))
+    ring, states = trial.payload
+    cost = Cost(
+        ring.integrator.steps,
+        ring.integrator.evaluations,
+        trial.seconds,
+        perf_counter() - begun,
+    )
+    return SpectralTrajectory(wanted, states, found.error, trial.choices.step, cost)
+
+
+def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
+    """The ring with arrays of doubles, if they are the lattice's."""
+    found = replace(state, f=np.asarray(state.f, np.float64), v=np.asarray(state.v, np.float64))
+    for name, values in (("f", found.f), ("v", found.v)):
+        shape = values.shape
+        fitting = len(shape) == 1 + lattice.dimension and shape[:1] == (len(lattice.fields),)
+        if not fitting or shape != found.f.shape or min(shape) < 1:
+            raise ValueError(
+                f"state.{name} must have the shape (fields, points along each axis), got {shape} "
+                f"for {len(lattice.fields)} fields on {lattice.dimension} axes of {lattice.name} "
+                "(as many for f and v)"
+            )
+        if not np.all(np.isfinite(values)):
+            raise ValueError(
+                f"state.{name} must be finite, got {values[~np.isfinite(values)][0]} in it "
+                "(look at where the state comes from)"
+            )
+    for length in found.circumferences:
+        check_positive("circumference", length, "sites around the ring, any real number")
+    if not len(found.left) == len(found.circumferences) == lattice.dimension:
+        raise ValueError(
+            f"state.left and state.circumferences must have {lattice.dimension} entries, got "
+            f"{len(found.left)} and {len(found.circumferences)} (one for each axis)"
+        )
+    return found
+
+
+def _frame(lattice: NumericLattice, speed: float | tuple[float, ...]) -> tuple[float, ...]:
+    found = tuple(np.atleast_1d(np.asarray(speed, dtype=np.float64)).tolist())
+    if len(found) < lattice.dimension and not any(found):
+        found = (0.0,) * lattice.dimension
+    if len(found) != lattice.dimension or not all(map(math.isfinite, found)):
+        raise ValueError(
+            f"speed must have one finite entry for each of {lattice.dimension} axes, got {speed} "
+            "(0 is a frame that stands still)"
+        )
+    return found
+
+
+class FieldSearch:
+    """Runs of a ring of fields from a state, for `refine` to judge."""
+
+    kinds: tuple[Kind, ...] = ("step", "sampling")
+    threads = 1
+    order = ORDER
+    decay = math.inf
+    safety = 4.0
+    unstable = 10
+    most_work = math.inf
+
+    def __init__(
+        self,
+        lattice: NumericLattice,
+        state: FieldRing,
+        times: Array,
+        speed: tuple[float, ...],
+        tolerance: float,
+        judged: Judged | None,
+    ) -> None:
+        self.fragile = not lattice.is_linear
+        self._lattice, self._state, self._speed = lattice, state, speed
+        self._times, self._tolerance = times, tolerance
+        self._duration = float(times[-1] - state.t)
+        largest = float(np.max(np.abs(state.f)))
+        least = rounding_error(largest, 100)
+        if tolerance < least:
+            raise ValueError(
+                f"tolerance must satisfy tolerance >= {least:.2g} here, got {tolerance:g} (less is "
+                "rounding)"
+            )
+        self._tail = max(TAIL_SHARE * tolerance, ROUNDED_TAIL * largest)
+        self._whole = judged is None and whole(state)
+        counts = state.counts
+        self._judged: Judged = judged or (
+            lambda ring: np.array(ring_stretches(lattice, ring.sampled(counts)))
+        )
+        self._density, self._crowded = self._first_density(), False
+        self._dense_state: dict[tuple[int, ...], FieldRing] = {}
+        self._alike, self._ran_away = 0.0, list[float]()
+        self._first = self._first_choices()
+
+    def _first_density(self) -> float:
+        """The least number of points that hold the state, in units of its own."""
+        if self._whole:
+            return 1.0
+        density = 1.0
+        while density > 0.02:
+            counts = _fast_counts(self._state, 0.8 * density)
+            fewer = self._state.sampled(counts)
+            if fewer.tail() > 0.3 * self._tail or counts >= self._state.counts:
+                break
+            density *= 0.8
+        return density
+
+    def _first_choices(self) -> Choices:
+        """A step by the rates at which what is not exact varies; shorter if waves are too short."""
+        ring, T = (
+            self._ring(Choices(max(self._duration, 1e-9) / 2.0, 1.0), math.inf),
+            self._duration,
+        )
+        moving, still = ring.typical_rates()
+        slopes = ring_slopes(self._lattice, ring.start)
+        bent = max(float(np.ptp(part)) / max(abs(float(np.mean(part))), 1e-300) for part in slopes)
+        turning = 0.5 * bent * still
+        values = self._judged(self._state)
+        size = float(np.ptp(values)) if values.size else 0.0
+        turns = 1.0 + turning * T
+        share = min(10.0 * self._tolerance / max(size, 1e-300) / turns, 1.0)
+        rate = max(moving + turning, 1e-12 * still, 1e-300)
+        step = min(share ** (1.0 / ORDER) / rate, 0.25 * T) or 1.0
+        fast = [axis for axis, c in enumerate(self._speed) if c]
+        if fast and T > 0.0:
+            spread = max(crest_energy_spread(self._lattice, ring.start, axis) for axis in fast)
+            self._alike = turns * spread * size
+            if self._alike > ALIKE * self._tolerance:
+                step = min(step, self._telling)
+        return Choices(step, 1.0)
+
+    @property
+    def _telling(self) -> float:
+        fastest = max(map(abs, self._speed))
+        return telling_step(fastest) if fastest else math.inf
+
+    def first(self) -> Choices:
+        """The state's own sampling, a step of the waves' own scale."""
+        return self._first
+
+    def scout(self) -> Engine:
+        """Itself: a ring must hold what it holds."""
+        return self
+
+    def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
+        """A run, with more points if the spectrum's tail calls for them; its payload the states."""
+        kept = self._density
+        while True:
+            try:
+                return self._run(choices, progress)
+            except SamplingError:
+                self._density *= DENSER
+                if math.prod(self._counts(choices)) > MOST_POINTS:
+                    self._crowded = True
+                    break
+            except RunawayError as error:
+                self._crowded = False
+                self._look_at(error.t - self._state.t, choices.step)
+                break
+        self._density = kept
+        return Trial(choices, None, self.work(choices), 0.0, 0.0, None)
+
+    def _look_at(self, passed: float, step: float) -> None:
+        """Raise ValueError if the fields run away at the same time whatever the step."""
+        apart = RUN_AWAY * passed + WATCH * step
+        alike = [abs(t - passed) <= apart for t in self._ran_away]
+        self._ran_away = [*self._ran_away[-1:], passed]
+        if passed > 2 * WATCH * step and alike == [True, True]:
+            raise ValueError(self.refusal(float(self._times[-1])))
+
+    def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
+        """A shorter step, more points."""
+        if "step" in kinds:
+            choices = replace(choices, step=STEP_RATIO * choices.step)
+        if "sampling" in kinds:
+            choices = replace(choices, finer=DENSITY_RATIO * choices.finer)
+        return choices
+
+    def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
+        """By the law of the order, or more points."""
+        if kind == "sampling":
+            return choices if self._whole else replace(choices, density=DENSER * choices.density)
+        factor = max(LEAST_FACTOR, 0.9 * excess ** (-1.0 / ORDER))
+        return replace(choices, step=factor * choices.step)
+
+    def work(self, choices: Choices) -> float:
+        """Steps times points times their logarithm."""
+        points = math.prod(self._counts(choices))
+        return self._duration / choices.step * points * math.log2(points + 2.0)
+
+    def refusal(self, end: float) -> str:
+        """Why no run came to its end."""
+        if self._crowded:
+            return (
+                f"tolerance must be larger than {self._tolerance:g}: it needs a ring of more than "
+                f"{MOST_POINTS} points (raise it, end earlier or take smoother data)"
+            )
+        return (
+            f"times must end before the fields of {self._lattice.name} run away, got {end:g} (no "
+            "step follows them; end earlier or take smaller fields)"
+        )
+
+    def _counts(self, choices: Choices) -> tuple[int, ...]:
+        if self._whole:
+            return self._state.counts
+        return _fast_counts(self._state, self._density * choices.density * choices.finer)
+
+    def _ring(self, choices: Choices, tail: float) -> LatticeRing:
+        counts = self._counts(choices)
+        if counts not in self._dense_state:
+            self._dense_state[counts] = self._state.sampled(counts)
+        state = self._dense_state[counts]
+        if choices.nudged:
+            signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *state.f.shape))
+            state = replace(state, f=state.f * (1 + signs[0]), v=state.v * (1 + signs[1]))
+        return LatticeRing(self._lattice, state, choices.step, self._duration, self._speed, tail)
+
+    def _run(self, choices: Choices, progress: Progress) -> Trial:
+        begun = perf_counter()
+        ring = self._ring(choices, math.inf if self._whole else self._tail)
+        states = []
+        for t in self._times:
+            states.append(ring.at(float(t)))
+            progress((float(t) - self._state.t) / (self._duration or 1.0))
+        values = np.array([self._judged(state) for state in states])
+        told = choices.step <= self._telling
+        return Trial(
+            choices,
+            values,
+            self.work(choices),
+            perf_counter() - begun,
+            rounding_error(ring.largest, ring.integrator.evaluations),
+            (ring, tuple(states)),
+            alike=0.0 if told else self._alike,
+        )
+
+
+def _fast_counts(state: FieldRing, density: float) -> tuple[int, ...]:
+    """The next larger even numbers of points that transform fast."""
+    halves = [math.ceil(max(density * count, LEAST_POINTS) / 2.0) for count in state.counts]
+    return tuple(2 * int(ducc0.fft.good_size(half, True)) for half in halves)
