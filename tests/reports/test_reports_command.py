@@ -31,7 +31,7 @@ def findings(
     hard = HardCaseResult("what", "how much", 0.5, 1.0 if fails else 0.1, "")
     empty = Studies([], [], [], [], [], [hard], [], {}, {})
     evidence = MeasuredRuns({"one": xr.Dataset(attrs={"blow_up": blow_up})}, {})
-    (text,) = chosen(["kdv_soliton"])
+    (text,) = chosen(["kdv_one_soliton"])
     published = [PublishedVerdict(text, library, 0.1)]
     count = MutationCount("kink", 8, survivors, 0.1)
     return Findings(evidence, [proof], {}, [count], [], empty, published)

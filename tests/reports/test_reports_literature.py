@@ -25,7 +25,7 @@ def as_expected(names: Sequence[str] = ()) -> list[PublishedVerdict]:
 
 
 def test_a_row_has_the_verdict_the_refuted_variants_and_the_source() -> None:
-    found = as_expected(["kdv_cnoidal", "kdv_cnoidal_modulus"])
+    found = as_expected(["kdv_cnoidal_wave", "kdv_cnoidal_modulus"])
     text = library_table(found)
     assert r"\textbf{Korteweg-de Vries}" in text
     assert "& PROVED & k: k>0; m: 0<m<1 & 1/1 & D. J. Korteweg" in text
@@ -36,7 +36,7 @@ def test_a_row_has_the_verdict_the_refuted_variants_and_the_source() -> None:
 
 def test_verdicts_are_counted_by_what_was_expected() -> None:
     """Catches a wrong statement that is proved counted among the right ones."""
-    right, wrong = as_expected(["kdv_cnoidal", "kdv_cnoidal_modulus"])
+    right, wrong = as_expected(["kdv_cnoidal_wave", "kdv_cnoidal_modulus"])
     assert "right & 1 & 0 & 0" in library_counts([right, wrong])
     text = library_counts([right, replace(wrong, outcome=Outcome.PROVED)])
     assert "right & 1 & 0 & 0" in text

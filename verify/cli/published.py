@@ -24,7 +24,7 @@ FROM_MEMORY = "not looked up"
 def published() -> tuple[ProblemText, ...]:
     """Every statement of the library, by its equation's name, a variant behind its original.
 
-    >>> "kdv_soliton" in {text.name for text in published()}
+    >>> "kdv_one_soliton" in {text.name for text in published()}
     True
     """
     found: list[ProblemText] = []
@@ -40,8 +40,8 @@ def chosen(names: Sequence[str] = ()) -> list[ProblemText]:
 
     Raises ValueError for a name that is neither, with those that are like it.
 
-    >>> [text.name for text in chosen(["kdv_soliton"])]
-    ['kdv_soliton']
+    >>> [text.name for text in chosen(["kdv_one_soliton"])]
+    ['kdv_one_soliton']
     """
     known = {word for text in published() for word in (text.name, text.equation_name)}
     for name in names:
