@@ -61,8 +61,7 @@ class EnvelopeRow:
 def model_jobs() -> dict[Key, Job]:
     """The derivations of the tables, a job a lattice."""
     models: dict[Key, Job] = {
-        ("model", place): Job(model_rows, (place,), 0.3)
-        for place, _ in enumerate(lattice_models())
+        ("model", place): Job(model_rows, (place,), 0.3) for place, _ in enumerate(lattice_models())
     }
     envelopes: dict[Key, Job] = {
         ("envelope", place): Job(envelope_row, (place,), 0.3) for place, _ in enumerate(ENVELOPES)
@@ -182,7 +181,11 @@ def envelope_row(place: int) -> EnvelopeRow:
 def envelope_table(rows: Iterable[EnvelopeRow]) -> str:
     """Lattice, wavenumber, group velocity, p and q."""
     lines = [
-        [found.model, found.wavenumber, *(rf"$\displaystyle {text}$" for text in found.coefficients)]
+        [
+            found.model,
+            found.wavenumber,
+            *(rf"$\displaystyle {text}$" for text in found.coefficients),
+        ]
         for found in rows
     ]
     head = ["lattice", "at", *(f"${name}$" for name in COEFFICIENTS.values())]

@@ -29,7 +29,7 @@ class LatticeModel:
     lattice: Lattice
     case: str = ""
     values: tuple[tuple[str, Expr], ...] = ()
-    mean: Expr = Integer(0)
+    mean: Expr = S.Zero
 
     def reductions(self) -> tuple[Reduction, ...]:
         """The balances of nonlinearity and dispersion with a normal form.
