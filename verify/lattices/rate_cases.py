@@ -149,9 +149,7 @@ RATE_CASES = {
             {"kappa": 1},
             FOURTH,
         ),
-        RateCase(
-            "5b", "next_nearest", {**CUBIC, **FURTHER}, Scaling(), MKDV, {"A": HALF}, THIRD
-        ),
+        RateCase("5b", "next_nearest", {**CUBIC, **FURTHER}, Scaling(), MKDV, {"A": HALF}, THIRD),
         RateCase(
             "5c",
             "next_nearest",
@@ -192,9 +190,7 @@ RATE_CASES = {
             FOURTH,
             LARGER,
         ),
-        RateCase(
-            "6a", "mass_dimer", {**CUBIC, **MASSES}, Scaling(0), MKDV, {"A": HALF}, OF_CELLS
-        ),
+        RateCase("6a", "mass_dimer", {**CUBIC, **MASSES}, Scaling(0), MKDV, {"A": HALF}, OF_CELLS),
         RateCase(
             "6b",
             "mass_dimer",
