@@ -40,8 +40,8 @@ WIDER = 2.0
 class EnvelopeWave(Protocol):
     """A solution A of the envelope equation, or of that with the next order."""
 
-    def jets(self, X: ArrayLike, T: float, highest: int) -> Complex:
-        """A and its X-derivatives, (highest + 1, *points)."""
+    def jets(self, X: Array, T: float, highest: int) -> Any:
+        """A and its X-derivatives, complex, (highest + 1, *points)."""
 
 
 class EnvelopeData(LatticeWave):
