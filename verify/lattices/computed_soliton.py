@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 TAIL = 36.0
 """The interval ends where the wave has fallen by exp(-TAIL)."""
 
+RUNNING = 1e-6
+"""A tail that falls so slowly, in units of the fastest, is a wave that runs."""
+
 POINTS = 1024
 """Of the interval."""
 
@@ -52,10 +55,6 @@ class ComputedSoliton:
         self._space = FourierInterval(self._interval(linear), POINTS)
         k = self._space.k
         self._inertia = speed + sum(value * (1j * k) ** n for n, value in linear.items()).real
-        if np.min(self._inertia * np.sign(speed)) <= 0.0:
-            raise ValueError(
-                f"speed must be that of no wave of small amplitude, got {speed} (take another sign)"
-            )
         self._modes = self._iterated()
 
     def _interval(self, linear: dict[int, float]) -> tuple[float, float]:
@@ -64,8 +63,13 @@ class ComputedSoliton:
         roots = np.roots(
             [linear.get(n, 0.0) + self.speed * (n == 0) for n in range(highest, -1, -1)]
         )
-        half = TAIL / float(np.min(np.abs(roots.real)))
-        return -half, half
+        slowest = float(np.min(np.abs(roots.real)))
+        if slowest < RUNNING * float(np.max(np.abs(roots))):
+            raise ValueError(
+                f"speed must be that of no wave of small amplitude, got {self.speed} (take another "
+                "sign)"
+            )
+        return -TAIL / slowest, TAIL / slowest
 
     def _iterated(self) -> NDArray[np.complex128]:
         space, degree = self._space, self._degree
