@@ -2,67 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from reports.figures.drawing import ANALYTICAL, CURVES, NUMERICAL, PANEL_HEIGHT, TEXT_WIDTH
+from reports.figures.drawing import CURVES, TEXT_WIDTH, Snapshot
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from verify.lattices.convergence import ErrorAt
-    from verify.studies.modulation import ModulationPlane
+    from verify.lattices.modulation import ModulationGrid
+
+Array = NDArray[np.float64]
 
 ACROSS = 3
 """Times of a scene side by side."""
 
 
-@dataclass(frozen=True)
-class WaveRow:
-    """A row of panels: some times of a scene's run, ``half_width`` cells to either side of c t."""
-
-    run: xr.Dataset
-    label: str
-    half_width: int
-
-
-def wave_figure(rows: Sequence[WaveRow]) -> Figure:
-    """The lattice solid blue, the theory dashed red; a row's panels share their axes."""
-    figure = Figure((TEXT_WIDTH, PANEL_HEIGHT * len(rows) + 0.35), layout="constrained")
-    panels = figure.subplots(len(rows), ACROSS, squeeze=False)
-    letters = map(chr, range(ord("A"), ord("Z") + 1))
-    for row, axes in zip(rows, panels, strict=True):
-        shown = row.run.sel(site=slice(-row.half_width, row.half_width))
-        values = [shown[name].values for name in ("strain", "analytic")]
-        low, high = float(np.min(values)), float(np.max(values))
-        margin = 0.06 * (high - low)
-        for place, ax in zip(middle_times(row.run), axes, strict=False):
-            at = shown.isel(time=place)
-            offset = at["n"].values - row.run.attrs["frame_speed"] * float(at["time"])
-            ax.plot(offset, at["strain"], label="lattice", **NUMERICAL)
-            ax.plot(offset, at["analytic"], label="theory", **ANALYTICAL)
-            ax.set_title(
-                f"({next(letters)})  {row.label}, $T={float(at['slow_time']):.3g}$", loc="left"
-            )
-            ax.set_xlim(offset[0], offset[-1])
-            ax.set_ylim(low - margin, high + margin)
-            ax.locator_params(axis="x", nbins=5)
-            ax.tick_params(labelleft=ax is axes[0])
-        axes[0].set_ylabel("strain")
-    for ax in panels[-1]:
-        ax.set_xlabel("$n - c\\,t$  (cells)")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
-    return figure
+def lattice_snapshots(
+    run: xr.Dataset, eps: float, half_width: int, places: Iterable[int]
+) -> list[Snapshot]:
+    """A scene's run at some of its times, ``half_width`` cells to either side of c t."""
+    shown, speed = run.sel(site=slice(-half_width, half_width)), run.attrs["frame_speed"]
+    return [
+        Snapshot(
+            float(at["time"]),
+            eps,
+            at["n"].values - speed * float(at["time"]),
+            at["strain"].values,
+            at["analytic"].values,
+        )
+        for at in (shown.isel(time=place) for place in places)
+    ]
 
 
-def middle_times(run: xr.Dataset) -> list[int]:
-    """The places of ``ACROSS`` times: the first, the last and the middle ones between."""
+def even_times(run: xr.Dataset) -> list[int]:
+    """The places of ``ACROSS`` times from the first to the last."""
     count = run.sizes["time"]
     return sorted({round(place) for place in np.linspace(0, count - 1, min(count, ACROSS))})
 
@@ -71,9 +52,9 @@ MAP_HEIGHT = 2.2
 """Height of a row of maps, in inches."""
 
 
-def plane_wave_figure(run: xr.Dataset) -> Figure:
+def map_figure(run: xr.Dataset) -> Figure:
     """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
-    places = middle_times(run)
+    places = even_times(run)
     figure = Figure((TEXT_WIDTH, MAP_HEIGHT * 2 + 0.2), layout="constrained")
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     apart = abs(run["strain"] - run["analytic"])
@@ -100,22 +81,19 @@ RATE_HEIGHT = 2.9
 """Height of the panels of errors over eps, in inches."""
 
 
-def rate_figure(
-    panels: Mapping[str, Mapping[str, Sequence[ErrorAt]]], powers: Sequence[float]
-) -> Figure:
+def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figure:
     """Errors over eps, both in logarithms, with the runs' own errors as bars.
 
-    For each title its curves by label; a panel has a dotted line of its power of eps.
+    A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
     """
     figure = Figure((TEXT_WIDTH, RATE_HEIGHT), layout="constrained")
-    for ax, (title, curves), power in zip(
-        figure.subplots(1, len(panels), squeeze=False)[0], panels.items(), powers, strict=True
-    ):
-        ax.set_title(title, loc="left")
+    grid = figure.subplots(1, len(panels), squeeze=False)[0]
+    for ax, (power, curves) in zip(grid, panels.items(), strict=True):
         for place, (label, errors) in enumerate(curves.items()):
             _draw_errors(ax, label, errors, CURVES[place % len(CURVES)])
         _draw_power(ax, [point for errors in curves.values() for point in errors], power)
-        ax.legend(fontsize=7.5, labelspacing=0.2, handlelength=2.2)
+        ax.legend(fontsize=7.0, labelspacing=0.2, handlelength=2.0)
+    grid[0].set_ylabel("sup error of the strain")
     return figure
 
 
@@ -146,47 +124,30 @@ def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
     ax.set_xlabel(r"$\epsilon$")
-    ax.set_ylabel("sup error of the strain" if ax.get_subplotspec().is_first_col() else "")
 
 
 DEFOCUSING = "#d9d9d9"
 """The colour of where plane waves are stable."""
 
 
-def modulation_figure(plane: ModulationPlane) -> Figure:
-    """Growth rate over wavenumber and K3; grey where p q < 0, a white line between."""
+def modulation_figure(grid: ModulationGrid, quadratic: Array) -> Figure:
+    """Growth rate over wavenumber and K3; grey where p q < 0, a black line between."""
     figure = Figure((0.8 * TEXT_WIDTH, 3.0), layout="constrained")
-    draw_modulation(figure, plane)
-    return figure
-
-
-def draw_modulation(figure: FigureBase, plane: ModulationPlane) -> None:
-    """Draw the map into a figure."""
     ax = figure.subplots()
-    unstable = plane.product > 0
-    ax.pcolormesh(
-        plane.wavenumbers, plane.quadratic, np.where(unstable, np.nan, 1.0),
-        cmap=ListedColormap([DEFOCUSING]), rasterized=True,
-    )  # fmt: skip
-    drawn = ax.pcolormesh(
-        plane.wavenumbers, plane.quadratic, np.where(unstable, plane.growth, np.nan),
-        cmap="viridis", vmin=0.0, rasterized=True,
-    )  # fmt: skip
-    ax.contour(
-        plane.wavenumbers, plane.quadratic, plane.product, [0.0], colors="black", linewidths=1.0
-    )
-    for words, inside in (("focusing, $pq>0$", unstable), ("defocusing, $pq<0$", ~unstable)):
-        height, along = np.mean(np.argwhere(inside), axis=0).astype(int)
-        colour = "white" if inside is unstable else "black"
-        ax.text(
-            plane.wavenumbers[along],
-            plane.quadratic[height],
-            words,
-            color=colour,
-            ha="center",
-            va="center",
-        )
+    unstable = grid.product > 0
+    stable = np.where(unstable, np.nan, 1.0)
+    ax.pcolormesh(grid.k, quadratic, stable, cmap=ListedColormap([DEFOCUSING]), rasterized=True)
+    growth = np.where(unstable, grid.growth_rate, np.nan)
+    drawn = ax.pcolormesh(grid.k, quadratic, growth, vmin=0.0, rasterized=True)
+    ax.contour(grid.k, quadratic, grid.product, [0.0], colors="black", linewidths=1.0)
+    for words, inside, colour in (
+        ("focusing, $pq>0$", unstable, "white"),
+        ("defocusing, $pq<0$", ~unstable, "black"),
+    ):
+        x, y = (float(np.mean(axis[inside])) for axis in (grid.k, quadratic))
+        ax.text(x, y, words, color=colour, ha="center", va="center")
     ax.set_xlabel("carrier wavenumber $k$")
     ax.set_ylabel("$K_3$")
     ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
     figure.colorbar(drawn, ax=ax, label=r"growth rate in $T$ of $|A|=1$")
+    return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from derive.output.notation import latex_of, terms
 from derive.symbols import k
 from reports.latex import escape, scientific, table
 from reports.sections.theory import domain_latex
-from solutions import CATALOGUE, ClosedForm
+from solutions import CATALOGUE, closed_form
 from verify.processes import Job, Key
 from verify.studies.lattice_models import (
     ENVELOPES,
@@ -85,7 +86,7 @@ def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
     ]
     remarks = ", ".join(f"${latex_of(left)} = {latex_of(right)}$" for left, right in equal)
     return ModelRow(
-        escape(title) + (f": {remarks}" if remarks else ""),
+        title_latex(title) + (f": {remarks}" if remarks else ""),
         reduction.pde.kind.replace(" or generalised KP", " or"),
         scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0),
         _equation_latex(reduction),
@@ -93,6 +94,22 @@ def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
         ", ".join(f"${condition.latex()}$" for condition in reduction.conditions),
         closed_waves(reduction),
     )
+
+
+_INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\}))*")
+"""Fields with their indices, and sums of them, in a lattice's title."""
+
+
+def title_latex(title: str) -> str:
+    """A lattice's title, its indexed fields in mathematics.
+
+    >>> title_latex("the strain y_n = u_{n+1} - u_n of 50 %")
+    'the strain $y_n = u_{n+1} - u_n$ of 50 \\\\%'
+    """
+    words = _INDEXED.split(title)
+    formulas = [f"${found}$" for found in _INDEXED.findall(title)]
+    pairs = zip(words, [*formulas, ""], strict=True)
+    return "".join(escape(text) + formula for text, formula in pairs)
 
 
 def _equation_latex(reduction: Reduction) -> str:
@@ -149,17 +166,12 @@ def wave_names(names: Sequence[str]) -> str:
     """
     if not names:
         return "none"
-    equation = closed_equation(names[0])
+    equation = CATALOGUE.equation(names[0])
     if equation == PAPERS:
         return rf"the {len(names)} of section~\ref{{sec:solutions}}"
     prefix = equation.lower().replace(" ", "_")
     words = [name.removeprefix(f"{prefix}_").replace("_", " ") for name in names]
     return escape(", ".join(words))
-
-
-def closed_equation(name: str) -> str:
-    """The equation of a closed form of the catalogue, among `NORMAL_EQUATIONS`."""
-    return CATALOGUE[CATALOGUE.names.index(name)].equation.normal
 
 
 COEFFICIENTS = {"v": "v", "p": "p", "q": "q"}
@@ -172,7 +184,7 @@ def envelope_row(place: int) -> EnvelopeRow:
     found = tabled_envelope(name, wavenumber)
     short = {sp.sin(k / 2): sp.Symbol("s"), sp.cos(k / 2): sp.Symbol("C")}
     return EnvelopeRow(
-        escape(found.lattice.title),
+        title_latex(found.lattice.title),
         "$k$" if wavenumber is None else f"${latex_of(wavenumber)}$",
         tuple(latex_of(found.expressions[part].subs(short)) for part in COEFFICIENTS),
     )
@@ -192,14 +204,13 @@ def envelope_table(rows: Iterable[EnvelopeRow]) -> str:
     return table("L{44mm}llll", head, lines, gap="0.8ex")
 
 
-def further_forms() -> list[ClosedForm]:
-    """The closed forms of other equations than the paper's."""
-    return [form for form in CATALOGUE if form.equation.normal != PAPERS]
+FURTHER_FORMS = tuple(name for name in CATALOGUE.names if CATALOGUE.equation(name) != PAPERS)
+"""The closed forms of other equations than the paper's."""
 
 
 def normal_equations() -> list[tuple[str, str]]:
-    """Names and LaTeX of the normal forms that the further closed forms solve, in their order."""
-    names = dict.fromkeys(form.equation.normal for form in further_forms())
+    """Names and LaTeX of the normal forms that they solve, in their order."""
+    names = dict.fromkeys(map(CATALOGUE.equation, FURTHER_FORMS))
     return [(name, NORMAL_EQUATIONS[name].latex) for name in names]
 
 
@@ -212,7 +223,7 @@ def form_table(
     proved = {record.name: record for record in proofs}
     worst = {found.name: max(found.errors) for found in accuracy}
     rows = []
-    for form in further_forms():
+    for form in map(closed_form, FURTHER_FORMS):
         record, residual = proved.get(form.name), residuals.get(form.name)
         rows.append(
             [

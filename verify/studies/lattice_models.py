@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
 from sympy import Expr, Integer, S, Symbol, pi
 
 from derive import LATTICES, Envelope, Lattice, Reduction, envelope, find_scaling, spring
 from derive.models.lattices import L2, L3, L4, cubic
 from derive.symbols import eps, ybar
 from solutions import CATALOGUE
+from verify.lattices.modulation import ModulationGrid, modulation_grid
 
 C2, D2, SMALL = Symbol("C2", positive=True), Symbol("d2", real=True), Symbol("k3", real=True)
 
@@ -79,9 +81,8 @@ def closed_waves(reduction: Reduction) -> tuple[str, ...]:
     normal = reduction.normal_form()
     return tuple(
         form.name
-        for form in CATALOGUE
-        if form.equation.normal == normal.equation
-        and all(
+        for form in CATALOGUE.of(normal.equation)
+        if all(
             own == there or not (isinstance(own, int) and S(there).is_number)
             for own, there in ((form.equation.s, normal.s), (form.equation.r, normal.r))
         )
@@ -102,3 +103,19 @@ ENVELOPES: tuple[tuple[str, Expr | None], ...] = (
 def tabled_envelope(name: str, wavenumber: Expr | None) -> Envelope:
     """The envelope equation of one of `ENVELOPES`; its coefficients hold on every branch."""
     return envelope(LATTICES[name], k=wavenumber)
+
+
+LARGEST_K3, POINTS = 1.5, 240
+"""Of the map of plane carrier waves, and its points along each axis."""
+
+
+def modulation_plane(points: int = POINTS) -> tuple[ModulationGrid, np.ndarray]:
+    """The alpha+beta FPUT lattice over k (second axis) and K3 (first axis), K2 = K4 = 1; and K3.
+
+    >>> grid, quadratic = modulation_plane(4)
+    >>> grid.product.shape, quadratic.shape
+    ((4, 4), (4, 4))
+    """
+    middles = (np.arange(points) + 0.5) / points
+    k, K3 = np.meshgrid(np.pi * middles, LARGEST_K3 * middles)
+    return modulation_grid(LATTICES["fput_strain"], k, K2=1, K3=K3, K4=1), K3

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sympy import Expr, Rational
+
 from derive import LATTICES
 from solutions import closed_form
 from verify.lattices.convergence import ConvergenceStudy
-from verify.lattices.rate_cases import RATE_CASES, RateCase
+from verify.lattices.rate_cases import RATE_CASES, RateCase, Value
 from verify.processes import Job, Key
 
 SECONDS = {"leading": 0.3, "slaved": 0.3, "corrected": 3.0}
@@ -24,13 +26,13 @@ REACHED = 0.2
 class MeasuredRate:
     """A case's errors over eps with data of one order, and the rate to expect.
 
-    ``lattice`` and ``wave`` are titles, ``constants`` (name, value) pairs of texts, ``kind`` is
-    the equation's name.
+    ``lattice`` and ``wave`` are titles, ``kind`` is the equation's name, ``eps`` may be in the
+    values of ``constants``.
     """
 
     case: str
     lattice: str
-    constants: tuple[tuple[str, str], ...]
+    constants: tuple[tuple[str, Expr], ...]
     kind: str
     wave: str
     order: str
@@ -54,13 +56,17 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     return MeasuredRate(
         name,
         LATTICES[case.lattice].title,
-        tuple((key, str(value)) for key, value in case.constants.items()),
+        tuple((key, _exact(value)) for key, value in case.constants.items()),
         case.reduction.pde.kind,
         closed_form(case.wave).title if case.wave else "soliton, computed",
         order,
         case.rates[order],
         case.study(order),
     )
+
+
+def _exact(value: Value) -> Expr:
+    return value if isinstance(value, Expr) else Rational(value)
 
 
 def rate_jobs(full: bool) -> dict[Key, Job]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SECONDS = {"alpha_beta_rogue": 8.0, "dimer_rogue": 8.0}
-"""Processor seconds of the long scenes, whose rings hold 40 000 and 30 000 cells; others `USUAL`."""
+"""Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""
 
 USUAL = 1.0
 
