@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -98,7 +98,7 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figu
 
 
 def _draw_errors(
-    ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, object]
+    ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]
 ) -> None:
     eps = [point.eps for point in errors]
     own = [min(point.discretisation, 0.99 * point.error) for point in errors]

@@ -12,7 +12,7 @@ from verify.processes import Job, Key, Progress
 if TYPE_CHECKING:
     import xarray as xr
 
-SECONDS = {"alpha_beta_rogue": 8.0, "dimer_rogue": 8.0}
+SECONDS = {"alpha_beta_rogue": 4.0, "dimer_rogue": 6.0}
 """Processor seconds of the long scenes, with rings of 40 000 and 30 000 cells; others `USUAL`."""
 
 USUAL = 1.0
