@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lattice.field_state import FieldState, field_blow_up
 from lattice.kernels import blocked, plain, reference
 from lattice.kernels.chain_kernel import advance_chain
+from lattice.kernels.plane_kernel import advance_plane
 from lattice.model import BlowUp, Held, Model, State, find_blow_up
 from lattice.numeric_lattice import NumericLattice
 from lattice.schemes import DriftKick, Scheme
@@ -153,7 +154,7 @@ class FieldDynamics:
         return state.f.copy(), state.v.copy()
 
     def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
-        """Chains by machine code written for them, if the scheme is a splitting."""
+        """Chains and planes by machine code written for them, if the scheme is a splitting."""
         if not isinstance(scheme, DriftKick):
             table = scheme.floats
             reference.advance_nystroem_method(self.lattice.acceleration, f, v, table, h, steps)
@@ -161,6 +162,8 @@ class FieldDynamics:
         weights = scheme.drifts * h, scheme.kicks * h
         if self.lattice.dimension == 1:
             advance_chain(self.lattice, f, v, *weights, steps)
+        elif self.lattice.dimension == 2:
+            advance_plane(self.lattice, f, v, *weights, steps)
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
 
@@ -183,10 +186,20 @@ class FieldDynamics:
         return self.lattice.highest_frequency(found)
 
     def largest(self, ranges: Array) -> float:
-        """The largest field, as often as it enters a stretch."""
-        fields = ranges[len(self.lattice.bonds) :]
-        weights = [sum(abs(part.weight) for part in bond.stretch) for bond in self.lattice.bonds]
-        return float(np.max(np.abs(fields))) * max(weights)
+        """The largest field, as often as it enters a stretch, or a force's largest summand.
+
+        What rounding does to the latter a stretch does that is smaller by the force's slope.
+        """
+        bonds = self.lattice.bonds
+        weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
+        found = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
+        for bond, (least, most) in zip(bonds, ranges, strict=False):
+            places = np.linspace(least, most, SLOPES)
+            with np.errstate(all="ignore"):
+                slope = float(np.max(np.abs(bond.force.slope(places))))
+                summand = bond.force.largest_summand(places)
+            found = max(found, summand / slope if slope > 0.0 else 0.0)
+        return found
 
     def stretches(self, f: Array) -> Array:
         """The stretch of each bond in each cell."""

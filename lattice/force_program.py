@@ -77,6 +77,19 @@ class ForceProgram:
             return _run(self.slope_instructions, stretch)
         return np.asarray(self._slope(stretch))
 
+    def largest_summand(self, stretch: Array) -> float:
+        """The largest number that is added on the way: the force holds its roundings.
+
+        A polynomial adds nothing that is larger than its terms, which vanish with the stretch.
+
+        >>> ForceProgram((), (("x", 0.0), ("exp", 0.0), ("number", -1.0), ("add", 0.0))
+        ... ).largest_summand(np.array([-1e-9, 1e-9]))
+        1.000000001
+        """
+        added: list[Array] = []
+        _run(self.instructions, stretch, added)
+        return max((float(np.max(np.abs(values))) for values in added), default=0.0)
+
     def potential(self, stretch: Array) -> Array:
         """The energy stored at these stretches, 0 at no stretch."""
         if not self.instructions:
@@ -143,8 +156,11 @@ def _log(base: Any) -> Any:
     return log(base)
 
 
-def _run(instructions: tuple[Instruction, ...], x: Array) -> Array:
-    stack: list[Any] = []
+def _run(
+    instructions: tuple[Instruction, ...], x: Array, added: list[Array] | None = None
+) -> Array:
+    """The value of a program; what it adds goes into ``added``."""
+    stack: list[Any] = [] if instructions else [x]
     for word, number in instructions:
         if word == "x":
             stack.append(x)
@@ -152,6 +168,8 @@ def _run(instructions: tuple[Instruction, ...], x: Array) -> Array:
             stack.append(np.float64(number))
         elif word == "add":
             other = stack.pop()
+            if added is not None:
+                added += [stack[-1], other]
             stack[-1] = stack[-1] + other
         elif word == "multiply":
             other = stack.pop()

@@ -16,7 +16,7 @@ from verify.cli.commands import complete_scenes, prove, run, verify
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-KINDS = ("lattices", "waves", "schemes", "scenes", "observables")
+KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "observables")
 PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
 SHELLS = ("bash", "zsh", "fish")
 

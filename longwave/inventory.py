@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 Record = dict[str, Any]
 
-SYMBOLIC = ("lattices", "waves")
+SYMBOLIC = ("lattices", "waves", "lattice-scenes")
 """What follows from formulas in the sources alone, and takes a second to make."""
 
 PIPE_WIDTH = 160
@@ -123,6 +123,31 @@ def scenes() -> list[Record]:
     ]
 
 
+def lattice_scenes() -> list[Record]:
+    """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
+    from solutions import closed_form
+    from verify.lattices.lattice_derivation import equation_of_form
+    from verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+
+    return [
+        {
+            "name": scene.name,
+            "title": scene.title,
+            "lattice": scene.lattice,
+            "equation": equation_of_form(closed_form(scene.wave)),
+            "wave": scene.wave,
+            "parameters": dict(scene.parameters),
+            "constants": dict(scene.constants),
+            "carrier": scene.carrier or None,
+            "eps": scene.eps,
+            "order": scene.order,
+            "slow_times": list(scene.slow_times),
+            "tolerance": scene.tolerance,
+        }
+        for scene in map(load_lattice_scene, shipped_lattice_scenes())
+    ]
+
+
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
     from verify.comparison.observables import OBSERVABLES
@@ -143,6 +168,7 @@ _RECORDS: Mapping[str, Callable[[], list[Record]]] = {
     "waves": waves,
     "schemes": schemes,
     "scenes": scenes,
+    "lattice-scenes": lattice_scenes,
     "observables": observables,
 }
 
@@ -188,6 +214,15 @@ def _scene_row(record: Record) -> Record:
     }
 
 
+def _lattice_scene_row(record: Record) -> Record:
+    shown = ("name", "title", "lattice", "equation", "wave")
+    return {key: record[key] for key in shown} | {
+        "eps": f"{record['eps']:g}",
+        "order": record["order"],
+        "to": f"{record['tolerance']:g}",
+    }
+
+
 def _observable_row(record: Record) -> Record:
     what = record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
     return {"name": record["name"], "what": what, "arrays": ", ".join(record["arrays"])}
@@ -198,12 +233,14 @@ _ROWS: Mapping[str, Callable[[Record], Record]] = {
     "waves": _wave_row,
     "schemes": _scheme_row,
     "scenes": _scene_row,
+    "lattice-scenes": _lattice_scene_row,
     "observables": _observable_row,
 }
 
 _NOTES: Mapping[str, str] = {
     "waves": "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
     "scenes": "a scene of your own is a TOML file: longwave run FILE.toml",
+    "lattice-scenes": "each is derived anew when it is run; longwave converge NAME fits its rate",
 }
 
 

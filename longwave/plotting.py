@@ -19,7 +19,6 @@ from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
-from longwave.lattice_plotting import draw_lattice_run
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -169,6 +168,8 @@ def _draw(data: xr.Dataset, kind: str) -> Figure:
             raise ValueError(
                 f"kind must be snapshots for a scene that names a lattice, got {kind!r} (leave it)"
             )
+        from longwave.lattice_plotting import draw_lattice_run
+
         return draw_lattice_run(data, _title(data))
     scene = _scene_of(data)
     drawn = _pictures(data, kind)

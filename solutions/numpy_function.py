@@ -22,7 +22,6 @@ from solutions.compile.tape import Tape
 from solutions.record import ClosedForm
 from solutions.run.doubledouble import Array
 from solutions.run.program import jacobi_program
-from solutions.symbols import tau, xi
 
 __all__ = ["numpy_function", "numpy_module"]
 
@@ -87,6 +86,9 @@ def numpy_module() -> dict[str, Callable[..., Any]]:
 def numpy_function(form: ClosedForm) -> Callable[..., Any]:
     """``f(xi, tau, *parameters) -> (U, U_xi, U_tau)`` in NumPy, by `lambdify` of the stable form.
 
+    For KP it is ``f(xi, zeta, tau, *parameters) -> (U, U_xi, U_zeta, U_tau)``; a form that holds
+    for either sign takes the sign s before the parameters.
+
     Derivatives are SymPy's; common subexpressions are shared. The arguments are doubles as they
     come: a `Wave` forms its phases from (site, time, eps) in double-double and keeps its digits
     at large arguments and near k = 1, where this function does not.
@@ -98,7 +100,9 @@ def numpy_function(form: ClosedForm) -> Callable[..., Any]:
     """
     program = Tape()
     value = program.record(form.stable)
-    outputs = [value, program.derivative(value, xi), program.derivative(value, tau)]
-    arguments = [xi, tau, *(parameter.symbol for parameter in form.parameters)]
+    equation = form.equation
+    outputs = [value, *(program.derivative(value, variable) for variable in equation.variables)]
+    parameters = (parameter.symbol for parameter in form.parameters)
+    arguments = [*equation.variables, *equation.free_sign, *parameters]
     modules = [numpy_module(), "numpy"]
     return sp.lambdify(arguments, outputs, modules, cse=lambda values: (program.lines, values))

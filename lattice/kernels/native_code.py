@@ -64,6 +64,7 @@ def _object_code(module: str, key: str, written: Callable[[], str]) -> bytes:
     if kept is not None:
         return kept
     parsed = binding.parse_assembly(written())
+    parsed.triple, parsed.data_layout = _machine().triple, str(_machine().target_data)
     parsed.verify()
     options = binding.create_pipeline_tuning_options(speed_level=3)
     builder = binding.create_pass_builder(_machine(), options)

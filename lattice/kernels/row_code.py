@@ -15,7 +15,7 @@ from llvmlite import ir  # type: ignore[import-untyped]
 
 from lattice.kernels.streams import Flow, Law, Tap
 
-__all__ = ["passage_text"]
+__all__ = ["LaneCode", "lane_force", "passage_text"]
 
 ROWS = 256
 """Rows by which a block moves up, as in `lattice.kernels.blocked`."""
@@ -25,10 +25,9 @@ WHOLE = 64
 
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(64)
 _DOUBLES, _INDICES = _DOUBLE.as_pointer(), _INDEX.as_pointer()
-_CONTRACT = ("contract",)
 
 
-class _Code:
+class LaneCode:
     """A builder of vectors of doubles: what every part of the code is written with."""
 
     def __init__(self, module: Any, builder: Any, lanes: int) -> None:
@@ -36,9 +35,11 @@ class _Code:
         self.kind = _DOUBLE if lanes == 1 else ir.VectorType(_DOUBLE, lanes)
 
     def constant(self, value: float) -> Any:
+        """A number in all lanes."""
         return ir.Constant(self.kind, value if self.lanes == 1 else [value] * self.lanes)
 
     def splat(self, value: Any) -> Any:
+        """A value of the program in all lanes."""
         if self.lanes == 1:
             return value
         undefined = ir.Constant(self.kind, ir.Undefined)
@@ -52,19 +53,21 @@ class _Code:
         return self.splat(self.builder.load(self.builder.gep(data, [place])))
 
     def address(self, data: Any, row: Any) -> Any:
+        """Where a vector stands, counted in vectors."""
         place = self.builder.mul(row, _INDEX(self.lanes))
         return self.builder.bitcast(self.builder.gep(data, [place]), self.kind.as_pointer())
 
     def load(self, data: Any, row: Any) -> Any:
+        """A vector of memory."""
         return self.builder.load(self.address(data, row), align=8)
 
     def store(self, data: Any, row: Any, value: Any) -> None:
+        """Put a vector into memory."""
         self.builder.store(value, self.address(data, row), align=8)
 
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
-        product = self.builder.fmul(factor, other, flags=_CONTRACT)
-        return self.builder.fadd(product, term, flags=_CONTRACT)
+        return self._vector_function("fmuladd", factor, other, term)
 
     def function(self, name: str, *values: Any) -> Any:
         """The C library's function of that name, lane by lane."""
@@ -82,11 +85,17 @@ class _Code:
         return found
 
     def root(self, value: Any) -> Any:
+        """The square root."""
+        return self._vector_function("sqrt", value)
+
+    def _vector_function(self, word: str, *values: Any) -> Any:
+        """A function that LLVM knows, of all lanes."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
-        name, known = f"llvm.sqrt.{suffix}", self.module.globals
+        name, known = f"llvm.{word}.{suffix}", self.module.globals
         if name not in known:
-            ir.Function(self.module, ir.FunctionType(self.kind, [self.kind]), name)
-        return self.builder.call(known[name], [value])
+            kind = ir.FunctionType(self.kind, [self.kind] * len(values))
+            ir.Function(self.module, kind, name)
+        return self.builder.call(known[name], values)
 
     @contextmanager
     def loop(self, start: Any, stop: Any, step: int = 1) -> Iterator[Any]:
@@ -106,13 +115,15 @@ class _Code:
         builder.position_at_end(after)
 
     def least(self, one: Any, other: Any) -> Any:
+        """The smaller of two integers."""
         return self.builder.select(self.builder.icmp_signed("<", one, other), one, other)
 
     def most(self, one: Any, other: Any) -> Any:
+        """The larger of two integers."""
         return self.builder.select(self.builder.icmp_signed(">", one, other), one, other)
 
 
-def _whole_power(code: _Code, value: Any, exponent: int) -> Any:
+def _whole_power(code: LaneCode, value: Any, exponent: int) -> Any:
     """A power by repeated squares."""
     found = None
     square, left = value, exponent
@@ -124,7 +135,7 @@ def _whole_power(code: _Code, value: Any, exponent: int) -> Any:
     return found
 
 
-def _power(code: _Code, value: Any, exponent: float) -> Any:
+def _power(code: LaneCode, value: Any, exponent: float) -> Any:
     """A power: by products and roots where the exponent is whole or half, else by the library."""
     size = abs(exponent)
     if exponent == 0.0 or 2.0 * size != round(2.0 * size) or size > WHOLE:
@@ -137,26 +148,25 @@ def _power(code: _Code, value: Any, exponent: float) -> Any:
     return found if exponent > 0.0 else code.builder.fdiv(code.constant(1.0), found)
 
 
-def _force(code: _Code, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
+def lane_force(code: LaneCode, x: Any, law: Law, numbers: Sequence[Any]) -> Any:
     """The force at the stretch x."""
     if law.program:
         return _run_program(code, x, law.program, numbers)
     builder = code.builder
-    found = None if law.leading is None else builder.fmul(numbers[law.leading], x)
-    for factor in law.factors:
-        factor = None if factor is None else numbers[factor]
+    found = None if law.leading is None else numbers[law.leading]
+    for place in law.factors:
+        factor = None if place is None else numbers[place]
         if found is None:
             found = x if factor is None else builder.fadd(x, factor)
         elif factor is None:
-            pass
+            found = builder.fmul(x, found)
         else:
-            found = builder.fadd(found, factor, flags=_CONTRACT)
-        found = builder.fmul(x, found, flags=_CONTRACT)
-    return x if found is None else found
+            found = code.fma(x, found, factor)
+    return x if found is None else builder.fmul(x, found)
 
 
 def _run_program(
-    code: _Code, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
+    code: LaneCode, x: Any, program: Sequence[tuple[str, float]], numbers: Sequence[Any]
 ) -> Any:
     stack: list[Any] = []
     for word, value in program:
@@ -183,7 +193,7 @@ class _Stage:
 
     def __init__(
         self,
-        code: _Code,
+        code: LaneCode,
         flow: Flow,
         numbers: Sequence[Any],
         weights: tuple[Any, Any],
@@ -216,7 +226,7 @@ class _Stage:
         for stream in flow.streams[2 * flow.fields :]:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
-                made = _force(code, values[0], stream.law, self._numbers)
+                made = lane_force(code, values[0], stream.law, self._numbers)
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             else:
@@ -242,7 +252,7 @@ class _Stage:
                 total = code.builder.fadd(total, value)
             else:
                 total = code.builder.fsub(total, value)
-        return total
+        return code.constant(0.0) if total is None else total
 
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
@@ -282,7 +292,7 @@ class _Writer:
         for argument in made.args:
             if argument.type == _DOUBLES:
                 argument.add_attribute("noalias")
-        return made, _Code(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
+        return made, LaneCode(self._module, ir.IRBuilder(made.append_basic_block()), self._lanes)
 
     def _group(self, together: int) -> Any:
         """The function of some stages together, from the front row ``first`` below ``past``."""
@@ -346,7 +356,7 @@ class _Writer:
         builder.ret_void()
 
     def _passage(
-        self, code: _Code, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
+        self, code: LaneCode, groups: dict[int, Any], data: tuple[Any, ...], rows: Any, stages: Any
     ) -> None:
         """All stages once over the rows, a block of them at a time."""
         builder, skew = code.builder, _INDEX(self._flow.skew)
@@ -359,7 +369,8 @@ class _Writer:
         def advance(size: int, level: Any, low: Any, place: Any) -> None:
             behind = builder.mul(level, skew)
             high = code.least(builder.add(low, _INDEX(ROWS)), rows)
-            first = code.most(builder.sub(low, behind), _INDEX(0))
+            untrue = builder.mul(level, _INDEX(self._flow.below))
+            first = code.most(builder.sub(low, behind), untrue)
             kept = builder.gep(carried, [place])
             past = builder.sub(high, behind)
             builder.call(groups[size], [*data[:2], kept, *data[3:], level, first, past])

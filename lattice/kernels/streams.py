@@ -14,7 +14,7 @@ and offsets that are 0 have no place in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -120,8 +120,8 @@ class Flow(NamedTuple):
         total = self.fields
         for stream in self.streams:
             if stream.kind == "sum":
-                scaled = stream.taps[0].weight != 1.0 or stream.taps[0].number is not None
-                total += len(stream.taps) - 1 + scaled + (stream.number is not None)
+                scaled = any(tap.weight != 1.0 or tap.number is not None for tap in stream.taps[:1])
+                total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
             elif stream.kind == "kicked":
@@ -220,6 +220,25 @@ def _work(parts: Sequence[_Part]) -> int:
     return sum(len(part.stencil) for part in parts) - 1
 
 
+def law_of(force: ForceProgram, number: Callable[[float], int]) -> tuple[Law | None, float]:
+    """A force's arithmetic and its unit, ``number`` giving places; None if there is no force."""
+    if force.instructions:
+        program = tuple(
+            (word, float(number(value)) if word == "number" else value)
+            for word, value in force.instructions
+        )
+        return Law(program=program), 1.0
+    highest = max((i for i, value in enumerate(force.coefficients) if value), default=None)
+    if highest is None:
+        return None, 1.0
+    unit = force.coefficients[highest]
+    lower = force.coefficients[:highest][::-1]
+    monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
+    leading, unit = (None, unit) if monic else (number(unit), 1.0)
+    factors = tuple(number(value / unit) if value else None for value in lower)
+    return Law(factors, leading), unit
+
+
 @dataclass
 class _Builder:
     """The streams and numbers so far."""
@@ -241,8 +260,9 @@ class _Builder:
 
     def add(self, kind: Kind, taps: Sequence[Tap], least: int = -MOST, **more: object) -> int:
         """The place of a stream of these taps; one that is there already is not formed twice."""
-        lag = max(least, *(tap.shift + self.streams[tap.stream].lag for tap in taps))
-        lowest = min(tap.shift + self.streams[tap.stream].lowest for tap in taps)
+        lags = [tap.shift + self.streams[tap.stream].lag for tap in taps]
+        lag = max(max(lags, default=0), least)
+        lowest = min((tap.shift + self.streams[tap.stream].lowest for tap in taps), default=0)
         made = Stream(kind, tuple(taps), lag, lowest, **more)  # type: ignore[arg-type]
         if made not in self.streams:
             self.streams.append(made)
@@ -250,21 +270,7 @@ class _Builder:
 
     def law(self, force: ForceProgram) -> tuple[Law | None, float]:
         """A force's arithmetic and its unit; None if there is no force."""
-        if force.instructions:
-            program = tuple(
-                (word, float(self.number(value)) if word == "number" else value)
-                for word, value in force.instructions
-            )
-            return Law(program=program), 1.0
-        highest = max((i for i, value in enumerate(force.coefficients) if value), default=None)
-        if highest is None:
-            return None, 1.0
-        unit = force.coefficients[highest]
-        lower = force.coefficients[:highest][::-1]
-        monic = max(map(abs, lower), default=0.0) <= MONIC * abs(unit)
-        leading, unit = (None, unit) if monic else (self.number(unit), 1.0)
-        factors = tuple(self.number(value / unit) if value else None for value in lower)
-        return Law(factors, leading), unit
+        return law_of(force, self.number)
 
     def stretch(self, entries: Sequence[Entry], offset: float) -> Tap:
         """What a bond of a cell is stretched by."""

@@ -17,7 +17,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.integration import Cost
+from lattice.integration import RING_SAFETY, Cost
 from lattice.numeric_lattice import NumericLattice
 from lattice.refine import refine
 from lattice.run_times import check_positive, checked_times
@@ -178,7 +178,7 @@ class FieldSearch:
     threads = 1
     order = ORDER
     decay = math.inf
-    safety = 4.0
+    safety = RING_SAFETY
     unstable = 10
     most_work = math.inf
 
@@ -228,14 +228,13 @@ class FieldSearch:
 
     def _first_choices(self) -> Choices:
         """A step by the rates at which what is not exact varies; shorter if waves are too short."""
-        ring, T = (
-            self._ring(Choices(max(self._duration, 1e-9) / 2.0, 1.0), math.inf),
-            self._duration,
-        )
+        T = self._duration
+        ring = self._ring(Choices(T or 1.0, 1.0), math.inf)
         moving, still = ring.typical_rates()
         slopes = ring_slopes(self._lattice, ring.start)
-        bent = max(float(np.ptp(part)) / max(abs(float(np.mean(part))), 1e-300) for part in slopes)
-        turning = 0.5 * bent * still
+        bent = self._lattice.highest_frequency([float(np.ptp(part)) for part in slopes])
+        mean = self._lattice.highest_frequency([abs(float(np.mean(part))) for part in slopes])
+        turning = 0.5 * still * bent**2 / max(mean**2, 1e-300)
         values = self._judged(self._state)
         size = float(np.ptp(values)) if values.size else 0.0
         turns = 1.0 + turning * T

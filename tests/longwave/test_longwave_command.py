@@ -23,10 +23,11 @@ from derive.__main__ import CONSTANTS
 from derive.models.lattices import FPUT_STRAIN
 from longwave.__main__ import main
 from verify.comparison import ENGINES, further_scenes, shipped_scenes
+from verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
-WORDS = ("derive", "prove", "verify", "run", "plot", "report", "list", "doctor")
+WORDS = ("derive", "prove", "verify", "run", "plot", "report", "converge", "list", "doctor")
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:
@@ -111,6 +112,11 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["run", "[/nope]"], "got '[/nope]'"),
         (["run", "rogue_cn_k_0.5", "--tolerance", "-1"], "tolerance must satisfy tolerance > 0"),
         (["report", "--workers", "many"], "'many' is not a valid integer (see longwave report"),
+        (["converge", "toda_soliton", "--eps", "0.1,x"], "--eps must be numbers with commas"),
+        (["converge", "toda_soliton", "--eps", "0.1,0.1,0.2"], "eps must be 3 to 20 different"),
+        (["converge", "toda_soliton", "--output", "rate.txt"], "must be a path ending in .png"),
+        (["converge", "rogue_cn_k_0.5"], "scene must name a lattice to be run at several eps"),
+        (["run", "toda_soliton", "--engine", "stencil"], "--engine must not be given for a scene"),
         (["list", "wavse"], "'wavse' is not one of 'lattices', 'waves'"),
         (["--completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
     ],
@@ -129,7 +135,8 @@ def test_wrong_input_is_one_line_and_status_2(
 def test_what_is_declared_is_what_the_rooms_take() -> None:
     assert words.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
-    assert words.scene_names() == sorted((*shipped_scenes(), *further_scenes()))
+    known = (*shipped_scenes(), *further_scenes(), *shipped_lattice_scenes())
+    assert words.scene_names() == sorted(known)
 
 
 def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:

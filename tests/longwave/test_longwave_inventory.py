@@ -19,6 +19,7 @@ from verify.comparison import (
     rational_family_scenes,
     shipped_scenes,
 )
+from verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 NAMES = {
@@ -26,6 +27,7 @@ NAMES = {
     "waves": [form.name for form in CATALOGUE],
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
+    "lattice-scenes": list(shipped_lattice_scenes()),
     "observables": [*OBSERVABLES],
 }
 
@@ -86,6 +88,7 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
         ("waves", "numba matplotlib lattice.model verify.comparison"),
         ("schemes", "sympy xarray pandas verify.comparison"),
         ("scenes", "sympy xarray pandas ducc0 verify.proof"),
+        ("lattice-scenes", "numba matplotlib xarray verify.lattices.lattice_run"),
         ("observables", "sympy xarray pandas ducc0 numba"),
     ],
 )

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
-from derive import mkdv_normal_form
+from derive import NormalForm
 from solutions import CATALOGUE, ClosedForm, Wave
 from solutions.numpy_function import numpy_function
 
@@ -18,18 +19,29 @@ PARAMETERS = {
     "q": 0.8,
     "kappa": 0.9,
     "U_0": 0.5,
+    "kappa_1": 1.1,
+    "kappa_2": 0.6,
+    "v": 0.4,
+    "nls_kuznetsov_ma a": 0.8,
+    "a": 0.3,
 }
 
 
-@pytest.mark.parametrize("form", CATALOGUE.of("mKdV"), ids=lambda form: form.name)
+@pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
 def test_lambdified_form_agrees_with_the_wave(form: ClosedForm) -> None:
-    names = [parameter.name for parameter in form.parameters]
-    values = {name: PARAMETERS[name] for name in names}
-    normal_form = mkdv_normal_form(1, form.equation.s)
-    wave = Wave(form, normal_form, **values)
-    X, T = np.linspace(-3.0, 3.0, 7), 0.4
-    a, b = float(normal_form.a), float(normal_form.b)
-    U, U_xi, U_tau = numpy_function(form)(a * X, b * T, *values.values())
-    expected = wave(X, T)
-    for value, target in zip((U, a * U_xi, b * U_tau), expected, strict=True):
+    values = {
+        p.name: PARAMETERS.get(f"{form.name} {p.name}", PARAMETERS[p.name]) for p in form.parameters
+    }
+    equation = form.equation
+    sign = [1] if equation.free_sign else []
+    s = sp.Integer(1 if sign else equation.s)
+    across = sp.Integer(1 if equation.has_across else 0)
+    a, b = sp.Rational(5, 4), sp.Rational(-2, 3)
+    normal_form = NormalForm(a, b, s, 1, equation.normal, 1, across, equation.r)
+    X, Z, T = np.linspace(-3.0, 3.0, 7), 0.7, 0.4
+    place = [float(a) * X, Z, float(b) * T] if across else [float(a) * X, float(b) * T]
+    U, U_xi, *U_zeta, U_tau = numpy_function(form)(*place, *sign, *values.values())
+    expected = Wave(form, normal_form, **values)(X, T, **({"Z": Z} if across else {}))
+    found = (U, float(a) * U_xi, float(b) * U_tau, *U_zeta)
+    for value, target in zip(found, expected, strict=True):
         np.testing.assert_allclose(value, target, rtol=0, atol=2e-12)

@@ -14,13 +14,13 @@ from derive.command_line import Words, called_by, example, json_option
 ENGINES = ("stencil", "spectral")
 METHODS = ("proof", "residual")
 ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
-SCENES = Path(__file__).parents[1] / "comparison"
+SCENES = tuple(Path(__file__).parents[1] / room for room in ("comparison", "lattices"))
 """Where the shipped scenes lie."""
 
 
 def scene_names() -> list[str]:
     """The names of the shipped scenes, found as files: importing the lattice takes seconds."""
-    return sorted(path.stem for path in SCENES.rglob("*.toml"))
+    return sorted(path.stem for room in SCENES for path in room.rglob("*.toml"))
 
 
 def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -252,7 +252,8 @@ def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wa
 def run(**options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
-    SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`).
+    SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
+    lattice-scenes`); one that names a lattice has its equation derived first.
     """
     from verify.cli.run import RunOptions, run_and_print
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_fields import finite
-from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
-from verify.lattices.scene_convergence import SceneConvergence, scene_convergence
+
+if TYPE_CHECKING:
+    from verify.lattices.scene_convergence import SceneConvergence
 
 
 def eps_values(text: str | None) -> tuple[float, ...]:
@@ -31,6 +33,9 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named; ValueError for one of the paper's chain."""
+    from verify.comparison.scene_run import Announcer
+    from verify.lattices.scene_convergence import scene_convergence
+
     values = eps_values(eps)
     scene = find_any_scene(source)
     if not isinstance(scene, LatticeScene):
@@ -51,14 +56,15 @@ def print_convergence(study: SceneConvergence, json_wanted: bool) -> None:
         print(json.dumps(study.data(), indent=2))
         return
     console = plain_console()
+    console.print(study.scene.title or study.scene.name, markup=False, soft_wrap=True)
     console.print(_table(study))
     for line in _lines(study):
         console.print(line, markup=False, soft_wrap=True)
 
 
 def _table(study: SceneConvergence) -> Table:
-    table = Table(title=study.scene.title or study.scene.name)
-    for heading in ("eps", "sup error", "relative error", "discretisation", "cells"):
+    table = Table()
+    for heading in ("eps", "sup error", "of the wave's size", "discretisation", "cells"):
         table.add_column(heading)
     for point in study.points:
         table.add_row(

@@ -56,7 +56,8 @@ def print_lattice_run(run: LatticeRun, console: Console) -> None:
     """Print the errors at each time, what was derived, and the cost."""
     scene = run.scene
     unit = f"sup error / {run.unit}"
-    table = Table("t", "T", unit, "relative error", title=scene.title or scene.name)
+    console.print(scene.title or scene.name, markup=False, soft_wrap=True)
+    table = Table("t", "T", unit, "relative error")
     rows = zip(run.times, run.slow_times, run.errors, run.relative_errors, strict=True)
     for t, T, error, relative in rows:
         table.add_row(f"{t:.6g}", f"{T:.3g}", f"{error:.3g}", f"{relative:.3g}")
@@ -67,7 +68,8 @@ def print_lattice_run(run: LatticeRun, console: Console) -> None:
 
 def _lines(run: LatticeRun) -> Iterator[str]:
     cost = run.cost
-    yield f"{run.scene.lattice}, {run.derived.text()}"
+    scene = run.scene
+    yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {run.derived.text()}"
     line = (
         f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
         f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s; error "

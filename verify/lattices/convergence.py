@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.lattices.lattice_wave import LatticeWave, RingState
+from verify.lattices.lattice_wave import CellRing, LatticeWave
 from verify.lattices.ring_run import advanced
 
 Array = NDArray[np.float64]
@@ -145,14 +145,14 @@ class _Window:
             )
         return low, high
 
-    def ring(self, longer: float) -> RingState:
+    def ring(self, longer: float) -> CellRing:
         """The state at first on a ring with all that is needed, or longer."""
         half = longer * (self._high - self._low) / 2.0 * (1.0 if self._is_causal else 2.0)
         middle = (self._low + self._high) / 2.0
         cells = np.arange(int(np.floor(middle - half)), int(np.ceil(middle + half)) + 1)
         return self._wave.ring(cells, float(self._times[0]))
 
-    def differences(self, ring: RingState, share: float) -> list[Array]:
+    def differences(self, ring: CellRing, share: float) -> list[Array]:
         """Lattice less theory on the compared cells at each time after the first."""
         states = advanced(ring, self._times, share)
         found = []

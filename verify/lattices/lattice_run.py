@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lattice.refine import Announce, refine
 from lattice.trial import Progress
 from verify.comparison.stated_run import PACKAGES
-from verify.lattices.derivation import Derivation, derivation, lattice_wave
+from verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.lattice_wave import LatticeWave
 from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
@@ -39,7 +39,7 @@ class LatticeRun:
     """
 
     scene: LatticeScene
-    derived: Derivation
+    derived: LatticeDerivation
     times: tuple[float, ...]
     speed: float
     power: int
@@ -63,8 +63,13 @@ class LatticeRun:
     @cached_property
     def relative_errors(self) -> Array:
         """The same in units of the wave's largest deviation from its background."""
-        sizes = self._largest(self.theory - self.background)
-        return np.asarray(self.errors * self.scale / np.where(sizes > 0.0, sizes, math.nan))
+        sizes = np.where(self.sizes > 0.0, self.sizes, math.nan)
+        return np.asarray(self.errors * self.scale / sizes)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """The wave's largest deviation from its background at each time."""
+        return self._largest(self.theory - self.background)
 
     @property
     def unit(self) -> str:

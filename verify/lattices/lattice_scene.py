@@ -14,7 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from verify.comparison import scene_fields as check
-from verify.comparison.scene import Scene, find_scene
+from verify.comparison.scene import (
+    Scene,
+    find_scene,
+    further_scenes,
+    rational_family_scenes,
+    shipped_scenes,
+)
 from verify.comparison.scene_fields import finite, positive, read_document, shown, whole
 from verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
 
@@ -264,6 +270,13 @@ def find_any_scene(text: str) -> Scene | LatticeScene:
         document = read_document(path)
         if names_a_lattice(document):
             return LatticeScene.of_document(document, path)
-    elif text in shipped_lattice_scenes():
+        return Scene.from_toml(path)
+    if text in shipped_lattice_scenes():
         return load_lattice_scene(text)
-    return find_scene(text)
+    names = (*shipped_scenes(), *further_scenes())
+    if text in names or text in rational_family_scenes():
+        return find_scene(text)
+    known = ", ".join((*names, *shipped_lattice_scenes()))
+    raise ValueError(
+        f"scene must be a TOML file or a shipped scene, got {shown(text)} (one of {known})"
+    )

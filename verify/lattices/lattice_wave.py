@@ -20,7 +20,7 @@ ORDERS = ("leading", "slaved", "corrected")
 
 
 @dataclass(frozen=True)
-class RingState:
+class CellRing:
     """A state on a ring of ``cells``, consecutive along each axis; ``f``, ``v``: (fields, *sites).
 
     ``f`` is periodic: of displacements it is what ``mean_strain`` times the cells leaves, and
@@ -99,7 +99,7 @@ class LatticeWave(ABC):
         """
         return (0.0,) * self.lattice.dimension
 
-    def ring(self, cells: ArrayLike, t: float) -> RingState:
+    def ring(self, cells: ArrayLike, t: float) -> CellRing:
         """The state at a time on a ring of these consecutive cells.
 
         Where the wave does not end, its ring has a seam, which must be farther from what is
@@ -110,9 +110,9 @@ class LatticeWave(ABC):
         f, v = self.state(where, t)
         axes = where if len(mean) > 1 else where[np.newaxis]
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
-        return RingState(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
+        return CellRing(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
 
-    def error(self, ring: RingState, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
+    def error(self, ring: CellRing, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
         """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
 
         ``f`` are the fields' periodic parts on the ring then; ``within`` says of each of its cells
@@ -121,7 +121,7 @@ class LatticeWave(ABC):
         apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
         return float(np.max(np.abs(apart[:, within]))) / self.scale
 
-    def signal_speed(self, ring: RingState) -> float:
+    def signal_speed(self, ring: CellRing) -> float:
         """The largest group velocity of any wave about the stiffest and softest bonds of a state.
 
         But for tails that fall faster than exponentially no change spreads faster.

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from lattice.field_state import FieldState
 from lattice.integration import integrate
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
-from verify.lattices.lattice_wave import RingState
+from verify.lattices.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
 
 
-def advanced(ring: RingState, times: Array, share: float) -> list[Array]:
+def advanced(ring: CellRing, times: Array, share: float) -> list[Array]:
     """The fields' periodic parts at the times after the first.
 
     ``share`` of the longest step that is stable at the stiffest bonds of the state.  Raises

@@ -29,7 +29,7 @@ from lattice.trial import (
     shorter_step,
 )
 from verify.comparison.domain import front
-from verify.lattices.lattice_wave import LatticeWave, RingState, largest_group_velocity
+from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
 
 Array = NDArray[np.float64]
 
@@ -186,7 +186,7 @@ class RingRuns(StepSearch):
             )
         self.expected = taken
 
-    def _check_stability(self, near: RingState) -> None:
+    def _check_stability(self, near: CellRing) -> None:
         """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
         corner = (0,) * near.lattice.dimension
         pairs = zip(near.lattice.bonds, near.lattice.stretches(near.f), strict=True)
@@ -248,14 +248,14 @@ class RingRuns(StepSearch):
         return super().work(choices) * SCHEME.stages * choices.size * self._fields
 
 
-def _stiffest(ring: RingState) -> list[float]:
+def _stiffest(ring: CellRing) -> list[float]:
     """The largest slope of each bond's force about the stretches of a state."""
     pairs = zip(ring.lattice.bonds, ring.lattice.stretches(ring.f), strict=True)
     return [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
 
 
 def march(
-    ring: RingState, times: Sequence[float], step: float
+    ring: CellRing, times: Sequence[float], step: float
 ) -> Iterator[tuple[float, Array, Array, int]]:
     """Each of the times with the state then, and the steps since the one before; none after one
     that is not finite."""

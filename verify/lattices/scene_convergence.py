@@ -9,7 +9,7 @@ from typing import Any
 from lattice.refine import Announce
 from verify.comparison.scene_fields import finite, positive, shown
 from verify.lattices.convergence import FEWEST, fitted_rate
-from verify.lattices.derivation import derivation
+from verify.lattices.lattice_derivation import derivation
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 
@@ -27,7 +27,8 @@ USUAL = (2.0, 1.4, 1.0, 0.7)
 class ConvergencePoint:
     """One eps: the sup error over the cells and the times after the first, of what is compared.
 
-    ``discretisation`` is what the run itself is estimated to add to it.
+    ``relative`` is the same in units of the wave's largest deviation from its background at these
+    times; ``discretisation`` is what the run itself is estimated to add to the error.
     """
 
     eps: float
@@ -130,7 +131,7 @@ def _point(run: LatticeRun) -> ConvergencePoint:
     return ConvergencePoint(
         run.scene.eps,
         float(max(run.errors[1:])) * run.scale,
-        float(max(run.relative_errors[1:])),
+        float(max(run.errors[1:]) * run.scale / max(run.sizes[1:])),
         run.error_estimate * run.scale,
         int(run.cost["sites"]),
         float(run.cost["seconds"] + run.cost["planning_seconds"]),

@@ -36,7 +36,7 @@ FURTHER = 2
 
 
 @dataclass(frozen=True)
-class Derivation:
+class LatticeDerivation:
     """What a scene's lattice is found to be: its reduction or envelope, and the map of that.
 
     Before a reduction the numbers are put into ``lattice``, with eps where they are small; an
@@ -94,7 +94,7 @@ def declared_lattice(scene: LatticeScene) -> Lattice:
     return LATTICES[scene.lattice]
 
 
-def derivation(scene: LatticeScene) -> Derivation:
+def derivation(scene: LatticeScene) -> LatticeDerivation:
     """The equation of the scene's lattice that its wave solves, and how it was derived.
 
     Raises ValueError for constants that are missing or wrong, where there is no equation, and for
@@ -104,7 +104,7 @@ def derivation(scene: LatticeScene) -> Derivation:
 
 
 @lru_cache(maxsize=8)
-def _derivation(scene: LatticeScene) -> Derivation:
+def _derivation(scene: LatticeScene) -> LatticeDerivation:
     form = closed_form(scene.wave, dict(scene.parameters))
     symbolic = declared_lattice(scene)
     values = dict(_formulas(scene.constants, {"eps": eps} if not scene.is_envelope else {}))
@@ -145,7 +145,7 @@ def _fits(form: ClosedForm, normal: NormalForm) -> bool:
     )
 
 
-def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[Derivation]:
+def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[LatticeDerivation]:
     """Long waves, those first that ask for nothing; ValueError if there are none."""
     names = dict(_formulas(scene.constants, {}, only_plain=True))
     mean = formula("background", scene.background, names)
@@ -154,7 +154,7 @@ def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[Derivation]:
         try:
             orders = scaling.leading_order + FURTHER
             reduction = reduce(lattice, scaling, orders)
-            yield Derivation(lattice, reduction, reduction.normal_form(), {})
+            yield LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
             refused = []
         except ValueError as error:
             refused.append(str(error))
@@ -184,7 +184,9 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
     return kept
 
 
-def _envelope(scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]) -> Derivation:
+def _envelope(
+    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]
+) -> LatticeDerivation:
     from derive import envelope
 
     if not lattice.is_polynomial:
@@ -195,7 +197,7 @@ def _envelope(scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]
             numbers = {name: value for name, value in numbers.items() if name in in_masses}
     k = formula("k", scene.carrier, {})
     found = envelope(lattice, k=k, branch=scene.branch, **numbers)
-    return Derivation(lattice, found, found.normal_form(**numbers), numbers)
+    return LatticeDerivation(lattice, found, found.normal_form(**numbers), numbers)
 
 
 def formula(name: str, value: Value, names: Mapping[str, Expr]) -> Expr:

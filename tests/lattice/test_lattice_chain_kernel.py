@@ -1,0 +1,161 @@
+"""Machine code of chains against `NumericLattice.acceleration`.
+
+Catches: a stencil that is read wrong, a value that is carried too short, rows at the seam that are
+not true, code that rounds otherwise in lanes than without, terms that are there although absent.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from derive import LATTICES
+from lattice.force_program import ForceProgram
+from lattice.kernels import chain_kernel
+from lattice.kernels.chain_kernel import advance_chain, advance_stages
+from lattice.kernels.reference import advance_splitting
+from lattice.kernels.row_code import passage_text
+from lattice.kernels.streams import flow_of
+from lattice.numeric_lattice import Array, Entry, NumericBond, NumericLattice, numeric_lattice
+from lattice.schemes import BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8
+from tests.lattice.test_numeric_lattice import DISPLACED, numbers
+from verify.studies.random_chains import random_chain
+
+CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput", "mass_dimer"})
+
+
+def accelerations(lattice: NumericLattice, f: Array) -> Array:
+    """By the kernel: one kick of 1, no drift, from rest."""
+    f, v = f.copy(), np.zeros_like(f)
+    advance_stages(lattice, f, v, np.zeros(1), np.ones(1), 1)
+    return v
+
+
+def rounded(lattice: NumericLattice, f: Array) -> float:
+    """The size of what is added to an acceleration."""
+    weights = [
+        sum(abs(entry.weight) for entry in (*bond.stretch, *bond.action)) for bond in lattice.bonds
+    ]
+    found = 0.0
+    for bond, stretch, weight in zip(lattice.bonds, lattice.stretches(f), weights, strict=True):
+        force = max(np.abs(bond.force(stretch)).max(), bond.force.largest_summand(stretch))
+        stiff = np.abs(bond.force.slope(stretch)).max() * np.abs(f).max()
+        powers = ForceProgram(tuple(map(abs, bond.force.coefficients)))(np.abs(stretch)).max()
+        found += weight * max(force, stiff, powers if bond.force.coefficients else 0.0)
+    return float(found / min(lattice.masses))
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(1, 140))
+def test_forces_are_the_declared_ones(seed: int, size: int) -> None:
+    random = np.random.default_rng(seed)
+    lattice = random_chain(random, 1.0, reach=4)
+    f = 0.3 * random.standard_normal((len(lattice.fields), size))
+    apart = np.abs(accelerations(lattice, f) - lattice.acceleration(f)).max()
+    assert apart <= 4e-15 * rounded(lattice, f)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize(("size", "steps"), [(1, 2), (2, 2), (7, 3), (33, 5), (1032, 3), (4100, 9)])
+def test_many_stages_are_the_same_one_by_one(name: str, size: int, steps: int) -> None:
+    lattice, random = numbers(name), np.random.default_rng(size)
+    f, v = 0.01 * random.standard_normal((2, len(lattice.fields), size))
+    g, w = f.copy(), v.copy()
+    scheme = (STOERMER_VERLET, BLANES_MOAN_6, SUZUKI_UMENO_8)[steps % 3]
+    step = 0.3 / lattice.highest_frequency(lattice.rest_slopes())
+    weights = step * scheme.drifts, step * scheme.kicks
+    advance_chain(lattice, f, v, *weights, steps)
+    advance_splitting(lattice.acceleration, g, w, *weights, steps)
+    np.testing.assert_allclose(f, g, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(v, w, rtol=0, atol=1e-14 / step)
+
+
+@pytest.mark.parametrize("name", ["next_nearest", "dimer", "klein_gordon", "granular"])
+def test_lanes_blocks_and_passages_change_no_bit(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lattice = numbers(name)
+    start = 0.01 * np.random.default_rng(5).standard_normal((2, len(lattice.fields), 2603))
+    weights = 0.1 * BLANES_MOAN_6.drifts, 0.1 * BLANES_MOAN_6.kicks
+    found = []
+    for least, stages in ((32, 28), (32, 5), (32, 1), (10**6, 28)):
+        monkeypatch.setattr(chain_kernel, "LEAST_ROWED", least)
+        monkeypatch.setattr(chain_kernel, "STAGES", stages)
+        f, v = start.copy()
+        advance_chain(lattice, f, v, *weights, 4)
+        found.append((f, v))
+    for other in found[1:]:
+        np.testing.assert_array_equal(other, found[0])
+
+
+def test_a_wrong_stencil_is_seen() -> None:
+    """What the tests above would say of code that is written from another declaration."""
+    lattice, f = numbers("dimer"), 0.1 * np.random.default_rng(2).standard_normal((2, 40))
+    bond = lattice.bonds[1]
+    moved = replace(bond, stretch=(Entry((2,), 1.0, 0), *bond.stretch[1:]))
+    heavier = replace(bond, action=(replace(bond.action[0], weight=2.0), *bond.action[1:]))
+    shifted = replace(bond, offset=1e-3)
+    for wrong in (moved, heavier, shifted):
+        found = accelerations(replace(lattice, bonds=(lattice.bonds[0], wrong)), f)
+        assert np.abs(found - lattice.acceleration(f)).max() > 1e-3
+
+
+COUNTS = {
+    ("fput_strain", (1, 0, 0)): 4, ("fput_strain", (1, 0, 1)): 6, ("fput_strain", (1, 1, 1)): 7,
+    ("fput", (1, 0, 0)): 4, ("fput", (1, 0, 1)): 6, ("fput", (1, 1, 0)): 6,
+    ("mass_dimer", (1, 0, 0)): 8, ("mass_dimer", (1, 0, 1)): 12, ("next_nearest", (1, 0, 1)): 11,
+}  # fmt: skip
+"""Drift 1; stretch 1; force 0, 2 or 3; difference 1 or 2; kick 1: each for each field or bond."""
+
+
+@pytest.mark.parametrize(("name", "constants"), COUNTS)
+def test_absent_terms_are_not_computed(name: str, constants: tuple[int, int, int]) -> None:
+    given_ = dict(zip(("K2", "K3", "K4"), constants, strict=True))
+    more = {"L2": 1, "L3": 0, "L4": constants[2], "m1": 1, "m2": 2}
+    wanted = {str(symbol) for symbol in LATTICES[name].constants}
+    lattice = numeric_lattice(
+        LATTICES[name], {k: v for k, v in (given_ | more).items() if k in wanted}
+    )
+    flow, values = flow_of(lattice)
+    assert flow.operations == COUNTS[name, constants]
+    text = passage_text(flow, 8, 1, len(values))
+    body = text[text.index('@"stages_1"') : text.index('@"passages"')]
+    found = sum(body.count(word) for word in ("fmul ", "fadd ", "fsub ", "call "))
+    assert found - len(flow.kicked) == flow.operations  # a kick's factor is no row's work
+
+
+def test_one_machine_code_serves_all_constants() -> None:
+    lattice = LATTICES["dimer"]
+    names = [str(symbol) for symbol in lattice.constants]
+    random = np.random.default_rng(1)
+    flows = {
+        flow_of(numeric_lattice(lattice, dict(zip(names, row, strict=True)), (slope,)))[0]
+        for row, slope in zip(
+            random.uniform(1, 2, (5, len(names))).tolist(), (1, 2, 3, 4, 5), strict=True
+        )
+    }
+    assert len(flows) == 1
+
+
+def test_fields_without_forces_drift() -> None:
+    spring = numbers("beta_fput").bonds[0]
+    lattice = NumericLattice("loose", ("u", "v"), (1.0, 2.0), (spring,))
+    f, v = np.zeros((2, 40)), np.ones((2, 40))
+    advance_chain(lattice, f, v, *(0.5 * part for part in (np.ones(2), np.ones(1))), 3)
+    np.testing.assert_allclose(f, 3.0)
+    np.testing.assert_array_equal(v, 1.0)
+
+
+def test_a_constant_stretch_is_a_constant_force() -> None:
+    bond = NumericBond((), (Entry((0,), 1.0, 0),), ForceProgram((2.0, 1.0)), 0.5)
+    here = NumericBond((Entry((0,), 1.0, 0),), (Entry((0,), -1.0, 0),), ForceProgram((1.0,)))
+    lattice = NumericLattice("pulled", ("u",), (1.0,), (here, bond))
+    for size in (3, 50):
+        np.testing.assert_allclose(accelerations(lattice, np.zeros((1, size))), 1.25)
+
+
+def test_a_plane_of_cells_is_refused() -> None:
+    with pytest.raises(ValueError, match="lattice must be a chain, got square in 2 dimensions"):
+        flow_of(numbers("square"))
