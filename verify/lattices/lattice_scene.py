@@ -118,8 +118,8 @@ class LatticeScene:
         check.one_of("order", self.order, ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, _pairs(key, getattr(self, key)))
-        for key in ("carrier", "background"):
-            _value(key, getattr(self, key))
+        _value("k", self.carrier)
+        _value("background", self.background)
         self._check_moments()
         self._check_region()
         self._check_ansatz()

@@ -206,7 +206,7 @@ class RingRuns(StepSearch):
         if choices.nudged:
             signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *ring.f.shape))
             ring = replace(ring, f=ring.f * (1.0 + signs[0]), v=ring.v * (1.0 + signs[1]))
-        energy = ring.lattice.energy(ring.f, ring.v)
+        energy = _energy(ring, ring.f, ring.v)
         measured, steps, last = [], 0, (ring.f, ring.v)
         for t, f, v, taken in march(ring, self.times, choices.step):
             found = self.wave.measured(f, ring.mean_strain)
@@ -215,7 +215,7 @@ class RingRuns(StepSearch):
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
         record = RingRecord(
             measured,
-            (energy, ring.lattice.energy(*last)),
+            (energy, _energy(ring, *last)),
             sites_of(ends),
             choices.step,
             steps,
@@ -246,6 +246,11 @@ class RingRuns(StepSearch):
     def work(self, choices: Choices) -> float:
         """Forces on fields of cells."""
         return super().work(choices) * SCHEME.stages * choices.size * self._fields
+
+
+def _energy(ring: CellRing, f: Array, v: Array) -> float:
+    with np.errstate(all="ignore"):
+        return ring.lattice.energy(f, v)
 
 
 def _stiffest(ring: CellRing) -> list[float]:
