@@ -29,7 +29,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
-Part = Literal["wave", "formula", "background", "left", "right"]
+Part = Literal["wave", "formula", "background", "left", "right", "potential"]
 """What is evaluated of a wave; "formula" is the wave by its program, whatever else evaluates it."""
 
 CERTAIN = 5e-14
@@ -205,6 +205,14 @@ class NumericWave:
         fastest = max(abs(phase.rate) for phase in self._phases("formula", self._slow))
         width = 1.0 / fastest if fastest else np.inf
         return integral_from_zero(lambda x: self(x, T).Y, points, width)
+
+    def potential(self, X: ArrayLike, T: ArrayLike, *, Z: ArrayLike) -> PlanarValues:
+        """W, W_X, W_T, W_Z at the points (X, T, Z), with W_X = Y and W constant on the left.
+
+        Raises ValueError for a wave whose potential is not known in closed form.
+        """
+        values = self._evaluate("potential", self._slow, X, T, Z)
+        return PlanarValues(*(value / self.numbers.a for value in values))
 
     def phase_zeros(self, t: float, eps: float, *, m: float = 0.0) -> list[float]:
         """The sites at which one of the wave's phases vanishes at lattice time t, ascending.

@@ -170,7 +170,9 @@ class ClosedForm:
     ``stabilise`` makes the form that is evaluated in floating point from the canonical one.
     ``evaluator`` makes, from exact parameters, what evaluates the form where that is not the
     stable expression
-    (``solutions.run.program.PointEvaluator``). ``module`` is where the catalogue has it from.
+    (``solutions.run.program.PointEvaluator``). ``potential`` is an
+    integral of U by xi that is constant on the left, of waves with zeta: the displacements of a
+    lattice follow it. ``module`` is where the catalogue has it from.
     """
 
     name: str
@@ -186,6 +188,7 @@ class ClosedForm:
     evaluator: Callable[[Mapping[sp.Symbol, sp.Expr]], Any] | None = field(
         default=None, compare=False, repr=False
     )
+    potential: sp.Expr | None = None
     module: str = field(default="", init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:

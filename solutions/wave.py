@@ -159,6 +159,13 @@ class Wave(NumericWave):
         """The canonical expression of a part."""
         if part in ("wave", "formula"):
             return self.form.expression
+        if part == "potential":
+            if self.form.potential is None:
+                raise ValueError(
+                    f"form must be one with a potential, got {self.form.name} (waves of KP have "
+                    "one; others have an antiderivative)"
+                )
+            return self.form.potential
         return self.form.background if part == "background" else getattr(self.form.far_fields, part)
 
     def _out_of_range(self, error: OverflowError) -> str:

@@ -18,6 +18,7 @@ def kp_line_soliton() -> ClosedForm:
         name="kp_line_soliton",
         title="KP line soliton",
         expression=2 * kappa**2 * sp.sech(phase) ** 2,
+        potential=2 * kappa * sp.tanh(phase),
         equation=KP,
         parameters=(
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),
@@ -40,6 +41,7 @@ def kp_lump() -> ClosedForm:
         name="kp_lump",
         title="KP-I lump",
         expression=4 * (size - along**2) / (size + along**2) ** 2,
+        potential=4 * along / (size + along**2),
         equation=KP_1,
         parameters=(
             Parameter(kappa, lower=Bound(sp.S.Zero, "the zero solution")),

@@ -7,10 +7,10 @@ the reduced equation.  All of it is one series in eps of polynomials in X-deriva
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.first_correction import FirstCorrection
 from verify.lattices.jet_polynomial import with_numbers
 from verify.lattices.lattice_wave import ORDERS, LatticeWave
+from verify.lattices.planar_fields import PlanarFields, PlanarWave
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -94,7 +95,11 @@ class LongWaveData(LatticeWave):
         self._direction = [float(step.xreplace(self._values)) for step in self._space.direction]
         self.speed = self._frame / self._direction[0]
         self.lattice = self.strained((0.0,) * self._declared.dimension)
+        self._planar: PlanarFields | None = None
         self.correction = self._correction(interval) if order == "corrected" else None
+        if reduction.pde.transverse:
+            self._planar = PlanarFields(reduction, self._values, cast(PlanarWave, wave), eps)
+            return
         self._series = [
             (with_numbers(place, self._values, eps), with_numbers(change, self._values, eps))
             for place, change in FieldSeries(reduction, order).fields
@@ -133,7 +138,7 @@ class LongWaveData(LatticeWave):
         )
         if interval is not None:
             return FirstCorrection(flow, further, self.wave, powers[0], interval, repeats=True)
-        low, high = wave_ends(self.wave, 0.0)
+        low, high = wave_ends(lambda X: self._profile(X, 0.0))
         if math.isinf(low):
             raise ValueError(
                 "interval must be given for the correction of a wave that does not end, got None "
@@ -160,6 +165,8 @@ class LongWaveData(LatticeWave):
 
     def state(self, cells: ArrayLike, t: float) -> tuple[Array, Array]:
         """Fields and their time derivatives, (fields, *sites)."""
+        if self._planar is not None:
+            return self._planar.state(cells, t)
         X, T = self.slow_place(cells, t), self.slow_time(t)
         polynomials = [polynomial for pair in self._series for polynomial in pair]
         jets = self._unknown(X, T, max(polynomial.highest for polynomial in polynomials))
@@ -199,25 +206,36 @@ class LongWaveData(LatticeWave):
         return np.full((self._quantities, *self.slow_place(cells, t).shape), mean)
 
     def mean_strain(self, cells: Array, t: float) -> tuple[float, ...]:
-        """What displacements grow by in a cell, on average over a ring of these cells."""
+        """What displacements grow by in a cell, on average over a ring of these cells.
+
+        Of a wave in two dimensions, what it grows by from end to end is averaged over the ends.
+        """
         if not self._is_displacement:
             return (0.0,) * self.lattice.dimension
-        if len(self._direction) > 1:
-            raise ValueError(
-                f"cells must be those of a chain, got {len(self._direction)} axes (no mean strain "
-                "makes a wave periodic along a seam that it crosses)"
+        places = cells if len(self._direction) > 1 else cells[np.newaxis]
+        slopes = [0.0] * len(self._direction)
+        for axis in self._axes:
+            first, last = (np.take(places, [end], 1 + axis) for end in (0, -1))
+            last[axis] += 1.0
+            low, high = (
+                self.state(end if len(slopes) > 1 else end[0], t)[0] for end in (first, last)
             )
-        ends = np.array([cells[0], cells[-1] + 1.0])
-        first, last = self.state(ends, t)[0][0]
-        return ((last - first) / cells.size,)
+            slopes[axis] = float(np.mean(high[0] - low[0])) / places.shape[1 + axis]
+        return tuple(slopes)
 
     def support(self, t: float) -> tuple[float, float]:
         """The cells between which there is a wave; infinite where it does not end."""
         T = self.slow_time(t)
-        low, high = wave_ends(self.wave, T)
+        low, high = wave_ends(lambda X: self._profile(X, T))
         unit = self._direction[0] * self.eps**self._space.exponent
         ends = sorted((X / unit + self.speed * t) for X in (low, high))
         return ends[0], ends[1]
+
+    def _profile(self, X: Array, T: float) -> Array:
+        """The wave along X, where Z is 0."""
+        if self._planar is not None:
+            return cast(PlanarWave, self.wave)(X, T, Z=0.0).Y
+        return self.wave.jets(X, T, 0)[0]
 
     @cached_property
     def _axes(self) -> list[int]:
@@ -258,12 +276,12 @@ MARGIN = 3.0
 """The interval of a correction, in units of the wave's."""
 
 
-def wave_ends(wave: JetWave, T: float) -> tuple[float, float]:
-    """The places in X between which a wave changes at T; infinite if it does not end."""
+def wave_ends(profile: Callable[[Array], Array]) -> tuple[float, float]:
+    """The places in X between which a function of X changes; infinite if it does not end."""
     reach = 1.0
     while reach <= FARTHEST:
         X = np.linspace(-2.0 * reach, 2.0 * reach, SAMPLES)
-        Y = wave.jets(X, T, 0)[0]
+        Y = profile(X)
         left, right = np.abs(Y - Y[0]), np.abs(Y - Y[-1])
         level = FLAT * max(float(left.max()), float(right.max()))
         risen, fallen = np.flatnonzero(left > level), np.flatnonzero(right > level)

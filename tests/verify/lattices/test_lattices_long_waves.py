@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Rational
+from sympy import Integer, Rational
 
-from derive import LATTICES, Scaling, reduce
+from derive import LATTICES, Scaling, SlowVariable, reduce
+from derive.symbols import c
 from lattice.numeric_lattice import numeric_lattice
 from solutions import Wave, closed_form
 from verify.lattices.computed_soliton import ComputedSoliton
@@ -183,11 +185,45 @@ def test_fourier_interval() -> None:
     assert np.diff(W) == pytest.approx(np.diff(X - np.cos(3 * rate * X) / (3 * rate)), abs=1e-12)
 
 
+ALONG = (SlowVariable("X", 1, (1, 0), c), SlowVariable("Z", 2, (0, 1), Integer(0)))
+
+
+@pytest.mark.parametrize(
+    ("form", "parameters", "constants"),
+    [
+        ("kp_line_soliton", {"kappa": 1, "q": Rational(1, 2)}, {"K2": 1, "H2": 1}),
+        ("kp_line_soliton", {"kappa": 1, "q": Rational(1, 2)}, {"K2": 2, "H2": 3}),
+    ],
+)
+def test_waves_of_kp_meet_the_square_lattice(
+    form: str, parameters: dict[str, Any], constants: dict[str, int]
+) -> None:
+    """To two powers of eps beyond the reduced equation, which catches a wrong W_T or W_Z."""
+    values = {"K3": 1, "K4": 0, "H3": 1, "H4": 0, **constants}
+    square = LATTICES["square"].with_values({k: Rational(v) for k, v in values.items()})
+    reduction = reduce(square, Scaling(1, ALONG))
+    wave = Wave(closed_form(form), reduction.normal_form(), **parameters)
+    cells = np.stack(np.meshgrid(np.arange(-40.0, 40.0), np.arange(-5.0, 6.0), indexing="ij"))
+    found = []
+    for eps in (0.2, 0.1):
+        data, h = LongWaveData(reduction, {}, wave, eps), 1e-3 / eps
+        ring = data.ring(cells, 0.0)
+        assert ring.mean_strain[0] > 0.0 == ring.mean_strain[1]
+        strain = data.measured(ring.f, ring.mean_strain)
+        assert strain[:, :-1] == pytest.approx(data.strain(cells, 0.0)[:, :-1], abs=1e-12)
+        before, after = (data.state(cells, d)[1] for d in (-h, h))
+        gap = (after - before) / (2 * h) - ring.lattice.acceleration(ring.f)
+        found.append(np.abs(gap[:, 2:-2, 2:-2]).max())
+    assert math.log2(found[0] / found[1]) > 6.6
+    with pytest.raises(ValueError, match="none was derived"):
+        LongWaveData(reduction, {}, wave, 0.1, "corrected")
+
+
 def test_ends_of_a_wave() -> None:
-    low, high = wave_ends(RATE_CASES["1"].solution, 0.0)
+    low, high = wave_ends(lambda X: 1.0 / np.cosh(X))
     assert -30.0 < low < -5.0 < 5.0 < high < 30.0
-    form = closed_form("rational_1")
-    assert wave_ends(Wave(form, RATE_CASES["1"].reduction.normal_form()), 0.0)[0] == -math.inf
+    assert wave_ends(np.tanh)[1] < 30.0
+    assert wave_ends(lambda X: 1.0 / (1.0 + X**2))[0] == -math.inf
 
 
 def test_fitted_rate() -> None:
