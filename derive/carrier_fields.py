@@ -6,14 +6,14 @@ the m-th X-derivative of A or of its conjugate.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import mpmath
 
 from derive.algebra.exact_numbers import Number
-from derive.algebra.jets import DifferentialPolynomial, Monomial
+from derive.algebra.jets import Monomial, raised
 from derive.algebra.rational_functions import RationalFunction
 from derive.algebra.series import EpsSeries
 from derive.carrier import LAST, EnvelopeError, harmonic
@@ -85,45 +85,44 @@ def carrier_fields(
     with mpmath.workdps(DIGITS + GUARD):
         parts = tuple(_numeric(part, point) for part in carrier.parts)
         mean = _numeric(carrier.mean, point) if free else ()
-        slope = _numeric(carrier.mean.derivative(0), point) if free else ()
         weights = carrier.uniform[0] if free else [carrier.field.zero] * len(parts)
         shares = tuple(float(_value(weight, point).real) for weight in weights)
         highest = 1 + max(m for terms in (*parts, mean) for t in terms for m, _ in t.jets)
-        flow = [carrier.flow]
+        flow = [_numeric(carrier.flow, point)]
         for _ in range(highest):
-            flow.append(flow[-1].derivative(0))
+            flow.append(_slope(flow[-1]))
         return CarrierFields(
             float(point["angle"]),
             numbers.omega,
             numbers.v,
             parts,
             mean,
-            slope,
+            _slope(mean),
             _numeric(carrier.mean_flow, point) if carrier.is_displacement else (),
             shares,
             carrier.is_displacement,
-            tuple(_numeric(series, point, every=True) for series in flow),
+            tuple(flow),
         )
 
 
-def _numeric(
-    series: EpsSeries, point: Mapping[str, mpmath.mpc], *, every: bool = False
-) -> CarrierTerms:
-    return tuple(_terms(series, point, every=every))
+def _numeric(series: EpsSeries, point: Mapping[str, mpmath.mpc]) -> CarrierTerms:
+    """What the expansion has found whole, without harmonics below 0."""
+    return tuple(
+        CarrierTerm(power, jets, complex(_value(value, point)))
+        for power, part in series.parts.items()
+        for jets, value in part.terms.items()
+        if power < LAST and harmonic(jets) >= 0
+    )
 
 
-def _terms(
-    series: EpsSeries, point: Mapping[str, mpmath.mpc], *, every: bool
-) -> Iterator[CarrierTerm]:
-    for power, part in series.parts.items():
-        for monomial, value in _known(part, power).terms.items():
-            if every or harmonic(monomial) >= 0:
-                yield CarrierTerm(power, monomial, complex(_value(value, point)))
-
-
-def _known(part: DifferentialPolynomial, power: int) -> DifferentialPolynomial:
-    """The part, if the expansion has found all of it at this power, otherwise nothing."""
-    return part if power < LAST else DifferentialPolynomial.zero(part.field)
+def _slope(terms: CarrierTerms) -> CarrierTerms:
+    """The X-derivative."""
+    total: dict[tuple[int, Monomial], complex] = {}
+    for power, jets, value in terms:
+        for i, jet in enumerate(jets):
+            key = power, tuple(sorted((*jets[:i], raised(jet, 0), *jets[i + 1 :])))
+            total[key] = total.get(key, 0.0) + value
+    return tuple(CarrierTerm(*key, value) for key, value in total.items())
 
 
 def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath.mpc:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from derive.algebra.exact_numbers import Number
 from derive.carrier_envelope import Envelope
 from derive.carrier_fields import CarrierTerms, carrier_fields
+from derive.lattice import Lattice
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.envelope_flow import EnvelopeFlow
 from verify.lattices.lattice_wave import ORDERS, LatticeWave
@@ -57,7 +58,9 @@ class EnvelopeData(LatticeWave):
     one: that of ``mean_square``, the mean of |A|^2 over the ring, or far away on an infinite chain.
     Without it a wave on a background turns at another frequency, by a part of order eps^2.
 
-    Cells must be consecutive on a lattice of displacements, which are told up to a common constant.
+    ``lattice`` is what is run, where the envelope is that of its expansion; its constants are among
+    those numbers.  Cells must be consecutive on a lattice of displacements, which are told up to a
+    common constant.
     """
 
     power = 1
@@ -75,6 +78,7 @@ class EnvelopeData(LatticeWave):
         branch: str | int | None = None,
         mean_square: float = 0.0,
         interval: tuple[float, float] | None = None,
+        lattice: Lattice | None = None,
     ) -> None:
         if order not in ORDERS:
             raise ValueError(f"order must be one of {', '.join(ORDERS)}, got {order!r}")
@@ -84,7 +88,9 @@ class EnvelopeData(LatticeWave):
         self._interval, self._flow = interval, wave if order != "corrected" else None
         self.carrier = carrier_fields(envelope, k, branch, **numbers)
         self.speed = self.carrier.v
-        self._declared, self._numbers = envelope.lattice, numbers
+        self._declared = lattice or envelope.lattice
+        names = {str(symbol) for symbol in self._declared.constants}
+        self._numbers = {name: value for name, value in numbers.items() if name in names}
         self.lattice = self.strained((0.0,))
         background = sum(term.value.real for term in self.carrier.mean if term.power == 2)
         self._uniform = self.eps**2 * background * mean_square if order == "leading" else 0.0

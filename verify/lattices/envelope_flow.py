@@ -23,6 +23,9 @@ STEP = 0.005
 """Longest step, in units of the time in which the largest amplitude turns the phase by 1. The
 Peregrine wave, three times as high at its crest as at its start, is then right to 1e-6."""
 
+EARLY = 1e-12
+"""A time that much of itself before the start is the start."""
+
 BLOCK = 1024
 """Points at which a Fourier sum is taken at once."""
 
@@ -99,9 +102,9 @@ class EnvelopeFlow:
         return _Run(self._waves, linear, products, turned, values, h)
 
     def _spectrum(self, T: float) -> Complex:
-        if T < self.T0:
+        if self.T0 - EARLY * abs(self.T0) > T:
             raise ValueError(f"T must satisfy T >= {self.T0:g}, got {T:g} (the flow starts there)")
-        return self._run.at(T - self.T0) / self.points
+        return self._run.at(max(T - self.T0, 0.0)) / self.points
 
 
 class _Run:

@@ -16,7 +16,9 @@ from sympy import Expr, Rational, pi
 
 from derive.algebra.exact_numbers import Number
 from derive.carrier_envelope import Envelope, envelope
-from derive.models.lattices import LATTICES
+from derive.lattice import Lattice
+from derive.models.lattices import LATTICES, cell, m1, m2
+from derive.symbols import x
 from lattice.field_state import FieldState
 from lattice.integration import integrate
 from solutions.catalogue import closed_form
@@ -44,7 +46,8 @@ class EnvelopeCase:
     """A closed form on one lattice, in the slow variables of its envelope equation.
 
     It is run over ``span``, two times of the normal form, on a ring of that ``length`` in X at
-    least, and compared ``within`` that half-width of X about the frame.
+    least, and compared ``within`` that half-width of X about the frame; ``runs`` as the ``lattice``
+    of `EnvelopeData`.
     """
 
     lattice: str
@@ -55,6 +58,7 @@ class EnvelopeCase:
     length: float
     within: float
     branch: str | int = 0
+    runs: Lattice | None = None
     parameters: Mapping[str, Number] = field(default_factory=dict)
 
     def envelope(self) -> Envelope:
@@ -106,6 +110,7 @@ class _Run:
             order,
             mean_square=float(np.mean(np.abs(values) ** 2)),
             interval=(X[0], X[0] + eps * count),
+            lattice=case.runs,
         )
         data.start(begin)
         ring = data.ring(self.cells, begin)
@@ -156,7 +161,15 @@ _CUBIC = {"K2": 1, "K3": Rational(1, 4), "K4": 1}
 _QUADRATIC = {"K2": 1, "K3": Rational(3, 2), "K4": 1}
 _PINNED = {"K2": 1, "g1": 2, "g2": 1, "g3": 1}
 _DIMER = {"m1": 1, "m2": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
-_GRAINS = {"A": 1, "d": 1}
+_GRAINS = {"m1": 1, "m2": 4, "K2": 1, "K3": -Rational(1, 4), "K4": -Rational(1, 24)}
+
+GRANULAR_DIMER = cell(
+    "granular_dimer",
+    "two grains in turn under unit precompression, unit stiffness at rest",
+    (m1, m2),
+    (-Rational(2, 3) * (1 - x) ** Rational(3, 2),) * 2,
+)
+"""Its optical branch has short focusing waves; equal grains have none."""
 
 _SOLITON, _PEREGRINE = ((0, 4), 40, 8), ((-1, Rational(1, 5)), 60, 5)
 
@@ -167,13 +180,22 @@ ENVELOPE_CASES = {
     "dark, strain": EnvelopeCase("fput_strain", _QUADRATIC, pi / 2, "nls_dark", (0, 2), 60, 6),
     "dark, Klein-Gordon": EnvelopeCase("klein_gordon", _PINNED, pi / 3, "nls_dark", (0, 2), 60, 6),
     "bright, Klein-Gordon": EnvelopeCase(
-        "klein_gordon", _PINNED, 3 * pi / 4, "nls_bright", *_SOLITON
+        "klein_gordon", _PINNED, 2 * pi / 3, "nls_bright", *_SOLITON
     ),
     "Peregrine, strain": EnvelopeCase("fput_strain", _CUBIC, pi / 2, "nls_peregrine", *_PEREGRINE),
     "Peregrine, strain, pi": EnvelopeCase("fput_strain", _CUBIC, pi, "nls_peregrine", *_PEREGRINE),
     "Peregrine, displacement": EnvelopeCase("fput", _CUBIC, pi / 2, "nls_peregrine", *_PEREGRINE),
     "Peregrine, optical dimer": EnvelopeCase(
         "mass_dimer", _DIMER, pi / 2, "nls_peregrine", *_PEREGRINE, branch="optical"
+    ),
+    "Peregrine, granular dimer": EnvelopeCase(
+        "mass_dimer",
+        _GRAINS,
+        3 * pi / 4,
+        "nls_peregrine",
+        *_PEREGRINE,
+        branch="optical",
+        runs=GRANULAR_DIMER,
     ),
 }
 """The cases whose rates are measured, by name."""
