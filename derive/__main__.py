@@ -33,9 +33,10 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--background", metavar="P/Q", help="Uniform strain the waves ride on.")
 @click.option("--amplitude", metavar="N", help="Power of eps of the wave; found unless given.")
 @click.option("--time", metavar="N", help="Power of eps of the slow time; found unless given.")
-@click.option("--orders", metavar="N", help="Highest power of eps.")
+@click.option("--order", "--orders", "orders", metavar="N", help="Highest power of eps.")
 @click.option("--envelope", "carrier", metavar="k[=NUMBER]", help="The envelope of a carrier wave.")
 @click.option("--branch", metavar="NAME", help="acoustic, optical or a number, of the carrier.")
+@click.option("--map", "points", metavar="N", help="Growth rates at N wavenumbers.")
 @click.option("--latex", is_flag=True, help="Print LaTeX.")
 @click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
 @_constant_options
@@ -50,6 +51,7 @@ def derive(
     orders: str | None,
     carrier: str | None,
     branch: str | None,
+    points: str | None,
     **constants: str | None,
 ) -> int:
     """Derive the long-wave or envelope equation of a lattice.
@@ -82,6 +84,7 @@ def derive(
             orders=orders,
             carrier=carrier,
             branch=branch,
+            points=points,
             form="json" if json_wanted else "latex" if latex else "text",
             check=check,
         )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
+
 from sympy import Expr, Integer, S
 
 from derive.algebra.exact_numbers import instance
@@ -15,36 +18,61 @@ AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
 
 
-def find_scaling(lattice: Lattice, mean: Expr = S.Zero) -> tuple[Reduction, ...]:
+def find_scaling(lattice: Lattice, mean: Expr = S.Zero, further: int = 0) -> tuple[Reduction, ...]:
     """The reductions of a lattice that balance nonlinearity and dispersion, about a uniform mean.
 
     Those with the fewest conditions on the constants stand first.  A lattice with two axes has the
-    wave along its first one, and a slower variable Z across.  Raises ReductionError if none fits.
+    wave along its first one, and a slower variable Z across.  They are derived through ``further``
+    orders behind the equation.  Raises ReductionError if none fits.
 
     >>> from derive import LATTICES
     >>> [(r.pde.kind, r.scaling.amplitude) for r in find_scaling(LATTICES["fput_strain"])]
     [('KdV', 2), ('mKdV', 1)]
     """
-    instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
-    space = [SlowVariable("X", 1, (1, *(0,) * (lattice.dimension - 1)), c)]
-    if lattice.dimension > 1:
-        across = (0, 1, *(0,) * (lattice.dimension - 2))
-        space.append(SlowVariable("Z", 2, across, Integer(0)))
-    background = ((0, mean),) if mean else ()
+    found = _Search(lattice, mean, further)
+    return tuple(sorted(found.raising(), key=_rank))
+
+
+def best_balance(lattice: Lattice, mean: Expr = S.Zero, further: int = 0) -> Reduction:
+    """The first of `find_scaling`; the search ends where no other could stand before it."""
     found: list[Reduction] = []
-    refused: list[str] = []
-    for time in TIMES:
-        for amplitude in AMPLITUDES:
-            if mean and not amplitude:
+    for reduction in _Search(lattice, mean, further).raising():
+        if not reduction.conditions:
+            return reduction
+        found.append(reduction)
+    return min(found, key=_rank)
+
+
+def _rank(reduction: Reduction) -> tuple[int, int]:
+    return len(reduction.conditions), reduction.scaling.time
+
+
+class _Search:
+    """The balanced reductions of a lattice, and why there are no others."""
+
+    def __init__(self, lattice: Lattice, mean: Expr, further: int) -> None:
+        self.lattice = instance("lattice", lattice, Lattice, "LATTICES['fput_strain'] is one")
+        self.mean, self.further = mean, further
+        self.space = [SlowVariable("X", 1, (1, *(0,) * (lattice.dimension - 1)), c)]
+        if lattice.dimension > 1:
+            across = (0, 1, *(0,) * (lattice.dimension - 2))
+            self.space.append(SlowVariable("Z", 2, across, Integer(0)))
+
+    def raising(self) -> Iterator[Reduction]:
+        """The reductions, those in T = eps^3 t first; ReductionError if there is none."""
+        background = ((0, self.mean),) if self.mean else ()
+        refused, found = "", False
+        for time, amplitude in product(TIMES, AMPLITUDES):
+            if self.mean and not amplitude:
                 continue
-            scaling = Scaling(amplitude, tuple(space), time, background)
+            scaling = Scaling(amplitude, tuple(self.space), time, background)
             try:
-                reduction = reduce(lattice, scaling, scaling.leading_order)
+                reduction = reduce(self.lattice, scaling, scaling.leading_order + self.further)
             except ValueError as error:
-                refused.append(str(error))
+                refused = refused or str(error)
                 continue
             if reduction.is_balanced:
-                found.append(reduction)
-    if not found:
-        raise ReductionError(f"no scaling fits {lattice.name}: {refused[0] if refused else ''}")
-    return tuple(sorted(found, key=lambda r: (len(r.conditions), r.scaling.time)))
+                found = True
+                yield reduction
+        if not found:
+            raise ReductionError(f"no scaling fits {self.lattice.name}: {refused}")

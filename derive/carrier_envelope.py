@@ -379,9 +379,11 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
 
 
 def _plain(value: mpmath.mpc) -> Any:
-    """A float where the imaginary part is a rounding error."""
-    real = abs(mpmath.im(value)) <= ROUNDING * abs(value)
-    return float(mpmath.re(value)) if real else complex(value)
+    """A float where the imaginary part is a rounding error; a real part that is one is 0."""
+    least = ROUNDING * abs(value)
+    number = mpmath.mpc(value)
+    real, imaginary = (part if abs(part) > least else 0 for part in (number.real, number.imag))
+    return complex(real, imaginary) if imaginary else float(real)
 
 
 def evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath.mpc | None:

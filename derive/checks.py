@@ -53,6 +53,16 @@ def numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
     return {s: Rational(30 + 11 * i % 31, primes[i % len(primes)]) for i, s in enumerate(symbols)}
 
 
+def simple_numbers(symbols: Sequence[Symbol]) -> dict[Symbol, Rational]:
+    """Small whole numbers for the symbols, prime so that few terms cancel.
+
+    >>> simple_numbers([Symbol("a"), Symbol("b")])
+    {a: 2, b: 3}
+    """
+    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43)
+    return {s: Rational(primes[i % len(primes)]) for i, s in enumerate(symbols)}
+
+
 def checks_of_reduction(reduction: Reduction) -> list[Check]:
     """A plane wave, a manufactured wave, and the static stress law on a chain."""
     promised = reduction.highest_order + 1

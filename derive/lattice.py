@@ -188,6 +188,27 @@ class Lattice(Displayed):
             definitions=tuple((symbol, value.xreplace(at)) for symbol, value in self.definitions),
         )
 
+    def strained(self, strain: Expr) -> Lattice:
+        """The lattice of one field about a uniform strain of its cells, fields counted from there.
+
+        >>> from derive import LATTICES
+        >>> LATTICES["alpha_fput"].strained(S(1) / 2).equations()[1]
+        'F(x) = (K3 + K2) x + K3 x^2'
+        """
+        bonds = []
+        for bond in self.bonds:
+            mean = strain * sum(
+                e.weight * (e.shift[0] if self.is_displacement else 1) for e in bond.stretch
+            )
+            force = bond.force.subs(x, x + mean) - bond.force.subs(x, mean)
+            bonds.append(replace(bond, force=force.expand() if bond.is_polynomial else force))
+        return replace(self, bonds=tuple(bonds))
+
+    @property
+    def is_displacement(self) -> bool:
+        """Whether no bond feels one field moved as a whole."""
+        return not any(sum(entry.weight for entry in bond.stretch) for bond in self.bonds)
+
     @property
     def is_polynomial(self) -> bool:
         """Whether all forces are polynomials in the stretch."""

@@ -15,9 +15,10 @@ from derive.algebra.series import EpsSeries
 from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
 from derive.lattice import Lattice
 from derive.normal_form import NormalForm, equation_of, normal_form_of
-from derive.output.notation import Notation, latex_of, text_of
+from derive.output.notation import Notation, latex_of, power_of, text_of
 from derive.output.report import latex_report, reduction_data, text_report
 from derive.scaling import Scaling
+from derive.symbols import eps
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,13 +88,11 @@ class Reduction:
     def units(self) -> str:
         """What Y is, in words."""
         scaling, names = self.scaling, list(self.lattice.fields)
+        size = power_of(eps, scaling.amplitude, text_of)
         if not self.is_displacement:
-            return f"Y: {names[0]} less its mean is eps^{scaling.amplitude} Y, at first order"
-        power = scaling.amplitude + scaling.space[0].exponent
-        wave = (
-            f"{names[0]} is eps^{scaling.amplitude} W" if scaling.amplitude else f"{names[0]} is W"
-        )
-        return f"Y = W_X: {wave}, the strain of a cell eps^{power} Y, at first order"
+            return f"Y: {names[0]} less its mean is {size}Y, at first order"
+        strain = power_of(eps, scaling.amplitude + scaling.space[0].exponent, text_of)
+        return f"Y = W_X: {names[0]} is {size}W, the strain of a cell {strain}Y, at first order"
 
     @property
     def sound_condition(self) -> Eq:
@@ -130,7 +129,7 @@ class Reduction:
         flow = sorted(self.pde.flow.terms.items(), key=lambda item: (-len(item[0]), item[0]))
         terms = [*((m, -value) for m, value in flow), *self.pde.transverse.terms.items()]
         found = [
-            (self.notation.monomial_text(monomial), monomial, value.as_expr().xreplace(at))
+            (self.notation.monomial_text(monomial), monomial, value.factored().xreplace(at))
             for monomial, value in terms
         ]
         return Coefficients(

@@ -41,7 +41,7 @@ def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     for _ in range((above.quarters - below.quarters) % 4):
         rest = -rest[1], rest[0]
     pure = above.pure / below.pure
-    real, imaginary = (_factored(part / size) * pure if part else Integer(0) for part in rest)
+    real, imaginary = ((part / size).factored() * pure if part else Integer(0) for part in rest)
     return real, imaginary
 
 
@@ -69,7 +69,7 @@ class _Product:
                 self.rest = _times(self.rest, part)
             return
         self.quarters += times if imaginary else 0
-        self.pure *= _factored(imaginary or real) ** times
+        self.pure *= (imaginary or real).factored() ** times
 
 
 def _turned(
@@ -114,14 +114,3 @@ def _reduced(polynomial: RationalFunction) -> RationalFunction:
         term = field.from_terms([((first, second % 2, *others), value)])
         total = total + term * square ** (second // 2)
     return total
-
-
-def _factored(element: RationalFunction) -> Expr:
-    """The quotient in SymPy, both sides in factors."""
-    sides = []
-    for below in (False, True):
-        product: Expr = Integer(1)
-        for terms, times in element.factored_terms(below=below):
-            product *= element.field.from_terms(terms).as_expr() ** times
-        sides.append(product)
-    return sides[0] / sides[1]

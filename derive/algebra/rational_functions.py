@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from flint import fmpz_mpoly, fmpz_mpoly_ctx
-from sympy import Expr, Integer, Symbol
+from sympy import Expr, Integer, Rational, Symbol
 
 Exponents = tuple[int, ...]
 
@@ -221,6 +221,22 @@ class RationalFunction:
             for line in (False, True)
         )
         return above / below
+
+    def factored(self) -> Expr:
+        """The quotient in SymPy, both sides in factors.
+
+        >>> x, y = Symbol("x"), Symbol("y")
+        >>> RationalFunctions((x, y)).from_expr((2 * x**2 - 2 * y**2) / y).factored()
+        2*(x - y)*(x + y)/y
+        """
+        product: Expr = Integer(1)
+        number = Rational(1)
+        for below, power in ((False, 1), (True, -1)):
+            (content, _), *parts = self.factored_terms(below=below)
+            number *= Rational(content[0][1]) ** power
+            for terms, times in parts:
+                product *= self.field.from_terms(terms).as_expr() ** (power * times)
+        return number * product
 
     def solved_for(self, symbol: Symbol) -> RationalFunction | None:
         """The symbol's value where the quotient vanishes, if that is linear in it; else None."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
-from sympy import Expr, Symbol, factor
+from sympy import Expr, Symbol
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
@@ -43,7 +43,7 @@ class Term:
     def size(self) -> Expr:
         """The coefficient without its sign, in factors."""
         element = -self.coefficient if self.negative else self.coefficient
-        return factor(element.as_expr())
+        return element.factored()
 
 
 def terms(polynomial: DifferentialPolynomial) -> list[Term]:

@@ -1,32 +1,26 @@
-"""What ``longwave derive`` prints: a reduction or an envelope, linear waves, numbers, checks."""
+"""What ``longwave derive`` prints of long waves: a reduction, linear waves, numbers, checks."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from sympy import Expr
+from sympy import S
 
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
-from derive.algebra.formula_text import Vocabulary, read_formula
-from derive.balances import find_scaling
+from derive.balances import best_balance
 from derive.command_line import fail
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import Lattice
 from derive.lattice_file import read_lattice
 from derive.models.lattices import FPUT_STRAIN, LATTICES
 from derive.models.mkdv import initial_velocity, initial_velocity_latex
-from derive.multiscale import reduce
+from derive.multiscale import FURTHER_ORDERS, reduce
 from derive.normal_form import NORMAL_EQUATIONS
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 from derive.scaling import Scaling
-
-if TYPE_CHECKING:
-    from derive.carrier_envelope import Envelope, EnvelopeNumbers
 
 MOST_ORDERS = 13
 
@@ -43,6 +37,7 @@ class Wanted:
     orders: str | None = None
     carrier: str | None = None
     branch: str | None = None
+    points: str | None = None
     form: str = "text"
     check: bool = False
 
@@ -53,8 +48,11 @@ def print_derivation(wanted: Wanted) -> int:
         lattice = _lattice(wanted.model)
         values: dict[str, Number] = {n: parse_rational(n, t) for n, t in wanted.constants.items()}
         if wanted.carrier is not None:
-            lines = list(_envelope_lines(lattice, wanted, values))
+            from derive.output.carrier_printout import carrier_lines
+
+            lines = list(carrier_lines(lattice, wanted, values))
         else:
+            _check_carrier_options(wanted)
             lines = list(_reduction_lines(lattice, wanted, values))
     except (ValueError, OSError) as error:
         return fail(error)
@@ -103,24 +101,34 @@ def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]
 
 def _reduction(lattice: Lattice, wanted: Wanted) -> Reduction:
     """The reduction that is asked for, or else the first that balances the lattice."""
-    orders = None if wanted.orders is None else _count("--orders", wanted.orders, MOST_ORDERS)
-    mean: tuple[tuple[int, Expr], ...] = ()
-    if wanted.background is not None:
-        value = exact("background", wanted.background)
-        mean = ((0, value),) if value else ()
+    orders = None if wanted.orders is None else count("--order", wanted.orders, MOST_ORDERS)
+    mean = exact("background", wanted.background or 0)
     asked = (wanted.amplitude, wanted.time)
     if lattice is FPUT_STRAIN and asked == (None, None) and not mean:
         return reduce(lattice, orders=orders)
-    scalings = [Scaling()]
-    if lattice.dimension > 1 or (asked == (None, None) and not mean):
-        scalings = [found.scaling for found in find_scaling(lattice)]
-    chosen = scalings[0]
-    amplitude = _count("--amplitude", wanted.amplitude or str(chosen.amplitude + bool(mean)), 8)
-    time = _count("--time", wanted.time or str(chosen.time), 9)
-    return reduce(lattice, Scaling(amplitude, chosen.space, time, mean), orders)
+    if mean and len(lattice.fields) == 1 and lattice.is_displacement:
+        lattice, mean = lattice.strained(mean), S.Zero
+    if asked == (None, None):
+        found = best_balance(lattice, mean, FURTHER_ORDERS if orders is None else 0)
+        if orders is None:
+            return found
+        usual = found.scaling
+    else:
+        usual = best_balance(lattice, mean).scaling if lattice.dimension > 1 else Scaling()
+    amplitude = count("--amplitude", wanted.amplitude or str(usual.amplitude), 8)
+    time = count("--time", wanted.time or str(usual.time), 9)
+    background = ((0, mean),) if mean else ()
+    return reduce(lattice, Scaling(amplitude, usual.space, time, background), orders)
 
 
-def _count(option: str, text: str, most: int) -> int:
+def _check_carrier_options(wanted: Wanted) -> None:
+    for option, given in (("--branch", wanted.branch), ("--map", wanted.points)):
+        if given is not None:
+            raise ValueError(f"{option} must come with --envelope, got {given!r} alone")
+
+
+def count(option: str, text: str, most: int) -> int:
+    """The number of an option; ValueError unless it is one up to ``most``."""
     if not (text.isascii() and text.isdigit() and len(text) < 4 and int(text) <= most):
         raise ValueError(
             f"{option} must be an integer <= {most}, got {text!r} (leave it for the default)"
@@ -156,82 +164,3 @@ def _number_lines(reduction: Reduction, values: dict[str, Number]) -> Iterator[s
         form = reduction.normal_form(**values)
         yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
         yield from (f"  {name} = {text_of(value)}" for name, value in form.values.items())
-
-
-# envelopes
-
-
-def _envelope_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
-    from derive.carrier_envelope import envelope
-    from derive.checks import Check, checks_of_envelope
-
-    for option, given in (
-        ("--background", wanted.background),
-        ("--amplitude", wanted.amplitude),
-        ("--time", wanted.time),
-        ("--orders", wanted.orders),
-    ):
-        if given is not None:
-            raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
-    chosen = _carrier(wanted.carrier or "")
-    branch = wanted.branch or "acoustic"
-    found = envelope(
-        lattice,
-        k=chosen,
-        branch=int(branch) if branch.isdecimal() and len(branch) < 4 else branch,
-        **(values if chosen is not None and not lattice.definitions else {}),
-    )
-    if wanted.check:
-        yield found.text()
-        yield from map(Check.text, checks_of_envelope(found))
-        return
-    numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
-    if wanted.form == "json":
-        data = json.loads(found.json())
-        if numbers:
-            data["numbers"] = {name: _plain(value) for name, value in asdict(numbers).items()}
-        yield json.dumps(data, indent=2)
-    elif wanted.form == "latex":
-        yield found.latex()
-    else:
-        yield lattice.title
-        yield from (f"  {line}" for line in lattice.equations())
-        yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
-        yield "  X = eps (n - v t), T = eps^2 t"
-        yield from _carrier_lines(found, numbers, chosen)
-
-
-def _carrier_lines(
-    found: Envelope, numbers: EnvelopeNumbers | None, at: Expr | None
-) -> Iterator[str]:
-    if numbers is None:
-        yield from found.lines()
-        return
-    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {at}:"
-    yield from (f"  {name} = {_rounded(value)}" for name, value in asdict(numbers).items())
-    kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
-    yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
-
-
-def _carrier(text: str) -> Expr | None:
-    """The wavenumber of ``k=pi``, ``k=pi/2`` or ``k=1.2``; None for ``k``."""
-    name, _, value = text.replace(" ", "").partition("=")
-    if name != "k":
-        raise ValueError(f"--envelope must be k or k=NUMBER, got {shown(text)} (such as k=pi)")
-    if not value:
-        return None
-    try:
-        found = read_formula(value, Vocabulary({}), "k")
-    except ValueError as error:
-        raise ValueError(f"--envelope: {error}") from None
-    from derive.carrier_envelope import wavenumber
-
-    return wavenumber(found)
-
-
-def _plain(value: complex) -> float | list[float]:
-    return [value.real, value.imag] if isinstance(value, complex) else value
-
-
-def _rounded(value: complex) -> str:
-    return f"{value:.12g}"

@@ -14,7 +14,8 @@ from derive.algebra.exact_numbers import Number, parse_rational
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.rational_functions import RationalFunction, RationalFunctions
 from derive.normal_form import NORMAL_EQUATIONS, NormalForm
-from derive.output.notation import Notation, aligned, latex_of, text_of
+from derive.output.notation import Notation, aligned, latex_of, power_of, text_of
+from derive.symbols import eps
 
 if TYPE_CHECKING:
     from derive.reduction import Reduction
@@ -55,11 +56,17 @@ def _lines(reduction: Reduction) -> Iterator[str]:
 def _slaved_lines(reduction: Reduction) -> Iterator[str]:
     """The first slaved term of each field behind the first."""
     notation = replace(reduction.notation, unknown="W")
+    field = reduction.pde.flow.field
+    unit = DifferentialPolynomial.monomial(field, ((0,) * len(notation.axes),))
+
+    def small(power: int) -> str:
+        return power_of(eps, power, text_of)
+
     for name, (share, series) in list(reduction.slaved.items())[1:]:
         first = next(iter(series.parts.items()), None)
-        wave = f"eps^{reduction.scaling.amplitude} ({text_of(share.as_expr())}) W"
+        wave = small(reduction.scaling.amplitude) + notation.text(share * unit)
         yield f"{name} = {wave}" + (
-            f" + eps^{first[0]} ({notation.text(first[1])}) + ..." if first else ""
+            f" + {small(first[0])}({notation.text(first[1])}) + ..." if first else ""
         )
 
 

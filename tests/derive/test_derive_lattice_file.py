@@ -151,7 +151,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "set": (["fput", "--set", "K2"], "--set must be NAME=VALUE, got K2"),
     "set unknown": (["fput", "--set", "K9=1"], "constants must be among"),
     "set text": (["fput", "--set", "K2=one"], "K2 must be a rational number, got 'one'"),
-    "orders": (["fput", "--orders", "99"], "--orders must be an integer <= 13"),
+    "orders": (["fput", "--orders", "99"], "--order must be an integer <= 13"),
     "amplitude": (["fput", "--amplitude", "-1"], "--amplitude must be an integer"),
     "pinned": (["klein_gordon"], "no scaling fits klein_gordon"),
     "background": (["mass_dimer", "--background", "1/2"], "background must be left out"),
@@ -159,7 +159,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "carrier 9": (["fput_strain", "--envelope", "k=9"], "k must satisfy 0 < k <= pi"),
     "carrier text": (["fput", "--envelope", "k=exit()"], "--envelope: k: expected"),
     "branch": (["fput", "--envelope", "k=1", "--branch", "high"], "branch must be acoustic"),
-    "both": (["fput", "--envelope", "k", "--orders", "5"], "--orders must be left out"),
+    "both": (["fput", "--envelope", "k", "--orders", "5"], "--order must be 3 (the NLS equation) or 4"),
     "square": (["square", "--envelope", "k"], "lattice must have one axis"),
 }
 

@@ -1,0 +1,221 @@
+"""What ``longwave derive --envelope`` prints: an envelope, its numbers, checks, or a map of k."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from sympy import Expr, Rational, pi
+
+from derive.algebra.exact_numbers import Number, shown
+from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map, wavenumber
+from derive.checks import Check, checks_of_envelope, simple_numbers
+from derive.lattice import Lattice
+from derive.normal_form import NORMAL_EQUATIONS, NormalForm
+from derive.output.notation import aligned, latex_of, text_of
+from derive.output.printout import Wanted, count
+from derive.output.report import form_data
+
+if TYPE_CHECKING:
+    Values = Mapping[str, Number]
+
+MOST_POINTS = 200
+
+NLS_ORDER, HIGHEST_ORDER = 3, 4
+"""Powers of eps at which the NLS equation and its correction stand."""
+
+NEXT_ORDER = ("a3", "a1", "a2")
+
+_LATEX = {"omega": r"\omega", "mean": "b_0", "second": "b_2", "detuning": r"\delta"}
+
+
+def carrier_lines(lattice: Lattice, wanted: Wanted, values: Values) -> Iterator[str]:
+    """The lines that are asked for; raises ValueError for wrong input."""
+    for option, given in (
+        ("--background", wanted.background),
+        ("--amplitude", wanted.amplitude),
+        ("--time", wanted.time),
+    ):
+        if given is not None:
+            raise ValueError(f"{option} must be left out with --envelope, got {given!r}")
+    if wanted.orders not in (None, "3", "4"):
+        raise ValueError(
+            f"--order must be 3 (the NLS equation) or 4 (its correction) with --envelope, got "
+            f"{wanted.orders!r}"
+        )
+    chosen = _carrier(wanted.carrier or "")
+    text = wanted.branch or "acoustic"
+    branch = int(text) if text.isdecimal() and len(text) < 4 else text
+    if wanted.points is not None:
+        yield from _map_lines(lattice, wanted, chosen, branch, values)
+    elif wanted.check:
+        yield from _checked(lattice, branch, values)
+    else:
+        yield from _lines(lattice, wanted, chosen, branch, values)
+
+
+def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:
+    """The identities at all wavenumbers; with several fields at simple values of the constants."""
+    given = values
+    if len(lattice.fields) > 1 and not values:
+        given = {str(s): value for s, value in simple_numbers(lattice.constants).items()}
+    found = envelope(lattice, branch=branch, **({} if lattice.definitions else given))
+    at = ", ".join(f"{name} = {value}" for name, value in given.items())
+    yield f"{lattice.name}: i A_T + p A_XX + q |A|^2 A = 0{' at ' + at if at else ''}"
+    yield from map(Check.text, checks_of_envelope(found))
+
+
+def _lines(
+    lattice: Lattice, wanted: Wanted, chosen: Expr | None, branch: str | int, values: Values
+) -> Iterator[str]:
+    if lattice.definitions and values and chosen is None:
+        raise ValueError(
+            f"--set must come with --envelope k=NUMBER for {lattice.name}, got k alone (its "
+            "coefficients are functions of constants that these define)"
+        )
+    given = {} if lattice.definitions else values
+    found = envelope(lattice, k=chosen, branch=branch, **given)
+    names = [n for n in found.parts if wanted.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
+    numbers = found.coefficients(chosen, None, **values) if chosen is not None and values else None
+    form = found.normal_form(chosen, None, **values) if numbers else None
+    if wanted.form == "json":
+        yield json.dumps(_data(found, names, numbers, form), indent=2)
+    elif wanted.form == "latex":
+        yield _latex(found, names, numbers)
+    else:
+        yield from _texts(found, names, numbers, form, chosen)
+
+
+def _data(
+    found: Envelope, names: list[str], numbers: EnvelopeNumbers | None, form: NormalForm | None
+) -> dict[str, Any]:
+    data = {
+        "lattice": found.lattice.name,
+        "equation": "i A_T + p A_XX + q |A|^2 A = 0",
+        "k": None if found.wavenumber is None else text_of(found.wavenumber),
+        "branch": found.branch,
+        "fixed": str(found.carrier.fixed),
+        "constants": {str(s): text_of(value) for s, value in found.constants.items()},
+    }
+    if numbers is None or form is None:
+        return {**data, **{name: text_of(found.expressions[name]) for name in names}}
+    kept = {n: _plain(v) for n, v in asdict(numbers).items() if n in ("omega", *names)}
+    return {**data, "numbers": kept, "normal_form": {**form_data(form), "digits": form.digits}}
+
+
+def _latex(found: Envelope, names: list[str], numbers: EnvelopeNumbers | None) -> str:
+    rows = [("", r"i A_T + p A_{XX} + q |A|^2 A = 0")]
+    if numbers is None:
+        values = {name: latex_of(found.expressions[name]) for name in names}
+    else:
+        kept = asdict(numbers)
+        values = {name: _rounded(kept[name]) for name in ("omega", *names)}
+    rows += [("", f"{_name(name)} = {value}") for name, value in values.items()]
+    return aligned(rows)
+
+
+def _name(name: str) -> str:
+    return _LATEX.get(name) or (f"{name[0]}_{name[1:]}" if name[1:] else name)
+
+
+def _texts(
+    found: Envelope,
+    names: list[str],
+    numbers: EnvelopeNumbers | None,
+    form: NormalForm | None,
+    chosen: Expr | None,
+) -> Iterator[str]:
+    lattice = found.lattice
+    yield lattice.title
+    yield from (f"  {line}" for line in lattice.equations())
+    yield f"carrier: {lattice.fields[0]} = eps A(X, T) exp(i (k n - omega t)) + c.c. + ..."
+    yield "  X = eps (n - v t), T = eps^2 t"
+    if numbers is None or form is None:
+        at = "" if chosen is None else f" at k = {text_of(chosen)}"
+        yield f"i A_T + p A_XX + q |A|^2 A = 0{at}:"
+        yield f"  omega^2 gives {found.carrier.fixed}, which is eliminated"
+        yield from (f"  {name} = {text_of(found.expressions[name])}" for name in names)
+        return
+    yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
+    kept = asdict(numbers)
+    yield from (f"  {name} = {_rounded(kept[name])}" for name in ("omega", *names))
+    kind = "unstable, solitons bright" if numbers.is_focusing else "stable, solitons dark"
+    yield f"plane waves are {kind}: p q {'>' if numbers.is_focusing else '<'} 0"
+    yield f"normal form {NORMAL_EQUATIONS[form.equation].text}, {form.map_text}:"
+    yield from (f"  {name} = {_rounded(_number(value))}" for name, value in form.values.items())
+
+
+# the map
+
+
+def _map_lines(
+    lattice: Lattice, wanted: Wanted, chosen: Expr | None, branch: str | int, values: Values
+) -> Iterator[str]:
+    """p, q and the growth rate at equally spaced wavenumbers up to pi."""
+    points = count("--map", wanted.points or "", MOST_POINTS)
+    if chosen is not None or not points:
+        raise ValueError(
+            f"--map must be 1 or more, with --envelope k, got --map {points} with --envelope "
+            f"{wanted.carrier} (it takes the wavenumbers i pi/{points or 'N'})"
+        )
+    wavenumbers = [pi * Rational(i, points) for i in range(1, points + 1)]
+    rows = modulation_map(lattice, wavenumbers, branch, 1.0, **values)
+    if wanted.form == "json":
+        yield json.dumps(
+            {"lattice": lattice.name, "map": [_row_data(*row) for row in rows]}, indent=2
+        )
+        return
+    table: list[tuple[str, ...]] = [("k", "omega", "p", "q", "growth rate at |A| = 1")]
+    for k, numbers, rate in rows:
+        found = (numbers.omega, numbers.p, numbers.q, rate) if numbers else ()
+        table.append((f"{k:.6g}", *(f"{value:.6g}" for value in found or ())))
+    if wanted.form == "latex":
+        lines = [" & ".join(row if len(row) == 5 else (*row, *["-"] * 4)) for row in table]
+        yield r"\begin{tabular}{rrrrr}"
+        yield " \\\\\n".join(lines).replace("omega", r"$\omega$").replace("|A|", "$|A|$")
+        yield r"\end{tabular}"
+        return
+    for row in table:
+        cells = row if len(row) == 5 else (*row, "resonance: no NLS equation")
+        yield "  ".join(f"{cell:>12}" for cell in cells)
+
+
+def _row_data(k: float, numbers: EnvelopeNumbers | None, rate: float) -> dict[str, Any]:
+    if numbers is None:
+        return {"k": k, "resonance": True}
+    named = {"omega": numbers.omega, "p": numbers.p, "q": numbers.q}
+    return {"k": k, **named, "focusing": numbers.is_focusing, "growth_rate": rate}
+
+
+# numbers
+
+
+def _carrier(text: str) -> Expr | None:
+    """The wavenumber of ``k=pi``, ``k=pi/2`` or ``k=1.2``; None for ``k``."""
+    name, sign, value = text.replace(" ", "").partition("=")
+    if name != "k" or (sign and not value):
+        raise ValueError(f"--envelope must be k or k=NUMBER, got {shown(text)} (such as k=pi)")
+    if not value:
+        return None
+    try:
+        found = read_formula(value, Vocabulary({}), "k")
+    except ValueError as error:
+        raise ValueError(f"--envelope: {error}") from None
+    return wavenumber(found)
+
+
+def _plain(value: complex) -> float | list[float]:
+    return [value.real, value.imag] if isinstance(value, complex) else value
+
+
+def _number(value: Expr) -> float:
+    return float(value)
+
+
+def _rounded(value: complex) -> str:
+    if not isinstance(value, complex):
+        return f"{value:.12g}"
+    return f"{value.imag:.12g} i" if not value.real else f"{value.real:.12g} {value.imag:+.12g} i"
