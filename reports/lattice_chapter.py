@@ -43,7 +43,7 @@ ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 
 PEREGRINES = ("fput_peregrine", "dimer_peregrine", "granular_peregrine")
 
-ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 240, 16
+ROGUE_CELLS, PEREGRINE_CELLS, NEAR = 120, 180, 16
 """Cells shown to either side of c t: of rogue waves, of envelopes, and of their carriers."""
 
 
@@ -125,9 +125,9 @@ def _rogue_row(found: SceneRun) -> list[Snapshot]:
 
 
 def _peregrine_row(found: SceneRun) -> list[Snapshot]:
-    """The wave at its crest and at the end, and its carrier at the crest."""
+    """The wave at its crest, and its carrier there and at the end."""
     if found.run is None:
         return []
     crest = int(np.argmin(np.abs(found.run["time"].values)))
-    wide = lattice_snapshots(found.run, found.scene.eps, PEREGRINE_CELLS, (crest, -1))
-    return [*wide, *lattice_snapshots(found.run, found.scene.eps, NEAR, (crest,))]
+    wide = lattice_snapshots(found.run, found.scene.eps, PEREGRINE_CELLS, (crest,))
+    return [*wide, *lattice_snapshots(found.run, found.scene.eps, NEAR, (crest, -1))]

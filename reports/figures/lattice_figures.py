@@ -77,8 +77,8 @@ def map_figure(run: xr.Dataset) -> Figure:
     return figure
 
 
-RATE_HEIGHT = 2.9
-"""Height of the panels of errors over eps, in inches."""
+RATE_HEIGHT, RATES_ACROSS = 2.3, 2
+"""Height of a row of panels of errors over eps, in inches, and panels in it."""
 
 
 def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figure:
@@ -86,20 +86,24 @@ def rate_figure(panels: Mapping[float, Mapping[str, Sequence[ErrorAt]]]) -> Figu
 
     A panel is that of a power of eps, which a dotted line has, and of the curves by their labels.
     """
-    figure = Figure((TEXT_WIDTH, RATE_HEIGHT), layout="constrained")
-    grid = figure.subplots(1, len(panels), squeeze=False)[0]
-    for ax, (power, curves) in zip(grid, panels.items(), strict=True):
+    down = -(-len(panels) // RATES_ACROSS)
+    figure = Figure((TEXT_WIDTH, RATE_HEIGHT * down), layout="constrained")
+    grid = figure.subplots(down, RATES_ACROSS, squeeze=False)
+    for ax, (power, curves) in zip(grid.flat, panels.items(), strict=False):
         for place, (label, errors) in enumerate(curves.items()):
             _draw_errors(ax, label, errors, CURVES[place % len(CURVES)])
         _draw_power(ax, [point for errors in curves.values() for point in errors], power)
-        ax.legend(fontsize=7.0, labelspacing=0.2, handlelength=2.0)
-    grid[0].set_ylabel("sup error of the strain")
+        ax.legend(fontsize=7.5, labelspacing=0.3, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    for ax in list(grid.flat)[len(panels) :]:
+        ax.set_visible(False)
+    for ax in grid[:, 0]:
+        ax.set_ylabel("sup error of the strain")
+    for ax in grid[-1]:
+        ax.set_xlabel(r"$\epsilon$")
     return figure
 
 
-def _draw_errors(
-    ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]
-) -> None:
+def _draw_errors(ax: Axes, label: str, errors: Sequence[ErrorAt], look: Mapping[str, Any]) -> None:
     eps = [point.eps for point in errors]
     own = [min(point.discretisation, 0.99 * point.error) for point in errors]
     ax.errorbar(
@@ -123,7 +127,6 @@ def _draw_power(ax: Axes, points: Sequence[ErrorAt], power: float) -> None:
     ticks = [tick for tick in (0.02, 0.05, 0.1, 0.2, 0.3, 0.5) if ends[0] <= tick <= ends[1]]
     ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     ax.set_xticks([], minor=True)
-    ax.set_xlabel(r"$\epsilon$")
 
 
 DEFOCUSING = "#d9d9d9"

@@ -87,27 +87,30 @@ def scene_maps(runs: Mapping[str, SceneRun]) -> str:
 
 
 def rate_table(rates: Iterable[MeasuredRate]) -> str:
-    """Each lattice with its numbers, below it the rates and the error at every eps."""
+    """Each lattice with its numbers; below it each rate, and the error at every eps."""
     lines, last = [], ""
     for found in rates:
         words = rate_title(found)
         if words != last:
-            lines.append([rf"\multicolumn{{6}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{words}}}"])
+            lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
             last = words
         rate = rf"${found.study.rate:.2f} \pm {found.study.uncertainty:.2f}$"
-        errors = r"\newline ".join(_error_words(point) for point in found.study.errors)
-        lines.append(
+        errors = ", ".join(
+            f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
+            for point in found.study.errors
+        )
+        lines += [
             [
                 rf"\nopagebreak {escape(found.kind)}",
                 escape(found.wave),
                 found.order,
                 f"${found.expected:g}$",
                 rate + ("" if found.reached else " (NOT REACHED)"),
-                errors,
-            ]
-        )
-    head = ["equation", "wave", "data", "expected", "rate", "sup error of the strain"]
-    return table("L{28mm}L{34mm}lllL{46mm}", head, lines)
+            ],
+            [rf"\nopagebreak\multicolumn{{5}}{{L{{160mm}}}}{{errors {errors}}}"],
+        ]
+    head = ["equation", "wave", "data", "expected", "rate"]
+    return table("L{36mm}L{44mm}lll", head, lines)
 
 
 def rate_title(found: MeasuredRate) -> str:
@@ -116,10 +119,6 @@ def rate_title(found: MeasuredRate) -> str:
         f"${latex_of(Symbol(name))} = {latex_of(value)}$" for name, value in found.constants
     )
     return f"{escape(found.case)}: {title_latex(found.lattice)}; {values}"
-
-
-def _error_words(point: ErrorAt) -> str:
-    return rf"$\epsilon={point.eps:g}$: {measured(point.error, point.discretisation)}"
 
 
 def rate_panels(

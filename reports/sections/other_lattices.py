@@ -87,7 +87,7 @@ def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
     remarks = ", ".join(f"${latex_of(left)} = {latex_of(right)}$" for left, right in equal)
     return ModelRow(
         title_latex(title) + (f": {remarks}" if remarks else ""),
-        reduction.pde.kind.replace(" or generalised KP", " or"),
+        reduction.pde.kind.replace(" or generalised ", " or "),
         scaling.amplitude + (scaling.space[0].exponent if reduction.is_displacement else 0),
         _equation_latex(reduction),
         latex_of(reduction.speed_squared),
@@ -144,18 +144,18 @@ def model_table(rows: Iterable[ModelRow]) -> str:
             lines.append([rf"\multicolumn{{4}}{{L{{160mm}}}}{{\rule{{0pt}}{{3ex}}{found.model}}}"])
             last = found.model
         size = rf"$\epsilon^{{{found.size}}}$" if found.size > 1 else r"$\epsilon$"
-        where = rf"$c^{{2}} = {found.speed}$"
+        speed = rf"\newline\rule{{0pt}}{{2.7ex}}$c^{{2}} = {found.speed}$"
+        needs = f"; needs {found.needs}" if found.needs else ""
         lines.append(
             [
-                rf"\nopagebreak {escape(found.kind)}",
+                rf"\nopagebreak\rule{{0pt}}{{2.7ex}}{escape(found.kind)}",
                 size,
-                rf"${found.equation}$\newline {where}"
-                + (f"; needs {found.needs}" if found.needs else ""),
+                f"${found.equation}${speed}{needs}",
                 wave_names(found.waves),
             ]
         )
-    head = ["equation", "strain", "", "closed waves"]
-    return table("L{23mm}lL{92mm}L{29mm}", head, lines)
+    head = ["kind", "size", "equation, speed, condition", "closed waves"]
+    return table("L{19mm}lL{101mm}L{25mm}", head, lines)
 
 
 def wave_names(names: Sequence[str]) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sympy import Expr, Rational
+from sympy import Expr, Rational, S
 
 from derive import LATTICES
+from derive.symbols import eps, ybar
 from solutions import closed_form
 from verify.lattices.convergence import ConvergenceStudy
 from verify.lattices.rate_cases import RATE_CASES, RateCase, Value
@@ -26,8 +28,8 @@ REACHED = 0.2
 class MeasuredRate:
     """A case's errors over eps with data of one order, and the rate to expect.
 
-    ``lattice`` and ``wave`` are titles, ``kind`` is the equation's name, ``eps`` may be in the
-    values of ``constants``.
+    ``lattice`` and ``wave`` are titles, ``kind`` is the equation's name.  ``constants`` are the
+    lattice's, with the mean strain where there is one; eps may be in their values.
     """
 
     case: str
@@ -56,13 +58,20 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     return MeasuredRate(
         name,
         LATTICES[case.lattice].title,
-        tuple((key, _exact(value)) for key, value in case.constants.items()),
+        tuple((key, _exact(value)) for key, value in _numbers(case)),
         case.reduction.pde.kind,
         closed_form(case.wave).title if case.wave else "soliton, computed",
         order,
         case.rates[order],
         case.study(order),
     )
+
+
+def _numbers(case: RateCase) -> Iterator[tuple[str, Value]]:
+    yield from case.constants.items()
+    mean = sum((value * eps**power for power, value in case.scaling.background), S.Zero)
+    if mean:
+        yield str(ybar), mean
 
 
 def _exact(value: Value) -> Expr:
