@@ -1,6 +1,7 @@
 """Waves of KdV, Gardner, Kawahara, KP and NLS: values, jets, antiderivatives, what is refused."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -286,3 +287,18 @@ def test_an_equation_shows_itself() -> None:
     assert KP._repr_latex_().count("s U") == NLS._repr_latex_().count("s |U") == 1
     shown = Equation("any", -1, "modified Kawahara", 1)._repr_latex_()
     assert r"U_\tau + 6 U^2 U_\xi - U_{\xi\xi\xi} - U_{5\xi} = 0" in shown
+
+
+@pytest.mark.parametrize("name", CATALOGUE.of("KP").names)
+def test_a_potential_has_the_wave_as_its_slope(name: str) -> None:
+    """And its derivatives by T and Z are those of its numbers, in the lattice's scales."""
+    form = closed_form(name)
+    wave, X, h = made(form, kappa=1, q=sp.Rational(1, 3)), np.linspace(-2.0, 2.0, 5), 1e-5
+    _, W_X, W_T, W_Z = wave.potential(X, 0.3, Z=0.2)
+    assert pytest.approx(wave(X, 0.3, Z=0.2).Y, abs=1e-13) == W_X
+    later, earlier = (wave.potential(X, 0.3 + d, Z=0.2).Y for d in (h, -h))
+    assert (later - earlier) / (2 * h) == pytest.approx(W_T, abs=1e-8)
+    beyond, before = (wave.potential(X, 0.3, Z=0.2 + d).Y for d in (h, -h))
+    assert (beyond - before) / (2 * h) == pytest.approx(W_Z, abs=1e-8)
+    with pytest.raises(ValueError, match="form must be one with a potential"):
+        made(replace(form, potential=None), kappa=1).potential(0.0, 0.0, Z=0.0)

@@ -88,26 +88,31 @@ def convergence_study(
     eps_values: Sequence[float],
     slow_times: tuple[float, float],
     within: float | None = None,
+    causal: bool = False,
 ) -> ConvergenceStudy:
     """Errors of the waves that ``make`` gives for each eps, from T = ``slow_times[0]`` to [1].
 
     Compared are the cells where the wave is, or those within ``within`` in X of the frame, which a
-    wave that does not end needs: its ring is then so long that nothing comes round it.
+    wave that does not end needs: its ring is then so long that nothing comes round it, as any
+    ring is that is ``causal``.
     """
-    errors = tuple(error_at(make(eps), slow_times, within) for eps in eps_values)
+    errors = tuple(error_at(make(eps), slow_times, within, causal) for eps in eps_values)
     own = [found.discretisation for found in errors]
     rate, uncertainty = fitted_rate(eps_values, [found.error for found in errors], own)
     return ConvergenceStudy(errors, rate, uncertainty)
 
 
 def error_at(
-    wave: LatticeWave, slow_times: tuple[float, float], within: float | None = None
+    wave: LatticeWave,
+    slow_times: tuple[float, float],
+    within: float | None = None,
+    causal: bool = False,
 ) -> ErrorAt:
     """The sup error of one wave over several times after the first, with the run's own error."""
     begin, end = (T / wave.eps**wave.slow for T in slow_times)
     times = np.linspace(begin, end, SNAPSHOTS + 1)
     wave.start(begin)
-    window = _Window(wave, times, within)
+    window = _Window(wave, times, within, causal)
     first, second = (
         window.differences(window.ring(longer), share)
         for longer, share in ((1.0, STEP), (LONGER, LONGER_STEP))
@@ -120,10 +125,10 @@ def error_at(
 class _Window:
     """The cells that are compared at each of the times, and rings that hold them."""
 
-    def __init__(self, wave: LatticeWave, times: Array, within: float | None) -> None:
+    def __init__(self, wave: LatticeWave, times: Array, within: float | None, causal: bool) -> None:
         self._wave, self._times = wave, times
         self._ends = [self._around(float(t), within) for t in times]
-        self._is_causal = within is not None
+        self._is_causal = causal or within is not None
         duration = float(times[-1] - times[0])
         low, high = self._ends[0]
         if self._is_causal:

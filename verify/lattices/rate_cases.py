@@ -8,19 +8,20 @@ Where quadratic forces cancel in a cell without vanishing the correction comes a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
 from sympy import Expr, Rational
 
-from derive import LATTICES, Scaling, reduce
+from derive import LATTICES, Scaling, SlowVariable, reduce
 from derive.lattice import Lattice
 from derive.reduction import Reduction
-from derive.symbols import eps
+from derive.symbols import c, eps
 from solutions import Wave, closed_form
 from verify.lattices.computed_soliton import ComputedSoliton
 from verify.lattices.convergence import ConvergenceStudy, convergence_study
+from verify.lattices.line_chain import lattice_along
 from verify.lattices.long_wave_data import JetWave, LongWaveData
 
 Value: TypeAlias = int | str | Expr
@@ -32,7 +33,8 @@ class RateCase:
 
     ``wave`` names a closed form, or "" is the computed soliton of the ``speed`` in ``parameters``.
     ``rates``: the power of eps that the strain's error falls with, for each order of the data.
-    ``within``: of X, where the wave does not end.
+    ``within``: of X, where the wave does not end.  ``steps``: of `lattice_along`, for waves along a
+    line of a lattice of two axes.
     """
 
     name: str
@@ -45,13 +47,15 @@ class RateCase:
     eps: tuple[float, ...] = (0.2, 0.14, 0.1, 0.07)
     slow_times: tuple[float, float] = (0.0, 2.0)
     within: float | None = None
-    interval: tuple[float, float] | None = field(default=None)
+    interval: tuple[float, float] | None = None
+    steps: tuple[int, ...] = ()
 
     @cached_property
     def numeric(self) -> Lattice:
         """The lattice with its numbers."""
         values = {name: _exact(value) for name, value in self.constants.items()}
-        return LATTICES[self.lattice].with_values(values)
+        lattice = LATTICES[self.lattice].with_values(values)
+        return lattice_along(lattice, self.steps) if self.steps else lattice
 
     @cached_property
     def reduction(self) -> Reduction:
@@ -76,7 +80,11 @@ class RateCase:
         """Its errors over eps."""
         chosen = values or self.eps
         return convergence_study(
-            lambda at: self.data(at, order), chosen, self.slow_times, self.within
+            lambda at: self.data(at, order),
+            chosen,
+            self.slow_times,
+            self.within,
+            causal=order == "corrected",
         )
 
 
@@ -100,6 +108,10 @@ FOURTH = {"leading": 4.0, "slaved": 4.0, "corrected": 6.0}
 SIXTH = {"leading": 6.0, "slaved": 6.0, "corrected": 8.0}
 OF_CELLS = {"slaved": 3.0, "corrected": 5.0}
 OF_CELLS_QUADRATIC = {"slaved": 4.0, "corrected": 6.0}
+
+ROGUE = {"slaved": 3.0}
+OBLIQUE = (SlowVariable("X", 1, (Rational(1, 5),), c),)
+"""Along (3, 4)/5 of the square lattice, k = 3 n + 4 m."""
 
 KDV, MKDV, GARDNER = "kdv_soliton", "soliton_sech", "gardner_soliton"
 LARGER = (0.4, 0.3, 0.25, 0.2)
@@ -221,11 +233,91 @@ RATE_CASES = {
         RateCase(
             "6e",
             "dimer",
-            {"K2": 1, "K3": 1, "K4": 6, "H2": 2, "H3": -8, "H4": 60, **MASSES},
+            {"K2": 1, "K3": 1, "K4": "5/2", "H2": 2, "H3": -8, "H4": 60, **MASSES},
             Scaling(0),
             MKDV,
             {"A": HALF},
             {"slaved": 2.0, "corrected": 3.0},
+            (0.06, 0.045, 0.035, 0.025),
+            (0.0, 1.0),
+        ),
+        RateCase(
+            "7e",
+            "square",
+            {**FULL, "K4": 0, "H2": 1, "H3": 1, "H4": 0},
+            Scaling(1, OBLIQUE),
+            KDV,
+            {"kappa": 1},
+            FOURTH,
+            steps=(3, 4),
+        ),
+        RateCase(
+            "7f",
+            "square",
+            {**CUBIC, "H2": 1, "H3": 0, "H4": 1},
+            Scaling(0, OBLIQUE),
+            MKDV,
+            {"A": HALF},
+            THIRD,
+            steps=(3, 4),
+        ),
+        RateCase(
+            "7h",
+            "square",
+            {**FULL, "K4": 0, "H2": 2, "H3": 1, "H4": 0},
+            Scaling(1, OBLIQUE),
+            KDV,
+            {"kappa": 1},
+            FOURTH,
+            steps=(3, 4),
+        ),
+        RateCase(
+            "4b, second rogue wave",
+            "fput_strain",
+            FULL,
+            Scaling(background=((0, -Rational(1, 3)),)),
+            "rational_2",
+            {},
+            ROGUE,
+            (0.03, 0.025, 0.02, 0.016),
+            (-0.08, 0.08),
+            2.0,
+        ),
+        RateCase(
+            "4b, rogue wave on cn",
+            "fput_strain",
+            FULL,
+            Scaling(background=((0, -Rational(1, 3)),)),
+            "rogue_cn",
+            {"k": HALF},
+            ROGUE,
+            (0.1, 0.07, 0.05, 0.035),
+            (-0.3, 0.3),
+            3.0,
+        ),
+        RateCase(
+            "6a, second rogue wave",
+            "mass_dimer",
+            {**CUBIC, **MASSES},
+            Scaling(0),
+            "rational_2",
+            {},
+            ROGUE,
+            (0.07, 0.05, 0.04, 0.03),
+            (-0.6, 0.6),
+            2.0,
+        ),
+        RateCase(
+            "6a, rogue wave on cn",
+            "mass_dimer",
+            {**CUBIC, **MASSES},
+            Scaling(0),
+            "rogue_cn",
+            {"k": HALF},
+            ROGUE,
+            (0.14, 0.1, 0.08, 0.06),
+            (-3.0, 3.0),
+            3.0,
         ),
     )
 }
