@@ -128,6 +128,9 @@ class LatticeScene:
         object.__setattr__(self, name, value)
 
     def _check_moments(self) -> None:
+        for key in ("slow_times", "times"):
+            if not getattr(self, key):
+                self._set(key, ())
         given = [key for key in ("slow_times", "times") if getattr(self, key)]
         if len(given) != 1:
             got = "both" if given else "neither"

@@ -254,9 +254,19 @@ def _energy(ring: CellRing, f: Array, v: Array) -> float:
 
 
 def _stiffest(ring: CellRing) -> list[float]:
-    """The largest slope of each bond's force about the stretches of a state."""
+    """The largest slope of each bond's force about the stretches of a state.
+
+    Raises ValueError where a force is not defined.
+    """
     pairs = zip(ring.lattice.bonds, ring.lattice.stretches(ring.f), strict=True)
-    return [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    with np.errstate(all="ignore"):
+        found = [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    if not all(map(math.isfinite, found)):
+        raise ValueError(
+            f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
+            "stretches one beyond what its force is for (take a smaller eps)"
+        )
+    return found
 
 
 def march(
@@ -272,7 +282,8 @@ def march(
         steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
         h = (end - begin) / steps
         for done in range(0, steps, most):
-            dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
+            with np.errstate(all="ignore"):
+                dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
             if not np.all(np.isfinite(f)):
                 return
         yield end, f, v, steps
