@@ -38,7 +38,7 @@ CERTAIN = 5e-14
 OF_LARGEST = 1e-13
 """Largest bound of a jet's error, in units of the largest of its order."""
 
-NOTHING = 1e-20
+NOTHING = 1e-10
 """A jet that is smaller than this everywhere, in units of h a**order, counts as this large."""
 
 HIGHEST = 20
@@ -159,7 +159,7 @@ class NumericWave:
         """Y, Y_X, Y_XX, ... to the order ``highest`` at the points: (highest + 1, ...).
 
         By Taylor arithmetic in double-double. The error is below 1e-13 of the largest value of the
-        same order at these points. Complex for NLS.
+        same order at these points, or below 1e-23 h a**order. Complex for NLS.
 
         Raises ValueError for an order that is not one of 0 .. ``HIGHEST``.
         """

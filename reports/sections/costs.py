@@ -57,7 +57,7 @@ def accuracy_table(results: Iterable[Accuracy]) -> str:
         for result in results
     ]
     head = ["wave", "points", "$Y$", "$Y_X$", "$Y_T$", "at parameters", "$n$", "$t$"]
-    return block("lrrrrp{52mm}rr", head, rows)
+    return table("lrrrrp{46mm}rr", head, rows)
 
 
 def _where(text: str) -> tuple[str, str, str]:

@@ -12,7 +12,7 @@ from derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, 
 from derive.dispersion import agrees_with_reduction
 from reports.formulas.formula import Formula
 from reports.formulas.printing import equation_latex, latex
-from reports.latex import block, escape, scientific
+from reports.latex import block, escape, scientific, table
 from reports.paper import cited
 from solutions import CATALOGUE, ClosedForm
 from solutions.record import Equation
@@ -151,7 +151,7 @@ def proof_table(records: Iterable[ProofRecord], residuals: Mapping[str, Verdict]
         for record in records
     ]
     head = ["solution", "verdict", "method", "kB", "prove/s", "check/s", "checker", "residual"]
-    return block("lllrrrll", head, rows)
+    return table("lllrrrll", head, rows)
 
 
 def mutation_table(counts: Iterable[MutationCount]) -> str:
