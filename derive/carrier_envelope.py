@@ -40,6 +40,9 @@ ROUNDING = 1e-12
 _MAPPED = ("v", "p", "q")
 """What the normal form depends on."""
 
+OWN_NAMES = {"C", "omega", "s", "w", "z"}
+"""Symbols that stand for the carrier's phase, frequency and sines."""
+
 TURNED = ("p", "q", "detuning")
 """Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A + i detuning S A``."""
 
@@ -133,7 +136,8 @@ class Envelope(Displayed):
         actual = {sine: sin(angle / 2), cosine: cos(angle / 2)}
         real, imaginary = (part.subs({**self.constants, **actual}) for part in in_sines(element))
         found = real + I * imaginary
-        return found if self.wavenumber is None else simplify(found)
+        algebraic = self.wavenumber is not None and (self.wavenumber / pi).is_Rational
+        return simplify(found) if algebraic else found
 
     def coefficients(
         self, k: Number | None = None, branch: str | int | None = None, **constants: Number
@@ -299,6 +303,12 @@ def envelope(
         raise ValueError(f"lattice must have one axis, got {lattice.dimension} (take a chain)")
     chosen = None if k is None else wavenumber(k)
     number = _branch(branch, lattice)
+    taken = sorted({str(symbol) for symbol in lattice.constants} & OWN_NAMES)
+    if taken:
+        raise ValueError(
+            f"constants must have names other than {', '.join(sorted(OWN_NAMES))}, got {taken[0]} "
+            "(those are the carrier's own)"
+        )
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = {}
     for name, value in constants.items():

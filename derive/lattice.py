@@ -266,6 +266,8 @@ class Lattice(Displayed):
                     "(such as 'y', 'z')"
                 )
         for mass in self.masses:
+            if mass.has(x):
+                raise ValueError(f"mass must not depend on the stretch x, got {mass} (a constant)")
             if mass.is_nonpositive:
                 raise ValueError(f"mass must satisfy mass > 0, got {mass} (1 is the unit)")
         for entry in (entry for bond in self.bonds for entry in (*bond.stretch, *bond.action)):

@@ -22,6 +22,7 @@
     action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
     force = "K2*x + K3*x**2"
 
+A small constant is written with its power of eps, as in ``force = "K2*x + eps*k3*x**2"``.
 Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated.
 """
 
@@ -38,7 +39,7 @@ import sympy as sp
 from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import Vocabulary, read_formula
 from derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
-from derive.symbols import x
+from derive.symbols import eps, x
 
 LARGEST = 100_000
 """Bytes of a file."""
@@ -117,7 +118,9 @@ class _Symbols:
         self.known: dict[str, sp.Symbol] = {}
 
     def symbol(self, name: str) -> sp.Symbol:
-        """The constant of a name."""
+        """The constant of a name; eps is the small parameter."""
+        if name == str(eps):
+            return eps
         made = (
             sp.Symbol(name, positive=True) if name in self.positive else sp.Symbol(name, real=True)
         )

@@ -181,5 +181,9 @@ class Scaling(Displayed):
 
         mean = "".join(f"{small(p)}{bracketed(value, printed)} + " for p, value in self.background)
         moving = f"{small(self.amplitude)}{wave}({', '.join(self.axes)})"
-        slow = (f"{v.name} = {small(v.exponent)}({v.phase(printed)})" for v in self.space)
+        phases = ((v, v.phase(printed)) for v in self.space)
+        slow = (
+            f"{v.name} = {small(v.exponent)}{f'({phase})' if ' ' in phase else phase}"
+            for v, phase in phases
+        )
         return [f"{field} = {mean}{moving}", *slow, f"T = {small(self.time)}t"]

@@ -71,11 +71,6 @@ def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[st
 def _lines(
     lattice: Lattice, wanted: Wanted, chosen: Expr | None, branch: str | int, values: Values
 ) -> Iterator[str]:
-    if lattice.definitions and values and chosen is None:
-        raise ValueError(
-            f"--set must come with --envelope k=NUMBER for {lattice.name}, got k alone (its "
-            "coefficients are functions of constants that these define)"
-        )
     given = {} if lattice.definitions else values
     found = envelope(lattice, k=chosen, branch=branch, **given)
     names = [n for n in found.parts if wanted.orders != str(NLS_ORDER) or n not in NEXT_ORDER]
@@ -138,6 +133,8 @@ def _texts(
         yield f"i A_T + p A_XX + q |A|^2 A = 0{at}:"
         yield f"  omega^2 gives {found.carrier.fixed}, which is eliminated"
         yield from (f"  {name} = {text_of(found.expressions[name])}" for name in names)
+        for symbol, value in found.carrier.lattice.definitions:
+            yield f"  where {symbol} = {text_of(value.subs(found.constants))}"
         return
     yield f"i A_T + p A_XX + q |A|^2 A = 0 at k = {chosen}:"
     kept = asdict(numbers)

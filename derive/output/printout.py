@@ -45,6 +45,8 @@ class Wanted:
 def print_derivation(wanted: Wanted) -> int:
     """Print it; returns the exit status (1 if a check differs, 2 for wrong input)."""
     try:
+        if wanted.check and wanted.form != "text":
+            raise ValueError(f"--{wanted.form} must be left out with check, got it (it is text)")
         lattice = _lattice(wanted.model)
         values: dict[str, Number] = {n: parse_rational(n, t) for n, t in wanted.constants.items()}
         if wanted.carrier is not None:

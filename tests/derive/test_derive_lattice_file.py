@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from sympy import simplify
 
-from derive import LATTICES, Scaling, lattice_of, read_lattice, reduce
+from derive import LATTICES, Scaling, envelope, lattice_of, read_lattice, reduce
 from derive.__main__ import main
 
 DIMER = """
@@ -110,6 +110,7 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "root": (HEAD + SPRING.replace("K*x", "sqrt(x)"), "smooth about zero stretch"),
     "pole": (HEAD + SPRING.replace("K*x", "1/x"), "smooth about zero stretch"),
     "complex": (HEAD + SPRING.replace("K*x", "I*x"), "must be a finite real number"),
+    "mass x": (HEAD + 'masses = ["x"]\n' + SPRING, "mass must not depend on the stretch x"),
     "reserved": (HEAD + SPRING.replace("K*x", "T*x"), "must have names other than"),
     "axes": (
         HEAD + SPRING + SPRING.replace("u[n]", "u[n, m]").replace("u[n+1]", "u[n, m+1]"),
@@ -159,7 +160,10 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     "carrier 9": (["fput_strain", "--envelope", "k=9"], "k must satisfy 0 < k <= pi"),
     "carrier text": (["fput", "--envelope", "k=exit()"], "--envelope: k: expected"),
     "branch": (["fput", "--envelope", "k=1", "--branch", "high"], "branch must be acoustic"),
-    "both": (["fput", "--envelope", "k", "--orders", "5"], "--order must be 3 (the NLS equation) or 4"),
+    "both": (
+        ["fput", "--envelope", "k", "--orders", "5"],
+        "--order must be 3 (the NLS equation) or 4",
+    ),
     "square": (["square", "--envelope", "k"], "lattice must have one axis"),
 }
 
@@ -184,3 +188,42 @@ def test_an_envelope_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert '"p": "-omega/8"' in capsys.readouterr().out
     assert main(["check", "fput_strain", "--envelope", "k"]) == 0
     assert "agrees: a1 + a2 = -dq/dk (exactly" in capsys.readouterr().out
+
+
+def test_a_small_constant_is_read(tmp_path: Path) -> None:
+    force = "K2*x + eps*k3*x**2 + K4*x**3"
+    lattice = read_lattice(written(tmp_path, STRAIN.replace("K2*x + K3*x**2 + K4*x**3", force)))
+    assert reduce(lattice).pde.kind == "Gardner"
+
+
+@pytest.mark.parametrize("name", ["z", "w", "s", "omega"])
+def test_a_constant_must_not_be_called_as_the_carrier_calls_its_own(name: str) -> None:
+    """A constant s was taken for sin(k/2)."""
+    spring = {"between": ["u[n]", "u[n+1]"], "force": f"K*x + {name}*x**2"}
+    with pytest.raises(
+        ValueError, match=f"must have names other than C, omega, s, w, z, got {name}"
+    ):
+        envelope(lattice_of({"fields": ["u"], "spring": [spring]}))
+
+
+def test_maps_and_orders_are_printed_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["fput", "--envelope", "k", "--map", "2", "--set", "K2=1,K3=0,K4=1"]
+    for form, wanted in (
+        ([], "growth rate"),
+        (["--json"], '"focusing": true'),
+        (["--latex"], "tabular"),
+    ):
+        assert main([*words, *form]) == 0
+        assert wanted in capsys.readouterr().out
+    at = ["fput", "--envelope", "k=pi", "--set", "K2=1,K3=0,K4=1", "--order", "3"]
+    for form in ([], ["--json"], ["--latex"]):
+        assert main([*at, *form]) == 0
+        out = capsys.readouterr().out
+        assert "a1" not in out
+        assert "-0.25" in out
+
+
+def test_a_background_strains_a_chain_of_displacements(capsys: pytest.CaptureFixture[str]) -> None:
+    """It only shifted them, and nothing changed."""
+    assert main(["fput", "--background", "1/2", "--order", "5"]) == 0
+    assert "c^2 = K3 + K2 + 3 K4/4" in capsys.readouterr().out
