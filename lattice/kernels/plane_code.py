@@ -1,12 +1,14 @@
 """The machine code of a stage in two dimensions, in LLVM's language: written from its `PlaneFlow`.
 
-A row of cells is contiguous in memory and taken in vectors of ``lanes``. After it has changed, the
-columns beside it are made to repeat it, so that no load needs to know where the ring closes.
+A row of cells is contiguous in memory and taken in vectors of ``lanes``. Before it is drifted, the
+columns beside it are made to repeat it; they are drifted and bear forces with it, so that no load
+needs to know where the ring closes. A row is taken a chunk at a time: what is drifted is still in
+the first cache when it stretches bonds, and so are the forces when they kick.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
@@ -14,9 +16,12 @@ from llvmlite import ir  # type: ignore[import-untyped]
 from lattice.kernels.plane_flow import Part, PlaneFlow
 from lattice.kernels.row_code import LaneCode, lane_force
 
-__all__ = ["sweep_text"]
+__all__ = ["margins", "sweep_text"]
 
 _DOUBLES, _INDEX = ir.DoubleType().as_pointer(), ir.IntType(64)
+
+CHUNK = 32
+"""Vectors of a chunk."""
 
 SPARE = 4096
 """Times its depth, what keeps the number of a kept row from being negative."""
@@ -48,21 +53,30 @@ class _Row:
         self._vectors = self._builder.sdiv(more, _INDEX(lanes))
 
     def write(self) -> None:
-        flow = self._flow
+        flow, code, builder = self._flow, self._code, self._builder
         for field in range(flow.fields):
-            self._drifted(field)
-        for place, bond in enumerate(flow.bonds):
-            self._when(self._behind(bond.rise), self._forced, place)
-        self._when(self._behind(flow.rise), self._kicked)
-        self._builder.ret_void()
+            for data in (self._f, self._v):
+                self._repeat(self._cells(data, field, self._front))
+        acted, ahead = margins(flow, self._lanes)
+        forced, kicked = (
+            builder.sub(self._front, _INDEX(behind)) for behind in (flow.high, flow.rise)
+        )
+        with code.loop(_INDEX(0), self._vectors, CHUNK) as chunk:
+            begun = builder.icmp_signed(">", chunk, _INDEX(0))
+            past = code.least(builder.add(chunk, _INDEX(CHUNK)), self._vectors)
 
-    def _behind(self, rows: int) -> Any:
-        return self._builder.sub(self._front, _INDEX(rows))
+            def part(more: int) -> tuple[Any, Any]:
+                """The chunk's vectors, ``more`` ahead; the first chunk has those before the row."""
+                first = builder.add(chunk, _INDEX(more))
+                first = builder.select(begun, first, _INDEX(-more))
+                return first, builder.add(past, _INDEX(more))
 
-    def _when(self, row: Any, write: Callable[..., None], *what: int) -> None:
-        """Do it on that row, if there is one."""
-        with self._builder.if_then(self._builder.icmp_signed(">=", row, _INDEX(0))):
-            write(row, *what)
+            for field in range(flow.fields):
+                self._drifted(field, *part(acted + ahead))
+            for row, more, do in ((forced, acted, self._forced), (kicked, 0, self._kicked)):
+                with builder.if_then(builder.icmp_signed(">=", row, _INDEX(0))):
+                    do(row, *part(more))
+        builder.ret_void()
 
     def _cells(self, data: Any, field: int, row: Any, column: int = 0) -> Any:
         """Where a field's row begins, or its cell of that column."""
@@ -80,22 +94,22 @@ class _Row:
 
     def _repeat(self, data: Any) -> None:
         """Make the columns beside a row repeat it."""
-        builder = self._builder
-        if not self._flow.reach:
+        builder, flow = self._builder, self._flow
+        reach = flow.stretched + flow.acted
+        if not reach:
             return
-        with self._code.loop(_INDEX(0), _INDEX(self._flow.reach)) as place:
+        with self._code.loop(_INDEX(0), _INDEX(reach)) as place:
             last = builder.sub(builder.sub(self._columns, _INDEX(1)), place)
             before = builder.sub(_INDEX(-1), place)
             after = builder.add(self._columns, place)
             for to, at in ((before, last), (after, place)):
                 builder.store(builder.load(builder.gep(data, [at])), builder.gep(data, [to]))
 
-    def _drifted(self, field: int) -> None:
+    def _drifted(self, field: int, first: Any, past: Any) -> None:
         f, v = (self._cells(data, field, self._front) for data in (self._f, self._v))
         code = self._code
-        with code.loop(_INDEX(0), self._vectors) as place:
+        with code.loop(first, past) as place:
             code.store(f, place, code.fma(self._drift, code.load(v, place), code.load(f, place)))
-        self._repeat(f)
 
     def _sum(self, parts: Sequence[Part], rows: Sequence[Any], place: Any) -> Any:
         """The parts' sum, whose rows begin there."""
@@ -115,22 +129,27 @@ class _Row:
                 total = add(total, value)
         return total
 
-    def _forced(self, row: Any, place: int) -> None:
-        """The forces of a bond of that row."""
-        bond, code = self._flow.bonds[place], self._code
+    def _forced(self, row: Any, first: Any, past: Any) -> None:
+        """The forces of all bonds of that row."""
+        code, bonds = self._code, self._flow.bonds
         rows = [
-            self._cells(self._f, part.source, code.builder.add(row, _INDEX(part.row)), part.column)
-            for part in bond.stretch
+            [
+                self._cells(
+                    self._f, part.source, code.builder.add(row, _INDEX(part.row)), part.column
+                )
+                for part in bond.stretch
+            ]
+            for bond in bonds
         ]
-        kept = self._kept(place, row)
-        with code.loop(_INDEX(0), self._vectors) as vector:
-            x = self._sum(bond.stretch, rows, vector)
-            if bond.offset is not None:
-                x = code.builder.fadd(x, self._numbers[bond.offset])
-            code.store(kept, vector, lane_force(code, x, bond.law, self._numbers))
-        self._repeat(kept)
+        kept = [self._kept(place, row) for place in range(len(bonds))]
+        with code.loop(first, past) as vector:
+            for bond, from_rows, to in zip(bonds, rows, kept, strict=True):
+                x = self._sum(bond.stretch, from_rows, vector)
+                if bond.offset is not None:
+                    x = code.builder.fadd(x, self._numbers[bond.offset])
+                code.store(to, vector, lane_force(code, x, bond.law, self._numbers))
 
-    def _kicked(self, row: Any) -> None:
+    def _kicked(self, row: Any, first: Any, past: Any) -> None:
         """The velocities of that row."""
         code = self._code
         for field in range(self._flow.fields):
@@ -146,11 +165,16 @@ class _Row:
                 ]
                 for push in pushes
             ]
-            with code.loop(_INDEX(0), self._vectors) as place:
+            with code.loop(first, past) as place:
                 speed = code.load(speeds, place)
                 for push, weight, from_rows in zip(pushes, weights, rows, strict=True):
                     speed = code.fma(weight, self._sum(push.forces, from_rows, place), speed)
                 code.store(speeds, place, speed)
+
+
+def margins(flow: PlaneFlow, lanes: int) -> tuple[int, int]:
+    """The vectors beside a row on which there are forces, and the further ones that drift."""
+    return -(-flow.acted // lanes), -(-flow.stretched // lanes)
 
 
 def sweep_text(flow: PlaneFlow, lanes: int, count: int) -> str:

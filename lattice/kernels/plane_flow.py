@@ -32,12 +32,11 @@ class Part(NamedTuple):
 
 
 class PlaneBond(NamedTuple):
-    """A bond's force; ``rise`` is the highest row that stretches it, ``depth`` the rows kept."""
+    """A bond's force; ``depth`` is the number of rows of it that are kept."""
 
     stretch: tuple[Part, ...]
     offset: int | None
     law: Law
-    rise: int
     depth: int
 
 
@@ -52,17 +51,20 @@ class Push(NamedTuple):
 class PlaneFlow(NamedTuple):
     """A stage; hashable. ``rise`` and ``fall`` are the rows above and below that a kick feels.
 
-    ``skew`` is the number of rows by which one stage stays behind the one before, ``reach`` the
-    columns that are felt on either side.
+    ``high`` is the highest row above its own that stretches any bond: forces stay so far behind the
+    front. ``skew`` is the number of rows by which one stage stays behind the one before.
+    ``stretched`` and ``acted`` are the columns that a force and a kick feel on either side.
     """
 
     fields: int
     bonds: tuple[PlaneBond, ...]
     pushes: tuple[Push, ...]
+    high: int
     rise: int
     fall: int
     skew: int
-    reach: int
+    stretched: int
+    acted: int
 
     @property
     def kept(self) -> int:
@@ -90,8 +92,8 @@ def plane_flow(lattice: NumericLattice) -> tuple[PlaneFlow, tuple[float, ...]]:
     >>> names = "K2 K3 K4 H2 H3 H4".split()
     >>> square = numeric_lattice(LATTICES["square"], dict.fromkeys(names, 1))
     >>> flow, numbers = plane_flow(square)
-    >>> flow.operations, flow.skew, flow.reach, numbers
-    (13, 1, 1, (1.0,))
+    >>> flow.operations, flow.skew, flow.stretched, flow.acted, numbers
+    (13, 1, 1, 1, (1.0,))
     """
     numbers: list[float] = []
 
@@ -136,23 +138,21 @@ def _skewed(
     fields: int, bent: list[tuple[tuple[Part, ...], int | None, Law]], pushed: list[Push]
 ) -> PlaneFlow:
     """The stage, with what follows for its rows."""
-    spans = [
-        (min(part.row for part in stretch), max(part.row for part in stretch))
-        for stretch, _, _ in bent
-    ]
+    rows = [part.row for stretch, _, _ in bent for part in stretch]
+    high, low = max([0, *rows]), min([0, *rows])
     acting = [
         [part.row for push in pushed for part in push.forces if part.source == place]
         for place in range(len(bent))
     ]
-    pairs = [(span, rows) for span, rows in zip(spans, acting, strict=True) if rows]
-    rise = max([0, *(span[1] + max(rows) for span, rows in pairs)])
-    fall = max([0, *(-span[0] - min(rows) for span, rows in pairs)])
-    skew = max([1, rise, *(high - low for low, high in spans)])
+    acted = [row for found in acting for row in found]
+    rise = high + max([0, *acted])
+    fall = -low - min([0, *acted])
     bonds = tuple(
-        PlaneBond(*bond, high, rise - high - min(rows, default=0) + 1)
-        for bond, (_, high), rows in zip(bent, spans, acting, strict=True)
+        PlaneBond(*bond, rise - high - min(found, default=0) + 1)
+        for bond, found in zip(bent, acting, strict=True)
     )
-    columns = [part.column for bond in bonds for part in bond.stretch]
-    columns += [part.column for push in pushed for part in push.forces]
-    reach = max([0, *map(abs, columns)])
-    return PlaneFlow(fields, bonds, tuple(pushed), rise, fall, skew, reach)
+    parts = [part for bond in bonds for part in bond.stretch]
+    ends = [part for push in pushed for part in push.forces]
+    columns = [max([0, *(abs(part.column) for part in found)]) for found in (parts, ends)]
+    skew = max(1, rise, high - low)
+    return PlaneFlow(fields, bonds, tuple(pushed), high, rise, fall, skew, *columns)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import ctypes
 import multiprocessing
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -70,18 +70,23 @@ def advance_plane(
     flow, numbers = plane_flow(lattice)
     each = _together(flow, f.shape, total)
     weights = [np.resize(part, total) for part in (joint, kicks)]
-    ring, other = (f - last * v, v.copy()), (np.empty_like(f), np.empty_like(v))
     middle = f.shape[1] // 2
-    arcs = [(0, middle), (middle, f.shape[1])] if _pays(f.size) else [(0, f.shape[1])]
-    workers = [_Arc(flow, numbers, f.shape, arc, each) for arc in arcs]
+    ends = [(0, middle), (middle, f.shape[1])] if _pays(f.size) else [(0, f.shape[1])]
+    arcs = [_Arc(flow, numbers, f.shape, arc, each) for arc in ends]
+    f -= last * v
+    for arc in arcs:
+        arc.take(f, v)
     for begun in range(0, total, each):
+        for arc in arcs:
+            arc.repeat(arcs)
         parts = [np.ascontiguousarray(part[begun : begun + each]) for part in weights]
-        waiting = [_other_core().submit(arc.sweep, ring, other, *parts) for arc in workers[1:]]
-        workers[0].sweep(ring, other, *parts)
+        waiting = [_other_core().submit(arc.sweep, *parts) for arc in arcs[1:]]
+        arcs[0].sweep(*parts)
         for one in waiting:
             one.result()
-        ring, other = other, ring
-    f[:], v[:] = ring[0] + last * ring[1], ring[1]
+    for arc in arcs:
+        arc.give(f, v)
+    f += last * v
 
 
 def _together(flow: PlaneFlow, shape: tuple[int, ...], total: int) -> int:
@@ -103,51 +108,72 @@ def _other_core() -> ThreadPoolExecutor:
 
 
 class _Arc:
-    """The rows ``arc`` of a ring, with those about them that so many stages reach."""
+    """The rows ``first`` .. ``past - 1`` of a ring, with those about them that stages reach."""
 
     def __init__(
         self,
         flow: PlaneFlow,
         numbers: tuple[float, ...],
         shape: tuple[int, ...],
-        arc: tuple[int, int],
+        ends: tuple[int, int],
         each: int,
     ) -> None:
-        self._flow, self._arc = flow, arc
-        fields, self._height, self._columns = shape
-        self._lanes = LANES if self._columns >= 2 * LANES else 1
-        self._margin = -(-max(flow.reach, 1) // LANES) * LANES
-        self._pitch = -(-self._columns // LANES) * LANES + 2 * self._margin
-        most = arc[1] - arc[0] + each * (flow.rise + flow.fall)
-        self._f, self._v = (_aligned((fields, most, self._pitch)) for _ in range(2))
-        self._forces = _aligned((each, max(flow.kept, 1), self._pitch))
+        fields, height, self._columns = shape
+        self._flow, (self._first, self._past) = flow, ends
+        lanes = LANES if self._columns >= 2 * LANES else 1
+        beside = -(-flow.acted // lanes) - (-flow.stretched // lanes)
+        self._margin = -(-beside * lanes // LANES) * LANES
+        pitch = -(-self._columns // LANES) * LANES + 2 * self._margin
+        self._below = each * flow.fall
+        held = np.arange(self._first - self._below, self._past + each * flow.rise)
+        self._rings = _aligned((2, fields, held.size, pitch))
+        self._forces = _aligned((each, max(flow.kept, 1), pitch))
         self._numbers = np.array([*numbers, 0.0])
-        self._run = _sweep(flow, self._lanes, len(numbers))
+        self._run = _sweep(flow, lanes, len(numbers))
+        inside = (held >= self._first) & (held < self._past)
+        self._repeated, self._repeating = np.flatnonzero(~inside), held[~inside] % height
 
-    def sweep(
-        self, ring: tuple[Array, Array], result: tuple[Array, Array], drifts: Array, kicks: Array
-    ) -> None:
-        """Put the arc's rows, advanced by all stages, into the ``result``."""
-        flow, (first, past), stages = self._flow, self._arc, kicks.size
-        rows = np.arange(first - stages * flow.fall, past + stages * flow.rise) % self._height
-        inner = slice(self._margin, self._margin + self._columns)
+    @property
+    def _own(self) -> Array:
+        """Positions and velocities of the arc's own cells."""
+        rows = slice(self._below, self._below + self._past - self._first)
+        return self._rings[:, :, rows, self._margin : self._margin + self._columns]
+
+    def take(self, f: Array, v: Array) -> None:
+        """Take the arc's rows of a ring."""
+        for own, values in zip(self._own, (f, v), strict=True):
+            own[:] = values[:, self._first : self._past]
+
+    def give(self, f: Array, v: Array) -> None:
+        """Put the arc's rows into a ring."""
+        for own, values in zip(self._own, (f, v), strict=True):
+            values[:, self._first : self._past] = own
+
+    def repeat(self, arcs: Sequence[_Arc]) -> None:
+        """Make the rows about the arc's own repeat those of the arcs that own them."""
+        for arc in arcs:
+            its = (self._repeating >= arc._first) & (self._repeating < arc._past)
+            rows = self._repeating[its] - arc._first + arc._below
+            self._rings[:, :, self._repeated[its]] = arc._rings[:, :, rows]
+
+    def sweep(self, drifts: Array, kicks: Array) -> None:
+        """Do all stages on the arc's rows, which the others' must be repeated about."""
+        flow, stages = self._flow, kicks.size
+        beyond = self._below - stages * flow.fall
+        rings, pitch = self._rings, self._rings.shape[-1]
         self._forces[:] = 0.0
-        for held, values in zip((self._f, self._v), ring, strict=True):
-            held[:, : rows.size, inner] = values[:, rows]
-        begin = 8 * self._margin
+        begin = 8 * (self._margin + beyond * pitch)
         self._run(
-            *(held.ctypes.data + begin for held in (self._f, self._v, self._forces)),
+            *(ring.ctypes.data + begin for ring in rings),
+            self._forces.ctypes.data + 8 * self._margin,
             *(values.ctypes.data for values in (drifts, kicks, self._numbers)),
-            self._f[0].size,
-            self._pitch,
+            rings[0, 0].size,
+            pitch,
             self._forces[0].size,
             self._columns,
-            rows.size,
+            self._past - self._first + stages * (flow.fall + flow.rise),
             stages,
         )
-        own = slice(stages * flow.fall, stages * flow.fall + past - first)
-        for held, found in zip((self._f, self._v), result, strict=True):
-            found[:, first:past] = held[:, own, inner]
 
 
 def _aligned(shape: tuple[int, ...]) -> Array:

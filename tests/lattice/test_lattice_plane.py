@@ -76,7 +76,7 @@ def test_absent_terms_are_absent() -> None:
     straight = NumericLattice("plain", ("u",), (1.0,), (SQUARE.bonds[0],))
     whole, half = plane_flow(SQUARE)[0], plane_flow(straight)[0]
     assert (whole.operations, half.operations) == (13, 7)
-    assert (whole.reach, half.reach) == (1, 0)
+    assert (whole.stretched, half.stretched) == (1, 0)
 
 
 def shortfall(seed: int) -> float | None:
