@@ -1,4 +1,4 @@
-"""The contenders: each maps a resolution and the initial data to processor seconds and the strain.
+"""The contenders: each maps a resolution and initial data to processor seconds and positions.
 
 A resolution is a number of steps, or the reciprocal of a tolerance: more of it, smaller error.
 Optional peers raise ImportError or OSError where they are absent. Seconds are processor time of the
@@ -12,93 +12,91 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from problem import CONSTANTS, DURATION, EPS, SITES, Array
+from problem import Array, Problem
 from scipy.integrate import solve_ivp
 
 from lattice.schemes import Scheme
-from lattice.stepper import advance
 
 Contender = Callable[[float, Array, Array], tuple[float, Array]]
 
 
-def stencil_contender(scheme: Scheme) -> Contender:
+def stencil_contender(problem: Problem, scheme: Scheme) -> Contender:
     """The project's engine with one of its schemes."""
 
-    def run(steps: float, y: Array, s: Array) -> tuple[float, Array]:
-        y, s, count = y.copy(), s.copy(), round(steps)
+    def run(steps: float, f: Array, v: Array) -> tuple[float, Array]:
+        f, v, count = f.copy(), v.copy(), round(steps)
         begin = time.process_time()
-        advance(scheme, y, s, DURATION / count, count, CONSTANTS)
-        return time.process_time() - begin, y
+        problem.advanced(scheme, count, f, v)
+        return time.process_time() - begin, f
 
     return run
 
 
-def _rate(state: Array) -> Array:
-    y, s = state.reshape(2, -1)
-    force = y * (CONSTANTS.K2 + CONSTANTS.K4 * y * y)
-    return np.concatenate([s, np.roll(force, 1) - 2.0 * force + np.roll(force, -1)])
+def _rate(problem: Problem, state: Array, shape: tuple[int, ...]) -> Array:
+    f, v = state.reshape(2, *shape)
+    return np.concatenate([v.ravel(), problem.acceleration(np, f).ravel()])
 
 
-def numpy_rk4(h: float, count: int, y: Array, s: Array) -> tuple[float, Array]:
-    """Processor seconds of ``count`` steps of the classical scheme in NumPy, and the strain."""
-    state = np.concatenate([y, s])
+def numpy_rk4(problem: Problem, h: float, count: int, f: Array, v: Array) -> tuple[float, Array]:
+    """Processor seconds of ``count`` steps of the classical scheme in NumPy, and positions."""
+    shape, state = f.shape, np.concatenate([f.ravel(), v.ravel()])
     begin = time.process_time()
     for _ in range(count):
-        k1 = _rate(state)
-        k2 = _rate(state + 0.5 * h * k1)
-        k3 = _rate(state + 0.5 * h * k2)
-        k4 = _rate(state + h * k3)
+        k1 = _rate(problem, state, shape)
+        k2 = _rate(problem, state + 0.5 * h * k1, shape)
+        k3 = _rate(problem, state + 0.5 * h * k2, shape)
+        k4 = _rate(problem, state + h * k3, shape)
         state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    return time.process_time() - begin, state[: y.size]
+    return time.process_time() - begin, state[: f.size].reshape(shape)
 
 
-def run_numpy_rk4(steps: float, y: Array, s: Array) -> tuple[float, Array]:
+def rk4_contender(problem: Problem) -> Contender:
     """The classical scheme in NumPy."""
-    return numpy_rk4(DURATION / round(steps), round(steps), y, s)
-
-
-def run_scipy(sharpness: float, y: Array, s: Array) -> tuple[float, Array]:
-    """SciPy's DOP853."""
-    start = np.concatenate([y, s])
-    begin = time.process_time()
-    solution = solve_ivp(
-        lambda _, state: _rate(state),
-        (0.0, DURATION),
-        start,
-        method="DOP853",
-        rtol=1.0 / sharpness,
-        atol=EPS / sharpness,
+    return lambda steps, f, v: numpy_rk4(
+        problem, problem.duration / round(steps), round(steps), f, v
     )
-    return time.process_time() - begin, np.asarray(solution.y[:SITES, -1])
 
 
-def boost_contender(folder: Path) -> Contender:
+def scipy_contender(problem: Problem) -> Contender:
+    """SciPy's DOP853."""
+
+    def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
+        start = np.concatenate([f.ravel(), v.ravel()])
+        begin = time.process_time()
+        solution = solve_ivp(
+            lambda _, state: _rate(problem, state, f.shape),
+            (0.0, problem.duration),
+            start,
+            method="DOP853",
+            rtol=1.0 / sharpness,
+            atol=problem.unit / sharpness,
+        )
+        return time.process_time() - begin, solution.y[: f.size, -1].reshape(f.shape)
+
+    return run
+
+
+def boost_contender(problem: Problem, name: str, folder: Path) -> Contender:
     """Boost odeint's RKN composition (McLachlan, order 4), compiled into ``folder``."""
-    program = folder / "boost_ring"
-    source = Path(__file__).with_name("boost_ring.cpp")
+    program = folder / "boost_lattices"
+    source = Path(__file__).with_name("boost_lattices.cpp")
     command = ["g++", "-O3", "-march=native", "-o", str(program), str(source)]
     done = subprocess.run(command, capture_output=True, check=False)
     if done.returncode:
-        raise OSError("boost_ring.cpp does not compile (apt install libboost-dev)")
+        raise OSError("boost_lattices.cpp does not compile (apt install libboost-dev)")
 
-    def run(steps: float, y: Array, s: Array) -> tuple[float, Array]:
+    def run(steps: float, f: Array, v: Array) -> tuple[float, Array]:
         data, result, count = folder / "in.bin", folder / "out.bin", round(steps)
-        np.concatenate([y, s]).tofile(data)
-        call = [
-            str(program),
-            str(SITES),
-            repr(DURATION / count),
-            str(count),
-            str(data),
-            str(result),
-        ]
+        np.concatenate([f.ravel(), v.ravel()]).tofile(data)
+        numbers = str(f.size), repr(problem.duration / count), str(count)
+        call = [str(program), name, *numbers, str(data), str(result)]
         seconds = subprocess.run(call, check=True, capture_output=True, text=True).stdout
-        return float(seconds), np.fromfile(result)
+        return float(seconds), np.fromfile(result).reshape(f.shape)
 
     return run
 
 
-def diffrax_contender() -> Contender:
+def diffrax_contender(problem: Problem) -> Contender:
     """Diffrax' Dopri8 under XLA, on one thread."""
     os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
     import diffrax
@@ -108,47 +106,47 @@ def diffrax_contender() -> Contender:
     jnp = jax.numpy
 
     def rate(_t: object, state: tuple[jax.Array, jax.Array], _: object) -> tuple[jax.Array, ...]:
-        y, s = state
-        force = y * (CONSTANTS.K2 + CONSTANTS.K4 * y * y)
-        return s, jnp.roll(force, 1) - 2.0 * force + jnp.roll(force, -1)
+        f, v = state
+        return v, problem.acceleration(jnp, f)
 
     @jax.jit
-    def solve(tolerance: float, y: jax.Array, s: jax.Array) -> jax.Array:
-        control = diffrax.PIDController(rtol=tolerance, atol=tolerance * EPS)
+    def solve(tolerance: float, f: jax.Array, v: jax.Array) -> jax.Array:
+        control = diffrax.PIDController(rtol=tolerance, atol=tolerance * problem.unit)
         term, method = diffrax.ODETerm(rate), diffrax.Dopri8()
         options = {"stepsize_controller": control, "max_steps": 100_000}
-        solution = diffrax.diffeqsolve(term, method, 0.0, DURATION, 0.1, (y, s), **options)
+        solution = diffrax.diffeqsolve(term, method, 0.0, problem.duration, 0.1, (f, v), **options)
         return solution.ys[0][-1]
 
-    solve(1e-3, np.zeros(SITES), np.zeros(SITES)).block_until_ready()
+    solve(1e-3, *map(np.zeros_like, problem.start())).block_until_ready()
 
-    def run(sharpness: float, y: Array, s: Array) -> tuple[float, Array]:
+    def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
         begin = time.process_time()
-        result = np.asarray(solve(1.0 / sharpness, y, s))
+        result = np.asarray(solve(1.0 / sharpness, f, v))
         return time.process_time() - begin, result
 
     return run
 
 
-def heyoka_contender() -> Contender:
+def heyoka_contender(problem: Problem) -> Contender:
     """heyoka.py's adaptive Taylor method; its program is made once for each tolerance."""
     import heyoka  # type: ignore[import-untyped]
 
-    y, s = ([heyoka.expression(f"{name}{i}") for i in range(SITES)] for name in "ys")
-    force = [strain * (CONSTANTS.K2 + CONSTANTS.K4 * strain * strain) for strain in y]
-    bends = [force[i - 1] - 2.0 * force[i] + force[(i + 1) % SITES] for i in range(SITES)]
-    system = [*zip(y, s, strict=True), *zip(s, bends, strict=True)]
+    shape = problem.start()[0].shape
+    places = range(int(np.prod(shape)))
+    f, v = (np.array([heyoka.expression(f"{name}{i}") for i in places]) for name in "fv")
+    pulls = np.asarray(problem.acceleration(np, f.reshape(shape))).ravel()
+    system = [*zip(f, v, strict=True), *zip(v, pulls, strict=True)]
     made: dict[float, heyoka.taylor_adaptive] = {}
 
-    def run(sharpness: float, y: Array, s: Array) -> tuple[float, Array]:
-        start = np.concatenate([y, s])
+    def run(sharpness: float, f: Array, v: Array) -> tuple[float, Array]:
+        start = np.concatenate([f.ravel(), v.ravel()])
         if sharpness not in made:
             options = {"tol": 1.0 / sharpness, "compact_mode": True}
             made[sharpness] = heyoka.taylor_adaptive(system, list(start), **options)
         program = made[sharpness]
         program.time, program.state[:] = 0.0, start
         begin = time.process_time()
-        program.propagate_until(DURATION)
-        return time.process_time() - begin, program.state[:SITES].copy()
+        program.propagate_until(problem.duration)
+        return time.process_time() - begin, program.state[: f.size].reshape(f.shape).copy()
 
     return run

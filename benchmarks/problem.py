@@ -1,11 +1,20 @@
-"""The problem that all contenders solve, and its reference solution."""
+"""The problems that all contenders solve, and their reference solutions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import derive
-from lattice.kernels import blocked
+from derive import LATTICES
+from lattice.kernels.blocked import OPERATIONS
+from lattice.kernels.streams import flow_of
 from lattice.model import Model
+from lattice.numeric_lattice import NumericLattice, numeric_lattice
+from lattice.schemes import Composition
+from lattice.stepper import advance
 from solutions import Wave, closed_form
 
 Array = NDArray[np.float64]
@@ -13,18 +22,71 @@ Array = NDArray[np.float64]
 SITES, DURATION, T0, EPS = 4096, 500.0, -250.0, 0.05
 CONSTANTS = Model(4.0, 0.0, 1.0)
 
-SOFRONIOU_SPALETTA = (
-    0.078795722521686419263907679337684, 0.31309610341510852776481247192647,
-    0.027918383235078066109520273275299, -0.22959284159390709415121339679655,
-    0.13096206107716486317465685927961, -0.26973340565451071434460973222411,
-    0.074973343155891435666137105641410, 0.11199342399981020488957508073640,
-    0.36613344954622675119314812353150, -0.39910563013603589787862981058340,
-    0.10308739852747107731580277001372, 0.41143087395589023782070411897608,
-    -0.0048663605831352617621956593099771, -0.39203335370863990644808193642610,
-    0.051942502962449647037182904015976, 0.050665090759924496335874344156866,
-    0.049674370639729879054568800279461, 0.049317735759594537917680008339338,
+
+class Tenth(Composition):
+    """A composition whose digits are good for doubles."""
+
+    rounding = 1e-17
+
+
+SOFRONIOU_SPALETTA = Tenth(
+    "sofroniou_spaletta_10",
+    10,
+    (
+        "0.078795722521686419263907679337684", "0.31309610341510852776481247192647",
+        "0.027918383235078066109520273275299", "-0.22959284159390709415121339679655",
+        "0.13096206107716486317465685927961", "-0.26973340565451071434460973222411",
+        "0.074973343155891435666137105641410", "0.11199342399981020488957508073640",
+        "0.36613344954622675319314812353150", "-0.39910563013603589787862981058340",
+        "0.10308739852747107731580277001372", "0.41143087395589023782070411897608",
+        "-0.0048663605831352617621956593099771", "-0.39203335370863990644808193642610",
+        "0.051942502962449647037182904015976", "0.050665090759924496335874344156866",
+        "0.049674370639729879054568800279461", "0.049317735759594537917680008339338",
+    ),
+    "Sofroniou, Spaletta 2005, 35 stages",
 )  # fmt: skip
-"""The first half of a 10th-order composition of 35 stages (Sofroniou, Spaletta 2005)."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A lattice, what it starts from, and its equations as a user of a library writes them.
+
+    ``start`` are positions and velocities: of a `Model` (sites,), else (fields, *cells).
+    ``acceleration`` is given NumPy or what stands for it, and positions. Errors are of the
+    stretches, in units of ``unit``.
+    """
+
+    lattice: Model | NumericLattice
+    start: Callable[[], tuple[Array, Array]]
+    acceleration: Callable[[Any, Any], Any]
+    duration: float = DURATION
+    unit: float = EPS
+
+    def advanced(self, scheme: Any, count: int, f: Array, v: Array) -> None:
+        """Advance positions and velocities in place to the end."""
+        advance(scheme, f, v, self.duration / count, count, self.lattice)
+
+    def stretches(self, f: Array) -> Array:
+        """What errors are measured of."""
+        chain = isinstance(self.lattice, NumericLattice)
+        return np.array(self.lattice.stretches(f)) if chain else f
+
+    def error(self, f: Array, exact: Array) -> float:
+        """Sup over cells of the stretches' difference, in the unit."""
+        return float(np.abs(self.stretches(f) - self.stretches(exact)).max()) / self.unit
+
+    def reference(self, f: Array, v: Array, steps: int = 2000) -> Array:
+        """Positions at the end, to 1e-10 units."""
+        f, v = f.copy(), v.copy()
+        self.advanced(SOFRONIOU_SPALETTA, steps, f, v)
+        return f
+
+    @property
+    def operations(self) -> int:
+        """Arithmetic instructions of the kernel a cell and stage; 0 where they are not known."""
+        if not isinstance(self.lattice, NumericLattice):
+            return OPERATIONS[self.lattice.K3 != 0, self.lattice.K4 != 0]
+        return flow_of(self.lattice)[0].operations if self.lattice.dimension == 1 else 0
 
 
 def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array, Array]:
@@ -35,16 +97,85 @@ def initial(eps: float = EPS, t0: float = T0, sites: int = SITES) -> tuple[Array
     return eps * value.Y, eps**4 * value.Y_T - c * eps**2 * value.Y_X
 
 
-def reference(y: Array, s: Array, steps: int = 2000) -> Array:
-    """The strain at the end, to 1e-10 eps."""
-    gammas = np.array(SOFRONIOU_SPALETTA + SOFRONIOU_SPALETTA[-2::-1])
-    ends = np.concatenate([[0.0], gammas, [0.0]])
-    h, y, s = DURATION / steps, y.copy(), s.copy()
-    drifts = 0.5 * h * (ends[1:] + ends[:-1])
-    blocked.advance_blocked(y, s, drifts, h * gammas, steps, *CONSTANTS.kernel)
-    return y
+WIDTH = 10.0
+"""Cells over which the data of the other problems change."""
 
 
-def error(y: Array, exact: Array) -> float:
-    """Sup over the sites of |y - exact| / eps."""
-    return float(np.abs(y - exact).max()) / EPS
+def hump(*cells: int, places: tuple[float, ...] = (0.0,)) -> tuple[Array, Array]:
+    """A hump at rest, which runs apart; of fields at these ``places`` in the cell."""
+    f = []
+    for place in places:
+        axes = [(np.arange(count) - count // 2 + place) / WIDTH for count in cells]
+        f.append(np.exp(-sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij"))))
+    return np.array(f), np.zeros((len(places), *cells))
+
+
+def strained_hump() -> tuple[Array, Array]:
+    """A strain of that shape and size."""
+    f, v = hump(SITES)
+    return EPS * f, v
+
+
+def spring(x: Any, K2: float, K4: float) -> Any:
+    """K2 x + K4 x^3."""
+    return x * (K2 + K4 * x * x)
+
+
+def fput(xp: Any, y: Any) -> Any:
+    """The FPUT lattice in its strain."""
+    force = spring(y, 4.0, 1.0)
+    return xp.roll(force, 1) - 2.0 * force + xp.roll(force, -1)
+
+
+def next_nearest(xp: Any, f: Any) -> Any:
+    """The same with springs between next-nearest neighbours."""
+    y = f[0]
+    far = spring(y + xp.roll(y, -1), 1.0, 0.5)
+    bend = xp.roll(far, -1) - far - xp.roll(far, 1) + xp.roll(far, 2)
+    return xp.stack([fput(xp, y) + bend])
+
+
+def dimer(xp: Any, f: Any) -> Any:
+    """Masses 1 and 2, and two kinds of springs."""
+    u, v = f[0], f[1]
+    near, far = spring(v - u, 4.0, 1.0), spring(xp.roll(u, -1) - v, 6.0, 0.5)
+    return xp.stack([near - xp.roll(far, 1), 0.5 * (far - near)])
+
+
+SOFT = 0.6
+"""Share of the dimer's softer spring in a cell's stretch: with it a long wave has no optical part.
+"""
+
+
+def square(xp: Any, f: Any) -> Any:
+    """One displacement a site; springs along both axes."""
+    u = f[0]
+    along = spring(xp.roll(u, -1, 0) - u, 4.0, 1.0)
+    across = spring(xp.roll(u, -1, 1) - u, 3.0, 0.5)
+    return xp.stack([along - xp.roll(along, 1, 0) + across - xp.roll(across, 1, 1)])
+
+
+def _numbers(name: str, **constants: float) -> NumericLattice:
+    return numeric_lattice(LATTICES[name], constants)
+
+
+PROBLEMS = {
+    "fput_strain": Problem(CONSTANTS, initial, fput),
+    "next_nearest": Problem(
+        _numbers("next_nearest", K2=4, K3=0, K4=1, L2=1, L3=0, L4=0.5), strained_hump, next_nearest
+    ),
+    "dimer": Problem(
+        _numbers("dimer", m1=1, m2=2, K2=4, K3=0, K4=1, H2=6, H3=0, H4=0.5),
+        lambda: hump(SITES // 2, places=(0.0, SOFT)),
+        dimer,
+        unit=1.0 / WIDTH,
+    ),
+    "square": Problem(
+        _numbers("square", K2=4, K3=0, K4=1, H2=3, H3=0, H4=0.5),
+        lambda: hump(64, 64),
+        square,
+        duration=100.0,
+        unit=1.0 / WIDTH,
+    ),
+}
+"""All have 4096 fields."""

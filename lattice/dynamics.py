@@ -169,7 +169,8 @@ class FieldDynamics:
 
     def ranges(self, state: FieldState) -> Array:
         """Those of each bond's stretch, then those of each field."""
-        values = [*self.lattice.stretches(state.f), *state.f]
+        with np.errstate(invalid="ignore", over="ignore"):  # after a blow-up
+            values = [*self.lattice.stretches(state.f), *state.f]
         return np.array([[value.min(), value.max()] for value in values])
 
     def highest_frequency(self, ranges: Array) -> float:

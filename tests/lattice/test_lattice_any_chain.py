@@ -1,0 +1,173 @@
+"""Any lattice by `integrate`.
+
+Catches: an estimate below the error, a lattice or a state that does not fit, a blow-up that is
+passed over.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lattice import integrate
+from lattice.dynamics import FieldDynamics, StrainDynamics
+from lattice.field_state import FieldState, field_blow_up
+from lattice.force_program import ForceProgram
+from lattice.model import Array, Model, State
+from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from lattice.schemes import RK4
+from tests.lattice.test_numeric_lattice import numbers
+from verify.studies.random_chains import Verdict, judge
+
+
+def judged(seeds: range) -> list[Verdict]:
+    found = [judge(seed) for seed in seeds]
+    wrong = [
+        seed for seed, verdict in zip(seeds, found, strict=True) if verdict.kind == "too small"
+    ]
+    assert not wrong
+    return found
+
+
+def test_estimates_bound_the_error_on_random_chains() -> None:
+    assert sum(verdict.kind == "sound" for verdict in judged(range(12))) > 6
+
+
+@pytest.mark.slow
+def test_estimates_bound_the_error_on_random_chains_at_length() -> None:
+    assert sum(verdict.kind == "sound" for verdict in judged(range(1000, 1060))) > 35
+
+
+def state(lattice: NumericLattice, size: int = 24) -> FieldState:
+    random = np.random.default_rng(4)
+    f, v = 0.1 * random.standard_normal((2, len(lattice.fields), size))
+    return FieldState(1.0, f, v)
+
+
+def test_a_linear_dimer_follows_its_waves() -> None:
+    """Of every wavenumber each branch turns with its own frequency."""
+    lattice = numbers("dimer")
+    lattice = with_forces(lattice, *(ForceProgram((stiffness,)) for stiffness in (1.0, 2.5)))
+    start, t = state(lattice, 16), 7.5
+    k = 2 * np.pi * np.fft.fftfreq(16)[:, None]
+    matrices = lattice.dynamical_matrix(k, (1.0, 2.5))
+    squares, modes = np.linalg.eig(matrices)
+    turn = np.sqrt(np.maximum(squares.real, 0.0)) * (t - start.t)
+    held = np.sinc(turn / np.pi) * (t - start.t)
+    shares = [
+        np.linalg.solve(modes, np.fft.fft(part).T[..., None])[..., 0] for part in start.arrays
+    ]
+    spectrum = np.einsum("kij,kj->ik", modes, shares[0] * np.cos(turn) + shares[1] * held)
+    exact = np.fft.ifft(spectrum).real
+    run = integrate(lattice, start, t, 1e-9, judged=lambda f, v, t: f)
+    assert np.abs(run.f[0] - exact).max() <= run.error_estimate <= 1e-9
+
+
+@pytest.mark.parametrize("name", ["next_nearest", "toda", "square"])
+def test_schemes_that_are_no_splittings_run_too(name: str) -> None:
+    lattice = numbers(name)
+    shape = (1, 6, 5) if lattice.dimension == 2 else (1, 12)
+    f = 0.1 * np.random.default_rng(2).standard_normal(shape)
+    start = FieldState(0.0, f, 0.0 * f)
+    one = integrate(lattice, start, [0.5, 2.0], 1e-4, scheme=RK4)
+    other = integrate(lattice, start, [0.5, 2.0], 1e-8)
+    np.testing.assert_allclose(one.f, other.f, rtol=0, atol=1e-3)
+    np.testing.assert_array_equal(start.f, f)
+    assert (
+        lattice.energy(f, 0.0 * f)
+        == pytest.approx(lattice.energy(other.f[1], other.v[1]), rel=1e-6)
+        or name == "next_nearest"
+    )
+
+
+def test_the_strain_lattice_runs_alike_in_either_form() -> None:
+    y, s = 0.2 * np.random.default_rng(3).standard_normal((2, 64))
+    one = integrate(Model(1.0, 0.25, 1.0), State(0.0, 0, y, s), [1.0, 9.0], 1e-9)
+    other = integrate(numbers("fput_strain"), FieldState(0.0, y[None], s[None]), [1.0, 9.0], 1e-9)
+    np.testing.assert_allclose(other.f[:, 0], one.strain, rtol=0, atol=2e-9)
+    assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.5)
+
+
+def test_what_is_judged_is_the_users() -> None:
+    """The sum of all displacements drifts: stretches do not see it, nor its error."""
+    lattice = numbers("fput")
+    start = state(lattice)
+    start.f += 1e3
+    middle = integrate(lattice, start, 20.0, 1e-8, judged=lambda f, v, t: f[:, 3:5] - f[:, 4:6])
+    assert middle.error_estimate <= 1e-8
+    with pytest.raises(ValueError, match="tolerance must satisfy tolerance >= "):
+        integrate(lattice, start, 20.0, 1e-12)
+
+
+def test_what_is_no_state_of_the_lattice_is_refused() -> None:
+    lattice, ring = numbers("dimer"), np.zeros((2, 8))
+    for wrong, message in (
+        (FieldState(0.0, ring[:1], ring[:1]), r"state.f must have the shape .* got \(1, 8\)"),
+        (FieldState(0.0, ring, ring[:, 1:]), r"state.v must have the shape .* got \(2, 7\)"),
+        (
+            FieldState(0.0, ring, ring + np.inf),
+            r"state.v must be finite, got inf at place \(0, 0\)",
+        ),
+        (State(0.0, 0, ring[0], ring[0]), "state must be a FieldState for a NumericLattice"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            integrate(lattice, wrong, 1.0, 1e-3)  # type: ignore[call-overload]
+
+
+def test_grains_that_part_are_told_of() -> None:
+    """Hertz' law ends at no overlap: beyond it the force is no number."""
+    lattice = numbers("granular")
+    v = np.zeros((1, 16))
+    v[0, 3] = 50.0
+    with pytest.raises(ValueError, match="times must end before the lattice blows up"):
+        integrate(lattice, FieldState(0.0, 0 * v, v), 5.0, 1e-6)
+
+
+def with_forces(lattice: NumericLattice, *forces: ForceProgram) -> NumericLattice:
+    pairs = zip(lattice.bonds, forces, strict=True)
+    return replace(lattice, bonds=tuple(replace(bond, force=force) for bond, force in pairs))
+
+
+def seen(lattice: NumericLattice, f: Array, amplitude: float | None = 0.1) -> str:
+    found = field_blow_up(lattice, FieldState(2.0, f, 0 * f), amplitude)
+    return "" if found is None else f"{found.criterion} @ {found.site}"
+
+
+def test_a_wave_that_is_none_any_more_is_found() -> None:
+    lattice, f = numbers("beta_fput"), np.zeros((1, 12))
+    soft = with_forces(lattice, ForceProgram((1.0, 0.0, -1.0)))
+    assert seen(soft, f) == ""
+    f[0, 5:] = 0.9
+    assert seen(soft, f) == "waves about the bonds of a cell grow @ 4"
+    assert seen(soft, f, None) == ""
+    assert seen(lattice, 100 * f) == "the largest stretch has grown 100-fold @ 4"
+    f[0, 7] = np.nan
+    assert seen(lattice, f, None) == "the fields are not finite @ 7"
+
+
+def test_waves_held_by_another_bond_are_sound() -> None:
+    """A spring that pushes where another holds: no single slope says whether waves grow."""
+    chain = numbers("klein_gordon")
+    tie = chain.bonds[1].force
+    lattice = with_forces(chain, ForceProgram((-0.2,)), tie)
+    assert seen(lattice, np.zeros((1, 9))) == ""
+    heavier = with_forces(chain, ForceProgram((-0.3,)), tie)
+    assert seen(heavier, np.zeros((1, 9))).startswith("waves about the bonds")
+
+
+@pytest.mark.parametrize(("K3", "K4"), [(0.0, 0.0), (0.5, -0.3), (-0.4, 0.0), (0.2, 0.7)])
+def test_both_kinds_see_the_same_frequencies(K3: float, K4: float) -> None:
+    lattice = with_forces(numbers("fput_strain"), ForceProgram((1.0, K3, K4)))
+    y = np.random.default_rng(0).uniform(-1.5, 1.0, 50)
+    strain = StrainDynamics(Model(1.0, K3, K4))
+    fields = FieldDynamics(lattice)
+    one = strain.highest_frequency(strain.ranges(State(0.0, 0, y, y)))
+    other = fields.highest_frequency(fields.ranges(FieldState(0.0, y[None], y[None])))
+    assert other == pytest.approx(one, rel=1e-3)
+
+
+def test_a_site_by_itself_oscillates() -> None:
+    tie = NumericBond((Entry((0,), 1.0, 0),), (Entry((0,), -1.0, 0),), ForceProgram((4.0,)))
+    lattice = NumericLattice("site", ("u",), (1.0,), (tie,))
+    run = integrate(lattice, FieldState(0.0, np.ones((1, 1)), np.zeros((1, 1))), 3.0, 1e-10)
+    assert run.f[0, 0, 0] == pytest.approx(np.cos(6.0), abs=run.error_estimate)
