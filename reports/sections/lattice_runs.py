@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from sympy import Symbol
 
 from derive.output.notation import latex_of
-from reports.latex import duration, escape, measured, table
-from reports.sections.other_lattices import title_latex
+from reports.latex import duration, escape, measured, table, title_latex
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,8 +12,7 @@ from derive import Reduction
 from derive.normal_form import NORMAL_EQUATIONS
 from derive.output.notation import latex_of, terms
 from derive.symbols import k
-from reports.latex import escape, scientific, table
-from reports.sections.theory import domain_latex
+from reports.latex import domain_latex, escape, scientific, table, title_latex
 from solutions import CATALOGUE, closed_form
 from verify.processes import Job, Key
 from verify.studies.lattice_models import (
@@ -94,22 +92,6 @@ def _model_row(model: LatticeModel, reduction: Reduction) -> ModelRow:
         ", ".join(f"${condition.latex()}$" for condition in reduction.conditions),
         closed_waves(reduction),
     )
-
-
-_INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\}))*")
-"""Fields with their indices, and sums of them, in a lattice's title."""
-
-
-def title_latex(title: str) -> str:
-    """A lattice's title, its indexed fields in mathematics.
-
-    >>> title_latex("the strain y_n = u_{n+1} - u_n of 50 %")
-    'the strain $y_n = u_{n+1} - u_n$ of 50 \\\\%'
-    """
-    words = _INDEXED.split(title)
-    formulas = [f"${found}$" for found in _INDEXED.findall(title)]
-    pairs = zip(words, [*formulas, ""], strict=True)
-    return "".join(escape(text) + formula for text, formula in pairs)
 
 
 def _equation_latex(reduction: Reduction) -> str:

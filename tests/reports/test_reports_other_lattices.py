@@ -42,7 +42,7 @@ from verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_sc
 from verify.lattices.rate_cases import RATE_CASES
 from verify.studies.evaluation_accuracy import Accuracy
 from verify.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
-from verify.studies.measured_rates import MeasuredRate
+from verify.studies.measured_rates import LONG, MeasuredRate
 from verify.studies.proofs import ProofRecord
 from verify.studies.scene_runs import SceneRun
 from verify.verdict import Outcome, Verdict
@@ -224,6 +224,8 @@ def test_every_case_and_scene_is_a_job() -> None:
     assert short.keys() < full.keys()
     assert {name for part, name in short if part == "scene"} == set(shipped_lattice_scenes())
     assert {name for part, (name, _) in _rates(full)} == set(RATE_CASES)
+    assert set(LONG) < set(RATE_CASES)
+    assert {name for part, (name, _) in _rates(short)} == set(RATE_CASES) - set(LONG)
     assert {*ROGUES, *PEREGRINES} <= set(shipped_lattice_scenes())
 
 

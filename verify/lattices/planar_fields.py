@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Symbol
 
 from derive.reduction import Reduction
-from solutions.numeric_wave import PlanarValues
+
+if TYPE_CHECKING:
+    from solutions.numeric_wave import PlanarValues
 
 Array = NDArray[np.float64]
 

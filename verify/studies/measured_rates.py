@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sympy import Expr, Rational, S
 
 from derive import LATTICES
 from derive.symbols import eps, ybar
 from solutions import closed_form
-from verify.lattices.convergence import ConvergenceStudy
-from verify.lattices.rate_cases import RATE_CASES, RateCase, Value
 from verify.processes import Job, Key
 
-SECONDS = {"leading": 0.3, "slaved": 0.3, "corrected": 3.0}
-"""About the time of a case by the order of its data."""
+if TYPE_CHECKING:
+    from verify.lattices.convergence import ConvergenceStudy
+    from verify.lattices.rate_cases import RateCase, Value
 
-COMPUTED_SECONDS = 10.0
-"""The same where the wave itself is computed."""
+SECONDS = {"leading": 0.5, "slaved": 0.7, "corrected": 4.0}
+"""About the processor time of a case by the order of its data."""
+
+LONG = {"5c": 9.0, "5d": 9.0, "6e": 9.0, "4b, second rogue wave": 15.0}
+LONG |= {"6a, second rogue wave": 20.0, "6a, rogue wave on cn": 10.0}
+"""The same of cases that the full report alone has: computed waves, and those at small eps."""
 
 REACHED = 0.2
 """How far from what is expected a measured rate may be, beside its own uncertainty."""
@@ -54,6 +58,8 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     >>> found.kind, found.expected, found.reached
     ('KdV', 4.0, True)
     """
+    from verify.lattices.rate_cases import RATE_CASES
+
     case = RATE_CASES[name]
     return MeasuredRate(
         name,
@@ -79,12 +85,14 @@ def _exact(value: Value) -> Expr:
 
 
 def rate_jobs(full: bool) -> dict[Key, Job]:
-    """Every case in closed form with its simplest data; if ``full`` all cases and the next order.
+    """The short cases with their simplest data; if ``full`` all cases, and with the next order.
 
     Data of leading and of slaved order are the same with one field in a cell.
     """
+    from verify.lattices.rate_cases import RATE_CASES
+
     return {
-        ("rate", (name, order)): Job(measured_rate, (name, order), _seconds(case, order))
+        ("rate", (name, order)): Job(measured_rate, (name, order), LONG.get(name, SECONDS[order]))
         for name, case in RATE_CASES.items()
         for order in _orders(case, full)
     }
@@ -92,9 +100,5 @@ def rate_jobs(full: bool) -> dict[Key, Job]:
 
 def _orders(case: RateCase, full: bool) -> list[str]:
     if not full:
-        return list(case.rates)[:1] if case.wave else []
+        return [] if case.name in LONG else list(case.rates)[:1]
     return [order for order in case.rates if order != "slaved" or "leading" not in case.rates]
-
-
-def _seconds(case: RateCase, order: str) -> float:
-    return SECONDS[order] + (0.0 if case.wave else COMPUTED_SECONDS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from verify.lattices.lattice_run import run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
 from verify.processes import Job, Key, Progress
 
@@ -36,6 +35,8 @@ class SceneRun:
 
 def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
     """Run the shipped scene of that name; what it refuses is kept as the fault."""
+    from verify.lattices.lattice_run import run_lattice_scene
+
     scene = load_lattice_scene(name)
     try:
         return SceneRun(scene, run_lattice_scene(scene, progress).dataset)
