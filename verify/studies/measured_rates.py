@@ -63,7 +63,7 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     case = RATE_CASES[name]
     return MeasuredRate(
         name,
-        LATTICES[case.lattice].title,
+        LATTICES[case.lattice].title + (f", along {case.steps}" if case.steps else ""),
         tuple((key, _exact(value)) for key, value in _numbers(case)),
         case.reduction.pde.kind,
         closed_form(case.wave).title if case.wave else "soliton, computed",
