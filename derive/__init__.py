@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from derive.balances import find_scaling
     from derive.carrier import EnvelopeError
     from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
+    from derive.carrier_numbers import CarrierFields, CarrierTerm, CarrierTerms, carrier_fields
     from derive.checks import Check, checks_of_envelope, checks_of_reduction
     from derive.dispersion import Dispersion, dispersion_relation
     from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 __all__ = [
     "LATTICES",
     "Bond",
+    "CarrierFields",
+    "CarrierTerm",
+    "CarrierTerms",
     "Check",
     "Coefficients",
     "Condition",
@@ -52,6 +56,7 @@ __all__ = [
     "Scaling",
     "SlowVariable",
     "Stencil",
+    "carrier_fields",
     "checks_of_envelope",
     "checks_of_reduction",
     "dispersion_relation",
@@ -77,6 +82,7 @@ __getattr__, __dir__ = lazy_face(
         "derive.checks": "Check checks_of_envelope checks_of_reduction",
         "derive.dispersion": "Dispersion dispersion_relation",
         "derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
+        "derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
         "derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
         "derive.lattice": "Bond Lattice Stencil on_site spring",
         "derive.lattice_file": "lattice_of read_lattice",

@@ -36,10 +36,17 @@ STAGES = 28
 HALO = 4
 """The rows that a passage repeats at the ends are at most this part of the ring's own."""
 
-TOGETHER = 2
-"""Stages that go up the rows together."""
+MOST_KEPT = 12
+"""Values that two stages together may keep from row to row: with the 15 of next-nearest neighbours
+in the strain one stage alone is a fifth faster, with the 10 of three fields a seventh slower
+on registers of eight doubles (`benchmarks/same_lattice.py`)."""
 
 _ARGUMENTS = (*[ctypes.c_void_p] * 8, *[ctypes.c_int64] * 6)
+
+
+def _together(flow: Flow) -> int:
+    """The stages that go up the rows together."""
+    return 2 if flow.kept(2) <= MOST_KEPT else 1
 
 
 @lru_cache(maxsize=64)
@@ -49,9 +56,9 @@ def _passages(flow: Flow, lanes: int, count: int) -> Callable[..., None]:
     def written() -> str:
         from lattice.kernels.row_code import passage_text
 
-        return passage_text(flow, lanes, TOGETHER, count)
+        return passage_text(flow, lanes, _together(flow), count)
 
-    key = f"{flow!r} {lanes} {TOGETHER} {count}"
+    key = f"{flow!r} {lanes} {_together(flow)} {count}"
     return native_function(__name__, key, written, "passages", _ARGUMENTS)
 
 
@@ -107,9 +114,10 @@ def advance_stages(
     lanes = LANES if size >= LEAST_ROWED else 1
     height, halo = -(-size // lanes), max(1, flow.skew + flow.below)
     each = max(1, min(STAGES, height // (HALO * halo), stages))
-    each -= each % TOGETHER if each > TOGETHER else 0
+    together = _together(flow)
+    each -= each % together if each > together else 0
     layout = _layout(size, lanes, each * flow.below, each * flow.skew)
-    margin = TOGETHER * flow.skew * lanes
+    margin = together * flow.skew * lanes
     plane = margin + layout.cells.size + ALIGNMENT
     rings = [_aligned(flow.fields * plane) for _ in range(2)]
     planes = [ring[: flow.fields * plane].reshape(flow.fields, plane) for ring in rings]
@@ -117,7 +125,7 @@ def advance_stages(
         held[:, margin : margin + layout.cells.size] = ring[:, layout.cells.ravel()]
     repeated = kicks.size + each
     a, b = (np.ascontiguousarray(np.resize(weights, repeated)) for weights in (drifts, kicks))
-    carried = _aligned((each + TOGETHER) * flow.kept(TOGETHER) * lanes)
+    carried = _aligned((each + together) * flow.kept(together) * lanes)
     numbers_array = np.array([*numbers, 0.0])
     passages = _passages(flow, lanes, len(numbers))
 

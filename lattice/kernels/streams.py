@@ -148,7 +148,7 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
     >>> from lattice.numeric_lattice import numeric_lattice
     >>> flow, numbers = flow_of(numeric_lattice(LATTICES["beta_fput"], {"K2": 4, "K4": 1}))
     >>> flow.operations, flow.skew, numbers
-    (6, 1, (4.0,))
+    (6, 1, (4.0, 1.0))
     """
     if lattice.dimension != 1:
         raise ValueError(

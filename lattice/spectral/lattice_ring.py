@@ -101,9 +101,8 @@ class LatticeRing:
     ``duration`` is the time that the run takes, ``speed`` that of the frame along each axis. At
     first and every ``WATCH`` steps the fields are looked at: SamplingError is raised when their
     spectrum's tail exceeds ``tail``, RunawayError when they are no numbers or the tail exceeds all
-    that there was at first. ``dealias`` drops the modes of the forces from which
-    products of so many modes fold back: for polynomial forces of that degree none does. ``start``
-    is the ring at first, ``largest`` the largest field that was met.
+    that there was at first. What products fold back onto the modes is bounded by the tail, too.
+    ``start`` is the ring at first, ``largest`` the largest field that was met.
     """
 
     def __init__(
@@ -114,7 +113,6 @@ class LatticeRing:
         duration: float,
         speed: tuple[float, ...],
         tail: float = math.inf,
-        dealias: int = 1,
     ) -> None:
         self.start, self._bound = state, tail
         self.largest = 0.0
@@ -124,13 +122,13 @@ class LatticeRing:
         slopes = [float(np.mean(part)) for part in ring_slopes(lattice, state)]
         least = STILL / duration if duration > 0.0 else 1.0
         self.modes = normal_modes(lattice, grid, slopes, least)
-        self._prepare(lattice, grid, slopes, dealias)
+        self._held = _held(state)
+        self._prepare(lattice, grid, slopes)
         self._size = len(grid)
         self._turning = [-1j * c * part for c, part in zip(speed, k, strict=True)]
         frame = 1j * (grid @ np.array(speed))
         w = self.modes.w
         linear = np.stack([frame - 1j * w, frame + 1j * w]).reshape(2, -1)
-        self._held = _held(state)
         a, b = (self.modes.coordinates(self._kept(values)) for values in (state.f, state.v))
         p = np.stack([b - 1j * w * a, b + 1j * w * a]).reshape(2, -1)
         self._divisor = (2j * w).reshape(-1)
@@ -143,18 +141,15 @@ class LatticeRing:
         """What moves the ring, begun when it is first asked for."""
         return ExponentialAdams(self._linear, self._nonlinearity, self._first, self._step)
 
-    def _prepare(
-        self, lattice: NumericLattice, grid: Array, slopes: list[float], dealias: int
-    ) -> None:
+    def _prepare(self, lattice: NumericLattice, grid: Array, slopes: list[float]) -> None:
         """What the nonlinear bonds take from the modes and give to them, and the lifted modes."""
         fields, modes = len(lattice.fields), self.modes
         pairs = zip(lattice.bonds, slopes, strict=True)
         bent = [(bond, slope) for bond, slope in pairs if not _is_exact(bond)]
         self._bonds = [(bond.offset, bond.force, slope) for bond, slope in bent]
-        kept = self._unfolded(dealias) & _held(self.start)
         masses = np.array(lattice.masses)[:, None]
         lift = [multipliers(bond.stretch, grid, fields) for bond, _ in bent]
-        push = [multipliers(bond.action, grid, fields) / masses * kept for bond, _ in bent]
+        push = [multipliers(bond.action, grid, fields) / masses * self._held for bond, _ in bent]
         shape = (0, fields, len(grid))
         self._lift = np.array(
             [np.einsum("ik,ijk->jk", part, modes.vectors) / (2j * modes.w) for part in lift],
@@ -164,15 +159,6 @@ class LatticeRing:
         self._push = np.ascontiguousarray(drive.reshape(-1, *shape[1:]).swapaxes(0, 1))
         lifted = np.flatnonzero(modes.excess)
         self._lifted = lifted, (modes.excess / (2j * modes.w)).reshape(-1)[lifted]
-
-    def _unfolded(self, degree: int) -> NDArray[np.bool_]:
-        """Which modes products of that degree of them do not fold onto."""
-        found = np.ones(self._shape, dtype=np.bool_)
-        for axis, part in enumerate(_numbers(self.start.counts)):
-            most = self.start.counts[axis] / (degree + 1.0) if degree > 1 else math.inf
-            inside = np.abs(part) < most
-            found &= inside.reshape([-1 if other == axis else 1 for other in range(found.ndim)])
-        return found.reshape(-1)
 
     def at(self, t: float) -> FieldRing:
         """The ring at time ``t``, which must not lie before the last one; its points stay."""

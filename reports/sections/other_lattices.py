@@ -109,7 +109,7 @@ def shortest(value: sp.Expr, symbols: Iterable[sp.Symbol]) -> str:
 
     >>> a, b, m = sp.symbols("a b m")
     >>> shortest(sp.expand(m**2 * (a + b) ** 3 + a * m), [m])
-    'a m + m^{2} \\left(a + b\\right)^{3}'
+    'a m + m^{2} \\\\left(a + b\\\\right)^{3}'
     """
     chosen = sorted(symbols, key=str)
     collected = value.replace(

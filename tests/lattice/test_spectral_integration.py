@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lattice import FieldState, integrate
 from lattice.spectral.field_ring import FieldRing
 from lattice.spectral.spectral_integration import spectral_integrate
 from tests.lattice.random_lattices import random_lattice, reference, smooth_or_rough
@@ -162,3 +163,50 @@ def test_what_cannot_be_run_is_refused(
     with pytest.raises(ValueError, match=message) as caught:
         spectral_integrate(CHAIN, state, **given)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
+
+
+def parted(seed: int) -> float | None:
+    """True error over estimate of a steep crest on many lattices; None if it is refused.
+
+    Steps that do not resolve how it passes the sites would make all of them run alike.
+    """
+    random = np.random.default_rng(seed)
+    chain = numbers(str(random.choice(["beta_fput", "toda", "fput", "granular"])))
+    sites, many = int(random.choice([48, 64])), int(random.choice([4, 5, 6]))
+    width, height = random.uniform(1.2, 4.0), random.uniform(0.05, 0.6)
+    x = np.arange(sites * many) / many - sites / 2
+    u = height * np.exp(-((x / width) ** 2))[None]
+    v = random.uniform(0.9, 1.1) * 2.0 * x / width**2 * u
+    tolerance, end = height * 10.0 ** random.uniform(-6, -2), 10.0 ** random.uniform(1, 2.3)
+    ring = FieldRing(0.0, (0.0,), (float(sites),), u, v)
+    if random.random() < 0.5:
+        ring = replace(ring.sampled((int(1.37 * sites * many),)))
+    speed = random.uniform(0.9, 1.2)
+    try:
+        run = spectral_integrate(chain, ring, [end], tolerance, speed)
+        cells = [ring.sampled((sites * many,)).f[:, j::many] for j in range(many)]
+        speeds = [ring.sampled((sites * many,)).v[:, j::many] for j in range(many)]
+        found = run.states[0].sampled((sites * many,)).f
+        misses = []
+        for j, (f, s) in enumerate(zip(cells, speeds, strict=True)):
+            exact = integrate(chain, FieldState(0.0, f, s), [end], 1e-4 * tolerance).f[0]
+            miss = np.array(chain.stretches(found[:, j::many])) - chain.stretches(exact)
+            misses.append(float(np.max(np.abs(miss))))
+    except ValueError as refusal:
+        if not str(refusal).startswith(("times must end", "tolerance must", "state must stretch")):
+            raise
+        return None
+    return max(misses) / (run.error_estimate + 1e-4 * tolerance)
+
+
+def test_estimates_know_that_the_lattices_of_a_ring_part() -> None:
+    found = [ratio for ratio in map(parted, range(4)) if ratio is not None]
+    assert len(found) > 2
+    assert max(found) <= 1.0
+
+
+@pytest.mark.slow
+def test_estimates_know_that_many_lattices_of_a_ring_part() -> None:
+    found = [ratio for ratio in map(parted, range(100, 140)) if ratio is not None]
+    assert len(found) > 25
+    assert max(found) <= 1.0

@@ -87,7 +87,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["--bogus"], "no such option '--bogus' (see longwave --help)"),
         (["vreify\n\x1b[31m"], r"got vreify \x1b[31m (one of"),
         (["verify", "walk"], "COMMAND must be a known one, got walk (one of check-certificate, "),
-        (["derive", "--orders", "many"], "--orders must be an integer <= 13, got 'many'"),
+        (["derive", "--orders", "many"], "--order must be an integer <= 13, got 'many'"),
         (["derive", "--k2", "__import__('os')"], "K2 must be a rational number"),
         (["derive", "--k4", "--"], "K4 must be a rational number, got '--'"),
         (["derive", "--json", "--latex"], "--json must not be given with --latex"),

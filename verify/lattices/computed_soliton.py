@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive.reduction import Reduction
+from derive import Reduction
 from verify.lattices.fourier_interval import FourierInterval
 from verify.lattices.jet_polynomial import with_numbers
 

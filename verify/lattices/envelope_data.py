@@ -13,10 +13,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from derive import CarrierTerms, Envelope, Lattice, carrier_fields
 from derive.algebra.exact_numbers import Number
-from derive.carrier_envelope import Envelope
-from derive.carrier_fields import CarrierTerms, carrier_fields
-from derive.lattice import Lattice
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.envelope_flow import EnvelopeFlow
 from verify.lattices.lattice_wave import ORDERS, LatticeWave

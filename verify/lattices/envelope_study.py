@@ -14,15 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Rational, pi
 
+from derive import Envelope, Lattice, envelope
 from derive.algebra.exact_numbers import Number
-from derive.carrier_envelope import Envelope, envelope
-from derive.lattice import Lattice
 from derive.models.lattices import LATTICES, cell, m1, m2
 from derive.symbols import x
-from lattice.field_state import FieldState
-from lattice.integration import integrate
-from solutions.catalogue import closed_form
-from solutions.wave import Wave
+from lattice import FieldState, integrate
+from solutions import Wave, closed_form
 from verify.lattices.convergence import ConvergenceStudy, ErrorAt, fitted_rate
 from verify.lattices.envelope_data import POWERS, EnvelopeData
 

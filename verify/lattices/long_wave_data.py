@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from derive import Reduction
 from derive.algebra.elimination import TimeElimination
 from derive.algebra.exact_numbers import Number, exact
 from derive.algebra.jets import DifferentialPolynomial, raised
 from derive.algebra.series import EpsSeries
 from derive.expansion import Expansion
 from derive.lattice import Lattice
-from derive.reduction import Reduction
 from derive.symbols import eps as EPS
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.first_correction import FirstCorrection

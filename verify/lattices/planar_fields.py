@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Symbol
 
-from derive.reduction import Reduction
+from derive import Reduction
 
 if TYPE_CHECKING:
     from solutions.numeric_wave import PlanarValues

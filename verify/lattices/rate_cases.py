@@ -14,9 +14,8 @@ from typing import TypeAlias
 
 from sympy import Expr, Rational
 
-from derive import LATTICES, Scaling, SlowVariable, reduce
+from derive import LATTICES, Reduction, Scaling, SlowVariable, reduce
 from derive.lattice import Lattice
-from derive.reduction import Reduction
 from derive.symbols import c, eps
 from solutions import Wave, closed_form
 from verify.lattices.computed_soliton import ComputedSoliton

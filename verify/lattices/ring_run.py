@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.field_state import FieldState
-from lattice.integration import integrate
+from lattice import FieldState, integrate
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from verify.lattices.lattice_wave import CellRing
 

@@ -17,8 +17,7 @@ from sympy import Expr
 
 from derive.algebra.exact_numbers import Number
 from derive.carrier_envelope import Envelope
-from lattice.field_state import FieldState
-from lattice.integration import integrate
+from lattice import FieldState, integrate
 from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.envelope_study import closing_count
 

@@ -51,6 +51,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     <Outcome.PROVED: 'PROVED'>
     """
     start = time.perf_counter()
+    _check_form(form)
     return decide(_problems(form)[0](form), start)
 
 
@@ -112,6 +113,13 @@ def stable_problem(form: ClosedForm) -> Problem:
     )
 
 
+def _check_form(form: object) -> None:
+    if not isinstance(form, ClosedForm):
+        raise TypeError(
+            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
+        )
+
+
 def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     """The domains of the parameters of a closed form, from its record.
 
@@ -121,10 +129,7 @@ def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """
-    if not isinstance(form, ClosedForm):
-        raise TypeError(
-            f"form must be a ClosedForm, got {shown(form)} (solutions.closed_form('kink'))"
-        )
+    _check_form(form)
     domains = {}
     for parameter in form.parameters:
         low, high = parameter.lower, parameter.upper

@@ -49,7 +49,7 @@ class ChainCase:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class EstimateVerdict:
     """``ratio``: the true error in units of the estimate, nan where nothing can be said."""
 
     kind: Literal["sound", "too small", "refused", "undecided"]
@@ -153,7 +153,7 @@ def _function(kind: str, stiffness: float, scale: float) -> ForceProgram:
     return force_program(laws[kind])
 
 
-def judge(seed: int) -> Verdict:
+def judge(seed: int) -> EstimateVerdict:
     """The case of that number, run and compared."""
     case = random_case(seed)
     fields: Judged | None = (lambda f, v, t: f) if case.of_fields else None
@@ -162,19 +162,19 @@ def judge(seed: int) -> Verdict:
     except ValueError as refusal:
         if not str(refusal).startswith(REFUSED):
             raise
-        return Verdict("refused", reason=str(refusal))
+        return EstimateVerdict("refused", reason=str(refusal))
     if run.error_estimate > case.tolerance:
-        return Verdict("too small", math.inf, "the estimate is above the tolerance")
+        return EstimateVerdict("too small", math.inf, "the estimate is above the tolerance")
     exact, rough = (reference(case, rtol) for rtol in (1e-13, 1e-12))
     if exact is None or rough is None:
-        return Verdict("undecided", reason="the reference gave up")
+        return EstimateVerdict("undecided", reason="the reference gave up")
     found = [case.judged(f) for f in run.f]
     error = max(_apart(one, case.judged(f)) for one, f in zip(found, exact, strict=True))
     doubt = max(_apart(case.judged(f), case.judged(g)) for f, g in zip(exact, rough, strict=True))
     ratio = error / max(run.error_estimate, 1e-300)
     if ratio > 1.0 and doubt > SURE * run.error_estimate:
-        return Verdict("undecided", ratio, f"the reference is known to {doubt:.2g}")
-    return Verdict("sound" if ratio <= 1.0 else "too small", ratio)
+        return EstimateVerdict("undecided", ratio, f"the reference is known to {doubt:.2g}")
+    return EstimateVerdict("sound" if ratio <= 1.0 else "too small", ratio)
 
 
 def _apart(one: Array, other: Array) -> float:

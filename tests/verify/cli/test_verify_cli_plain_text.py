@@ -8,6 +8,7 @@ from rich.progress import TextColumn
 from verify.__main__ import main
 from verify.cli import console
 from verify.cli import run as cli
+from verify.comparison.scene import find_scene
 
 SCENE = """
 title = {title}
@@ -49,5 +50,5 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(console, "TextColumn", Noted)
     monkeypatch.setattr(cli, "record_scene", lambda *_: None)
-    cli._run_with_bar(cli.find_scene("rogue_cn_k_0.5"), cli.plain_console(stderr=True))
+    cli._run_with_bar(find_scene("rogue_cn_k_0.5"), cli.plain_console(stderr=True))
     assert [column.markup for column in columns] == [False]

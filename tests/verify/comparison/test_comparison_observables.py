@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from lattice import stepper
+from lattice.dynamics import StrainDynamics
 from lattice.model import State, empty_state
 from lattice.schemes import SCHEMES, Scheme
 from solutions.numeric_wave import NumericWave
@@ -57,13 +57,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(measures, "ring_energy")
     count(scipy.optimize, "least_squares")
     count(np.fft, "rfft")
-    advance = stepper.advance
+    advance = StrainDynamics.advance
 
-    def counting_advance(scheme: Scheme, y: Any, s: Any, h: float, steps: int, k: Any) -> None:
+    def counting_advance(own: Any, scheme: Scheme, y: Any, s: Any, h: float, steps: int) -> None:
         counted["kernel steps"] += steps
-        advance(scheme, y, s, h, steps, k)
+        advance(own, scheme, y, s, h, steps)
 
-    monkeypatch.setattr(stepper, "advance", counting_advance)
+    monkeypatch.setattr(StrainDynamics, "advance", counting_advance)
     return counted
 
 

@@ -8,7 +8,7 @@ from sympy import Rational, pi
 
 from derive import LATTICES, envelope
 from derive.carrier_envelope import Envelope
-from derive.carrier_fields import CarrierFields, carrier_fields
+from derive.carrier_numbers import CarrierFields, carrier_fields
 from tests.verify.lattices.envelope_waves import SymbolicWave
 from verify.lattices.envelope_flow import EnvelopeFlow
 

@@ -8,7 +8,6 @@ from sympy import Integer, pi
 
 from verify.lattices.envelope_study import (
     ENVELOPE_CASES,
-    EnvelopeCase,
     closing_count,
     envelope_study,
 )
@@ -16,11 +15,32 @@ from verify.lattices.envelope_study import (
 SOLITON = ENVELOPE_CASES["bright, displacement"]
 
 
-# Measured: (rate, largest eps) of data of each order, with eps / (1, 0.7, 0.5).
-RATES = {
-    ("bright, strain", "slaved"): 2.07,
-    ("bright, strain", "corrected"): 2.92,
-}
+WIDE, FINE = (0.1, 0.07, 0.05, 0.035), (0.07, 0.05, 0.035)
+
+RATES = [
+    ("bright, strain", "leading", WIDE, 2.0),
+    ("bright, strain", "slaved", WIDE, 2.0),
+    ("bright, strain", "corrected", WIDE, 3.0),
+    ("bright, displacement", "corrected", WIDE, 3.0),
+    ("dark, strain", "leading", WIDE, 2.1),
+    ("dark, strain", "corrected", WIDE, 3.1),
+    ("dark, Klein-Gordon", "slaved", WIDE, 2.1),
+    ("Peregrine, strain", "leading", FINE, 1.9),
+    ("Peregrine, strain", "corrected", FINE, 2.9),
+    ("Peregrine, granular dimer", "slaved", FINE, 3.1),
+]
+"""Case, order of the data, values of eps, and the rate that was measured."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "order", "eps_values", "rate"), RATES)
+def test_rates_are_those_of_the_theory(
+    case: str, order: str, eps_values: tuple[float, ...], rate: float
+) -> None:
+    """2 for the NLS equation, 3 with its next order, and where there is none, at k = pi."""
+    study = envelope_study(ENVELOPE_CASES[case], order, eps_values)
+    assert abs(study.rate - rate) < 0.2, study
+    assert all(found.discretisation < found.error for found in study.errors)
 
 
 def test_a_soliton_comes_near_at_the_second_power() -> None:

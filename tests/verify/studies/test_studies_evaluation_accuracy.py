@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions import Wave
+from solutions import CATALOGUE, Wave
 from verify.__main__ import main
 from verify.studies.evaluation_accuracy import DRAWN as DRAWN_CASES
 from verify.studies.evaluation_accuracy import (
@@ -25,6 +25,7 @@ from verify.studies.evaluation_accuracy import (
 DRAWN = [
     pytest.param(case, id=f"{name}-{i}")
     for name in wave_names()
+    if name not in CATALOGUE.names or name in CATALOGUE.of("mKdV").names
     for i, case in enumerate(drawn_cases(name, 2, seed=2))
 ]
 ENDS = [pytest.param(next(all_cases(name)), id=name) for name in wave_names()]
@@ -32,7 +33,10 @@ ENDS = [pytest.param(next(all_cases(name)), id=name) for name in wave_names()]
 
 @pytest.mark.parametrize("case", ENDS + DRAWN)
 def test_a_few_points_of_every_wave(case: WaveCase) -> None:
-    """At T = 0 and late, from the whole domain of parameters, K2, K4, eps and sites."""
+    """At T = 0 and late, from the whole domain of parameters, K2, K4, eps and sites.
+
+    Drawn ones of other equations than mKdV are left to the test of the whole domain.
+    """
     accuracy = measure_accuracy(case, times=case.times[::2], per_time=2, grid=201)
     assert accuracy.passed, accuracy
 

@@ -75,8 +75,8 @@ def carrier_fields(
 
     >>> from derive import LATTICES, envelope
     >>> found = carrier_fields(envelope(LATTICES["fput_strain"]), 1, K2=1, K3=0, K4=1)
-    >>> found.parts[0]
-    (CarrierTerm(power=1, jets=((0, 0),), value=(1+0j)),)
+    >>> found.parts[0][0]
+    CarrierTerm(power=1, jets=((0, 0),), value=(1+0j))
     """
     numbers = envelope.coefficients(k, branch, **given)
     point = envelope.point(k, branch, given)
