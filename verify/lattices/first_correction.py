@@ -28,8 +28,11 @@ Complex = NDArray[np.complex128]
 TOLERANCE = 1e-8
 """Of Y1, in units of the largest change that F_p makes in a unit of T."""
 
-POINTS = 768
-"""Of the interval, unless told."""
+POINTS, MOST_POINTS = 384, 6144
+"""Of the interval: at first, doubled while the modes that are dropped have not fallen."""
+
+RESOLVED = 1e-7
+"""The largest of the modes that are dropped, in units of the largest."""
 
 
 class FirstCorrection:
@@ -47,36 +50,53 @@ class FirstCorrection:
         power: int,
         interval: tuple[float, float],
         repeats: bool = False,
-        points: int = POINTS,
     ) -> None:
         self.power = power
         self._flow, self._further, self._wave = flow, further, wave
-        self._space = FourierInterval(interval, points, repeats)
+        self._interval, self._repeats = interval, repeats
         self._constant = flow.linear
+        self._known: dict[float, Complex] = {}
+        self._sample(POINTS)
+
+    def _sample(self, points: int) -> None:
+        self._space = FourierInterval(self._interval, points, self._repeats)
         self._linear: Complex = np.zeros(self._space.k.size, dtype=np.complex128)
         for count, value in self._constant.items():
             self._linear += value * (1j * self._space.k) ** count
-        self._known: dict[float, Complex] = {}
+        self._dropped = 0.0
 
     def start(self, T: float) -> None:
         """Let Y1 vanish at T."""
+        self._begin = T
         self._known = {T: np.zeros(self._space.k.size, dtype=np.complex128)}
 
     def jets(self, X: ArrayLike, T: float, highest: int) -> Array:
         """Y1, its X-derivative and so on: an array (highest + 1, *points)."""
-        return self._space.jets(self._at(T), X, highest)
+        modes = self._at(T)
+        return self._space.jets(modes, X, highest)
 
     def antiderivative(self, X: ArrayLike, T: float) -> Array:
         """W1 with ``W1_X = Y1``."""
-        return self._space.antiderivative(self._at(T), X)
+        modes = self._at(T)
+        return self._space.antiderivative(modes, X)
 
     def _at(self, T: float) -> Complex:
         """The modes at T, found from the nearest T where they are known."""
         if not self._known:
             raise ValueError(f"start must come before the corrected wave is asked for, got T = {T}")
-        if T not in self._known:
+        while T not in self._known:
             nearest = min(self._known, key=lambda known: abs(known - T))
-            self._known[T] = self._advanced(self._known[nearest], nearest, T)
+            found = self._advanced(self._known[nearest], nearest, T)
+            if self._dropped <= RESOLVED:
+                self._known[T] = found
+                continue
+            if 2 * self._space.points > MOST_POINTS:
+                raise ValueError(
+                    "interval must be shorter, or the wave smoother, for a correction, got "
+                    f"{self._interval} (with {self._space.points} points its modes have not fallen)"
+                )
+            self._sample(2 * self._space.points)
+            self.start(self._begin)
         return self._known[T]
 
     def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
@@ -108,4 +128,14 @@ class FirstCorrection:
             rest = slope - self._constant.get(count, 0.0)
             if np.any(rest):
                 total = total + rest * self._space.values(modes, count)
-        return self._space.modes(total)
+        return self._kept(total)
+
+    def _kept(self, values: Array) -> Complex:
+        """The modes of a function that are kept; what is dropped is noted."""
+        modes = np.abs(np.fft.rfft(values))
+        share = float(np.max(modes[self._space.k.size :]) / max(float(np.max(modes)), TINY))
+        self._dropped = max(self._dropped, share)
+        return self._space.modes(values)
+
+
+TINY = 1e-300

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, Symbol
-
-from derive import Reduction
 
 if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+    from derive.reduction import Reduction
     from solutions.numeric_wave import PlanarValues
 
 Array = NDArray[np.float64]

@@ -58,6 +58,23 @@ def test_the_next_order_is_two_powers_better() -> None:
     assert math.log2(errors[0] / errors[1]) == pytest.approx(6.0, abs=0.25)
 
 
+def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
+    """With the points of a broad one its correction would be wrong, and nothing would say so."""
+    case, cells, found = RATE_CASES["2"], np.arange(60.0, 141.0), []
+    for half in (24.0, 72.0):
+        data = LongWaveData(
+            case.reduction, {}, case.solution, 0.1, "corrected", interval=(-half, half)
+        )
+        data.start(0.0)
+        found.append(data.strain(cells, 100.0))
+    change = np.abs(found[0] - case.data(0.1, "slaved").strain(cells, 100.0)).max()
+    assert found[0] == pytest.approx(found[1], abs=1e-5 * change)
+    data = LongWaveData(case.reduction, {}, case.solution, 0.1, "corrected", interval=(-9e3, 9e3))
+    data.start(0.0)
+    with pytest.raises(ValueError, match="interval must be shorter"):
+        data.strain(np.arange(3.0), 1.0)
+
+
 def residual(data: LongWaveData, t: float) -> float:
     """The largest difference of the theory's acceleration and the lattice's."""
     low, high = data.support(t)
