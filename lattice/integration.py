@@ -20,7 +20,7 @@ from lattice.field_state import FieldState
 from lattice.kernels import blocked
 from lattice.model import Held, Model, State
 from lattice.numeric_lattice import NumericLattice
-from lattice.refine import refine
+from lattice.refine import TooDearError, refine
 from lattice.run_times import check_positive, checked_times
 from lattice.scheme_order import check_order
 from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
@@ -46,6 +46,10 @@ LIMIT_SHARE = 0.9
 
 SLOW = 1e6
 """Waves that take so many times the run's duration do not bound the step."""
+
+RUNAWAY, LEAST_RUNAWAY = 4e4, 1e5
+"""Steps, in units of the longest one's and at least, that a run takes only where strains run away:
+with an order of 2 a tolerance of 1e-9 takes 3e4 times the longest one's."""
 
 RING_SAFETY = 6.0
 """Factor on the difference of two runs. With 2, one estimate in 2000 was too small, by 1.6, and
@@ -178,7 +182,13 @@ def integrate(
     if tolerance is not None:
         remedy = "it is the error that is accepted, in the unit of what is judged"
         check_positive("tolerance", tolerance, remedy)
-        found = refine(search, tolerance)
+        try:
+            found = refine(search, tolerance)
+        except TooDearError as dear:
+            raise ValueError(
+                f"times must end before strains run away, got {moments[-1]:g} ({dear.work:.1g} "
+                "steps follow them so far; end earlier or take smaller strains)"
+            ) from None
         trial, error = found.trial, found.error
     else:
         assert step is not None
@@ -255,6 +265,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self._judged = judged or self._stretches_and_rates(ranges)
         stops = np.concatenate([[state.t], times])
         super().__init__(scheme.order, LIMIT_SHARE * self._admitted, stops, state.size)
+        self.most_work = max(RUNAWAY * self.work(self.first()), LEAST_RUNAWAY)
 
     def _stretches_and_rates(self, ranges: Array) -> Judged:
         """Both in the unit of stretches: rates in units of the highest frequency at rest."""
