@@ -38,11 +38,12 @@ from reports.sections.other_lattices import (
 )
 from solutions import CATALOGUE
 from verify.lattices.convergence import ConvergenceStudy, ErrorAt
+from verify.lattices.envelope_study import ENVELOPE_CASES
 from verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
 from verify.lattices.rate_cases import RATE_CASES
 from verify.studies.evaluation_accuracy import Accuracy
 from verify.studies.lattice_models import LatticeModel, lattice_models, modulation_plane
-from verify.studies.measured_rates import LONG, MeasuredRate
+from verify.studies.measured_rates import ENVELOPES, LONG, SHORT_ENVELOPES, MeasuredRate
 from verify.studies.proofs import ProofRecord
 from verify.studies.scene_runs import SceneRun
 from verify.verdict import Outcome, Verdict
@@ -223,9 +224,12 @@ def test_every_case_and_scene_is_a_job() -> None:
     short, full = chapter_jobs(full=False), chapter_jobs(full=True)
     assert short.keys() < full.keys()
     assert {name for part, name in short if part == "scene"} == set(shipped_lattice_scenes())
-    assert {name for part, (name, _) in _rates(full)} == set(RATE_CASES)
+    names = {name for name, _ in ENVELOPES}
+    assert names <= set(ENVELOPE_CASES)
+    assert {name for part, (name, _) in _rates(full)} == set(RATE_CASES) | names
     assert set(LONG) < set(RATE_CASES)
-    assert {name for part, (name, _) in _rates(short)} == set(RATE_CASES) - set(LONG)
+    short_names = {name for part, (name, _) in _rates(short)}
+    assert short_names == set(RATE_CASES) - set(LONG) | {name for name, _ in SHORT_ENVELOPES}
     assert {*ROGUES, *PEREGRINES} <= set(shipped_lattice_scenes())
 
 

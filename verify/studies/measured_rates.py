@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,27 @@ SECONDS = {"leading": 0.5, "slaved": 0.7, "corrected": 4.0}
 LONG = {"5c": 9.0, "5d": 9.0, "6e": 9.0, "4b, second rogue wave": 15.0}
 LONG |= {"6a, second rogue wave": 20.0, "6a, rogue wave on cn": 10.0}
 """The same of cases that the full report alone has: computed waves, and those at small eps."""
+
+WIDE, FINE = (0.1, 0.07, 0.05, 0.035), (0.07, 0.05, 0.035)
+
+ENVELOPES: Mapping[tuple[str, str], tuple[float, tuple[float, ...]]] = {
+    ("bright, strain", "slaved"): (2.0, WIDE),
+    ("bright, strain", "corrected"): (3.0, WIDE),
+    ("bright, displacement", "corrected"): (3.0, WIDE),
+    ("dark, strain", "leading"): (2.0, WIDE),
+    ("dark, strain", "corrected"): (3.0, WIDE),
+    ("dark, Klein-Gordon", "slaved"): (2.0, WIDE),
+    ("Peregrine, strain", "leading"): (2.0, FINE),
+    ("Peregrine, strain", "corrected"): (3.0, FINE),
+    ("Peregrine, granular dimer", "slaved"): (3.0, FINE),
+}
+"""Case and order of the data -> the rate to expect and the values of eps: 2 for the NLS equation, 3
+with its next order, and where that vanishes, at k = pi."""
+
+SHORT_ENVELOPES = (("bright, strain", "slaved"),)
+"""Those that the short report has as well."""
+
+ENVELOPE_SECONDS = {"leading": 2.0, "slaved": 2.0, "corrected": 12.0}
 
 REACHED = 0.2
 """How far from what is expected a measured rate may be, beside its own uncertainty."""
@@ -73,6 +94,25 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     )
 
 
+def measured_envelope(name: str, order: str) -> MeasuredRate:
+    """Measure one of `ENVELOPES`."""
+    from verify.lattices.envelope_study import ENVELOPE_CASES, envelope_study
+
+    case, (expected, eps_values) = ENVELOPE_CASES[name], ENVELOPES[name, order]
+    lattice = case.runs or LATTICES[case.lattice]
+    used = {str(symbol) for symbol in lattice.constants}
+    return MeasuredRate(
+        name,
+        f"{lattice.title}, {case.branch} branch" if case.branch else lattice.title,
+        (*((key, S(v)) for key, v in case.constants.items() if key in used), ("k", case.k)),
+        "NLS",
+        closed_form(case.form).title,
+        order,
+        expected,
+        envelope_study(case, order, eps_values),
+    )
+
+
 def _numbers(case: RateCase) -> Iterator[tuple[str, Value]]:
     yield from case.constants.items()
     mean = sum((value * eps**power for power, value in case.scaling.background), S.Zero)
@@ -91,10 +131,14 @@ def rate_jobs(full: bool) -> dict[Key, Job]:
     """
     from verify.lattices.rate_cases import RATE_CASES
 
+    envelopes = ENVELOPES if full else SHORT_ENVELOPES
     return {
         ("rate", (name, order)): Job(measured_rate, (name, order), LONG.get(name, SECONDS[order]))
         for name, case in RATE_CASES.items()
         for order in _orders(case, full)
+    } | {
+        ("rate", given): Job(measured_envelope, given, ENVELOPE_SECONDS[given[1]])
+        for given in envelopes
     }
 
 
