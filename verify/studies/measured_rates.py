@@ -132,14 +132,16 @@ def rate_jobs(full: bool) -> dict[Key, Job]:
     from verify.lattices.rate_cases import RATE_CASES
 
     envelopes = ENVELOPES if full else SHORT_ENVELOPES
-    return {
+    waves: dict[Key, Job] = {
         ("rate", (name, order)): Job(measured_rate, (name, order), LONG.get(name, SECONDS[order]))
         for name, case in RATE_CASES.items()
         for order in _orders(case, full)
-    } | {
+    }
+    carried: dict[Key, Job] = {
         ("rate", given): Job(measured_envelope, given, ENVELOPE_SECONDS[given[1]])
         for given in envelopes
     }
+    return waves | carried
 
 
 def _orders(case: RateCase, full: bool) -> list[str]:
