@@ -256,7 +256,7 @@ def test_stable_carriers_are_grey_and_the_line_is_where_pq_vanishes() -> None:
         figure = modulation_figure(grid, quadratic)
     grey, growth = figure.axes[0].collections[:2]
     assert to_hex(grey.get_cmap()(0.5)) == DEFOCUSING
-    shown = np.ma.getmaskarray(np.ma.masked_invalid(growth.get_array()))
+    shown = np.ma.getmaskarray(np.ma.masked_invalid(np.ma.asarray(growth.get_array())))
     assert np.array_equal(shown.reshape(grid.product.shape), grid.product <= 0)
     limit = np.sqrt(1.5 / (1 + 1 / np.sin(grid.k / 2) ** 2))
     assert np.array_equal(grid.product > 0, quadratic < limit)
@@ -275,4 +275,4 @@ def test_a_run_on_two_axes_is_drawn_with_its_difference() -> None:
     with styled():
         figure = map_figure(run(axes=2))
     meshes = [ax.collections[0] for ax in figure.axes[:4]]
-    assert np.max(meshes[3].get_array()) == pytest.approx(0.02)
+    assert np.max(np.ma.asarray(meshes[3].get_array())) == pytest.approx(0.02)
