@@ -22,8 +22,15 @@ from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure
 from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
 from reports.latex import render, write
+from reports.lattice_chapter import (
+    CHAPTER_TABLES,
+    LatticeChapter,
+    chapter_jobs,
+    lattice_chapter,
+    write_chapter_figures,
+)
 from reports.paper import SOURCES
-from reports.sections import costs, literature, runs, theory
+from reports.sections import costs, literature, other_lattices, runs, theory
 from solutions.catalogue import CATALOGUE, closed_form
 from verify.cli.console import plain_console
 from verify.comparison import Scene
@@ -105,6 +112,7 @@ class Findings:
     accuracy: Sequence[Accuracy]
     studies: Studies
     library: Sequence[PublishedVerdict]
+    chapter: LatticeChapter
 
     @property
     def sound(self) -> bool:
@@ -114,7 +122,7 @@ class Findings:
         refuted = all(count.undecided == 0 for count in self.mutations)
         ran = self.studies.sound and not self.evidence.blown_up
         decided = all(verdict.expected for verdict in self.library)
-        return proved and accepted and refuted and decided and ran
+        return proved and accepted and refuted and decided and ran and self.chapter.sound
 
 
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
@@ -132,6 +140,7 @@ def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progre
         accuracy=[worst_of(group) for _, group in accuracy],
         studies=studies(found),
         library=_joined(found, "library"),
+        chapter=lattice_chapter(found),
     )
 
 
@@ -139,7 +148,7 @@ def all_jobs(scenes: Mapping[str, Scene], full: bool) -> dict[Key, Job]:
     """The jobs of a report under (kind, subject)."""
     jobs: dict[Key, Job] = {("run", name): scene_job(scene) for name, scene in scenes.items()}
     evidence = proof_jobs() | library_jobs() | evidence_jobs() | accuracy_jobs(full)
-    return jobs | evidence | study_jobs(full)
+    return jobs | evidence | chapter_jobs(full) | study_jobs(full)
 
 
 def evidence_jobs() -> dict[Key, Job]:
@@ -171,18 +180,24 @@ SOURCE = "longwave.tex"
 STUDY_FIGURES = 3
 """How many figures the studies have, at least."""
 
+CHAPTER_FIGURES = 4
+"""How many the chapter of other lattices has, at least."""
+
 TABLES: Mapping[str, Callable[[Findings], str]] = {
     "solution_table": lambda _: theory.solution_table(),
-    "proof_table": lambda found: theory.proof_table(found.proofs, found.residuals),
+    "proof_table": lambda found: theory.proof_table(_papers(found.proofs), found.residuals),
     "mutation_table": lambda found: theory.mutation_table(found.mutations),
     "survivor_table": lambda found: theory.survivor_table(found.mutations),
-    "accuracy_table": lambda found: costs.accuracy_table(found.accuracy),
+    "accuracy_table": lambda found: costs.accuracy_table(_papers(found.accuracy)),
     "run_table": lambda found: runs.run_table(found.evidence),
     "claim_table": lambda found: runs.claim_table(all_claims(found.evidence)),
     "library_counts": lambda found: literature.library_counts(found.library),
     "library_table": lambda found: literature.library_table(found.library),
     "library_conditions": lambda found: literature.library_conditions(found.library),
     "found_misprints": lambda found: literature.found_misprints(found.library),
+    "form_table": lambda found: other_lattices.form_table(
+        found.proofs, found.residuals, found.accuracy
+    ),
 }
 """The tables of proofs, waves, runs and published solutions under their templates' names."""
 
@@ -203,6 +218,11 @@ STUDY_TABLES: Mapping[str, Callable[[Studies], str]] = {
 """The tables of the studies."""
 
 
+def _papers(records: Sequence[Any]) -> list[Any]:
+    """The records of forms of the paper's equation; the others are in the chapter of lattices."""
+    return [found for found in records if CATALOGUE.equation(found.name) == other_lattices.PAPERS]
+
+
 def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) -> str:
     """Return the report's LaTeX source; `content` holds the tables."""
     return render(
@@ -214,6 +234,7 @@ def source(content: Mapping[str, str], scenes: Mapping[str, Scene], full: bool) 
         equations=theory.equations(),
         figures=runs.figure_entries(scenes),
         sources=sorted(SOURCES.items()),
+        normal_equations=other_lattices.normal_equations(),
         **theory.derivation(),
         **content,
     )
@@ -223,6 +244,7 @@ def write_figures(found: Findings, folder: Path) -> Iterator[Path]:
     """Draw every figure below the folder, yielding each path when it is written."""
     yield from draw_all(found.evidence.runs, found.evidence.scenes, folder / "figures")
     yield from write_study_figures(found.studies, folder)
+    yield from write_chapter_figures(found.chapter, found.evidence, folder)
 
 
 def write_study_figures(found: Studies, folder: Path) -> Iterator[Path]:
@@ -253,6 +275,8 @@ def write_tables(found: Findings, folder: Path) -> Iterator[tuple[str, str]]:
     for name, make in TABLES.items():
         yield name, write_table(name, make(found), folder)
     yield from write_study_tables(found.studies, folder)
+    for name, table in CHAPTER_TABLES.items():
+        yield name, write_table(name, table(found.chapter), folder)
 
 
 def write_study_tables(found: Studies, folder: Path) -> Iterator[tuple[str, str]]:
@@ -303,7 +327,7 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
 
     Returns the source's path, and whether every form stands and every run came to its end.
     """
-    figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES
+    figures = len(SNAPSHOT_FIGURES) + len(ERROR_FIGURES) + STUDY_FIGURES + CHAPTER_FIGURES
     with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         found = find(
@@ -312,7 +336,9 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
         drawing = bar.add_task("drawing", total=figures)
         for _ in write_figures(found, output):
             bar.advance(drawing)
-        writing = bar.add_task("writing", total=len(TABLES) + len(STUDY_TABLES))
+        writing = bar.add_task(
+            "writing", total=len(TABLES) + len(STUDY_TABLES) + len(CHAPTER_TABLES)
+        )
         tex = write_source(found, output, full, partial(bar.advance, writing))
     return tex, found.sound
 

@@ -217,3 +217,40 @@ def duration(seconds: float) -> str:
     scale, unit = next((pair for pair in UNITS if seconds >= pair[0]), UNITS[-1])
     value = seconds / scale
     return f"{value:.1f} {unit}" if value < 10 else f"{float(f'{value:.2g}'):.0f} {unit}"
+
+
+def domain_latex(domain: str) -> str:
+    r"""Return a parameter's domain as LaTeX; its words are those of the record.
+
+    >>> domain_latex("0 < k < 1"), domain_latex("X_0 real")
+    ('$0<k<1$', '$X_{0}$ real')
+    """
+    words = [_domain_word(word) for word in domain.split()]
+    return " ".join(words).replace("$ $", "")
+
+
+def _domain_word(word: str) -> str:
+    """Return one word of a domain: relations and symbols in mathematics."""
+    if word in ("real", "positive"):
+        return word
+    named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
+    named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
+    letter, _, index = word.partition("_")
+    plain = f"{named.get(letter, letter)}_{{{index}}}" if index else word
+    return f"${named.get(word, plain)}$"
+
+
+_INDEXED = re.compile(r"\b[a-z]_(?:\w|\{[^}]*\})(?: [=+-] [a-z]_(?:\w|\{[^}]*\}))*")
+"""Fields with their indices, and sums of them, in a lattice's title."""
+
+
+def title_latex(title: str) -> str:
+    """A lattice's title, its indexed fields in mathematics.
+
+    >>> title_latex("the strain y_n = u_{n+1} - u_n of 50 %")
+    'the strain $y_n = u_{n+1} - u_n$ of 50 \\\\%'
+    """
+    words = _INDEXED.split(title)
+    formulas = [f"${found}$" for found in _INDEXED.findall(title)]
+    pairs = zip(words, [*formulas, ""], strict=True)
+    return "".join(escape(text) + formula for text, formula in pairs)

@@ -7,7 +7,7 @@ from lattice.schemes import stability_limit
 from paper_map import Holder, Row, paper_map
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
 from reports.formulas.printing import latex
-from reports.sections.theory import domain_latex
+from reports.latex import domain_latex
 from solutions import CATALOGUE, ClosedForm
 from verify.cli.problem_file import ProblemText
 from verify.cli.published import published, source_of

@@ -98,10 +98,13 @@ class Snapshot:
     analytical: Sites
 
 
-def snapshot_figure(rows: Sequence[Sequence[Snapshot]]) -> Figure:
-    """Draw one panel per snapshot, one row per run; panels are lettered (A), (B), ... ."""
+def snapshot_figure(rows: Sequence[Sequence[Snapshot]], wave: str = "mKdV wave") -> Figure:
+    """Draw one panel per snapshot, one row per run; panels are lettered (A), (B), ... .
+
+    ``wave`` is what the legend calls the analytical strain.
+    """
     figure = Figure((TEXT_WIDTH, snapshot_height(len(rows))), layout="constrained")
-    draw_snapshot_panels(figure, rows)
+    draw_snapshot_panels(figure, rows, wave)
     return figure
 
 
@@ -110,7 +113,9 @@ def snapshot_height(rows: int) -> float:
     return PANEL_HEIGHT * rows + 0.35
 
 
-def draw_snapshot_panels(figure: FigureBase, rows: Sequence[Sequence[Snapshot]]) -> None:
+def draw_snapshot_panels(
+    figure: FigureBase, rows: Sequence[Sequence[Snapshot]], wave: str = "mKdV wave"
+) -> None:
     """Draw the panels of `snapshot_figure` into a figure; shorter rows end in empty places."""
     across = max(len(row) for row in rows)
     panels = figure.subplots(len(rows), across, squeeze=False)
@@ -118,7 +123,7 @@ def draw_snapshot_panels(figure: FigureBase, rows: Sequence[Sequence[Snapshot]])
     for row, axes in zip(rows, panels, strict=True):
         low, high = _limits(row)
         for column, (snapshot, ax) in enumerate(zip(row, axes, strict=False)):
-            _draw_snapshot(ax, snapshot, next(letters))
+            _draw_snapshot(ax, snapshot, next(letters), wave)
             ax.set_ylim(low, high)
             ax.tick_params(labelleft=column == 0)
         axes[0].set_ylabel("$y_n$")
@@ -129,10 +134,10 @@ def draw_snapshot_panels(figure: FigureBase, rows: Sequence[Sequence[Snapshot]])
     figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
 
 
-def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str) -> None:
+def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None:
     """Draw one panel: the numerical strain solid blue, the analytical one dashed red on it."""
     ax.plot(snapshot.offset, snapshot.numerical, label="lattice", **NUMERICAL)
-    ax.plot(snapshot.offset, snapshot.analytical, label="mKdV wave", **ANALYTICAL)
+    ax.plot(snapshot.offset, snapshot.analytical, label=wave, **ANALYTICAL)
     ax.set_title(rf"({letter})  $\epsilon={snapshot.eps:g}$, $t={snapshot.time:g}$", loc="left")
     ax.set_xlim(snapshot.offset[0], snapshot.offset[-1])
     ax.locator_params(axis="x", nbins=5)

@@ -12,7 +12,7 @@ from derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, 
 from derive.dispersion import agrees_with_reduction
 from reports.formulas.formula import Formula
 from reports.formulas.printing import equation_latex, latex
-from reports.latex import block, escape, scientific, table
+from reports.latex import block, domain_latex, escape, scientific, table
 from reports.paper import cited
 from solutions import CATALOGUE, ClosedForm
 from solutions.record import Equation
@@ -70,27 +70,6 @@ def solution_table(forms: Iterable[ClosedForm] = PAPER_FORMS) -> str:
     ]
     head = ["solution", "$s$", "parameters", "background", "paper, source"]
     return block("lrlll", head, rows)
-
-
-def domain_latex(domain: str) -> str:
-    r"""Return a parameter's domain as LaTeX; its words are those of the record.
-
-    >>> domain_latex("0 < k < 1"), domain_latex("X_0 real")
-    ('$0<k<1$', '$X_{0}$ real')
-    """
-    words = [_domain_word(word) for word in domain.split()]
-    return " ".join(words).replace("$ $", "")
-
-
-def _domain_word(word: str) -> str:
-    """Return one word of a domain: relations and symbols in mathematics."""
-    if word in ("real", "positive"):
-        return word
-    named = {"<": "<", "<=": r"\le", "elliptic_k(k**2)": "K(k)", "2*A": "2A"}
-    named |= {letter: rf"\{letter}" for letter in ("alpha", "kappa")}
-    letter, _, index = word.partition("_")
-    plain = f"{named.get(letter, letter)}_{{{index}}}" if index else word
-    return f"${named.get(word, plain)}$"
 
 
 def formulas(forms: Iterable[ClosedForm] = PAPER_FORMS) -> list[dict[str, str]]:

@@ -9,12 +9,16 @@ from reports import build
 from reports.__main__ import main
 from reports.build import Findings, Studies
 from reports.engine import EngineMissingError
+from reports.lattice_chapter import LatticeChapter
 from verify.cli.published import chosen
 from verify.evidence.mutations import MutationCount, Survivor
+from verify.lattices.lattice_scene import load_lattice_scene
 from verify.studies.hard_cases import HardCaseResult
+from verify.studies.lattice_models import modulation_plane
 from verify.studies.measured_runs import MeasuredRuns
 from verify.studies.proofs import ProofRecord
 from verify.studies.published_verdicts import PublishedVerdict
+from verify.studies.scene_runs import SceneRun
 from verify.verdict import Outcome
 
 
@@ -24,6 +28,7 @@ def findings(
     undecided: int = 0,
     fails: bool = False,
     library: Outcome = Outcome.PROVED,
+    scenes: dict[str, SceneRun] | None = None,
 ) -> Findings:
     """What a report found: one proof, run, count of misprints and published solution."""
     proof = ProofRecord("kink", "exact", outcome, 0.1, 1000, 0.1, True)
@@ -34,7 +39,8 @@ def findings(
     (text,) = chosen(["kdv_one_soliton"])
     published = [PublishedVerdict(text, library, 0.1)]
     count = MutationCount("kink", 8, survivors, 0.1)
-    return Findings(evidence, [proof], {}, [count], [], empty, published)
+    chapter = LatticeChapter([], [], modulation_plane(2), [], scenes or {})
+    return Findings(evidence, [proof], {}, [count], [], empty, published, chapter)
 
 
 @pytest.fixture
@@ -82,8 +88,9 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
         findings(undecided=1),
         findings(fails=True),
         findings(library=Outcome.UNDECIDED),
+        findings(scenes={"one": SceneRun(load_lattice_scene("toda_soliton"), None, "blew up")}),
     ],
-    ids=["undecided form", "blow-up", "undecided misprint", "hard case", "published solution"],
+    ids=["form", "blow-up", "misprint", "hard case", "published solution", "other lattice"],
 )
 def test_what_does_not_stand_fails_the_report(
     without_work: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, found: Findings

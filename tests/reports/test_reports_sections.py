@@ -10,6 +10,7 @@ import pytest
 from reports.build import STUDY_TABLES, TABLES, source
 from reports.engine import compile_pdf, engine_present
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from reports.lattice_chapter import CHAPTER_TABLES
 from reports.paper import SOURCES, cited
 from reports.sections.costs import accuracy_table
 from reports.sections.runs import caption_part, claim_table, mathematics
@@ -33,7 +34,9 @@ from verify.verdict import Outcome, Verdict
 
 @pytest.fixture(scope="module")
 def report() -> str:
-    tables = dict.fromkeys((*TABLES, *STUDY_TABLES), "") | {"solution_table": solution_table()}
+    tables = dict.fromkeys((*TABLES, *STUDY_TABLES, *CHAPTER_TABLES), "") | {
+        "solution_table": solution_table()
+    }
     return source(tables, report_scenes(), full=False)
 
 
@@ -179,7 +182,8 @@ def test_the_source_compiles_without_overfull_lines(tmp_path: Path, report: str)
     picture = Path(__file__).parents[2] / "docs" / "rogue_wave.png"
     (tmp_path / "figures").mkdir()
     names = [figure.name for figure in (*SNAPSHOT_FIGURES, *ERROR_FIGURES)]
-    for name in (*names, "evaluation_costs", "work_precision", "cost_scaling"):
+    names += ["evaluation_costs", "work_precision", "cost_scaling", "modulation"]
+    for name in (*names, "lattice_rogues", "lattice_peregrines", "lattice_rates"):
         shutil.copy(picture, tmp_path / "figures" / f"{name}.png")
     tex = tmp_path / "longwave.tex"
     tex.write_text(re.sub(r"(figures/\w+)\.pdf", r"\1.png", report), encoding="utf-8")

@@ -1,0 +1,21 @@
+"""A Peregrine wave on a dimer.
+
+The envelope of a carrier on the optical branch of a chain of light and heavy masses: the lattice
+started long before the crest, and the closed form. To the left the whole wave, then its carrier at
+the crest and at the end.
+"""
+
+from matplotlib.figure import Figure
+
+from reports.figures.drawing import snapshot_figure
+from reports.figures.lattice_figures import lattice_snapshots
+from verify.lattices.lattice_run import run_lattice_scene
+from verify.lattices.lattice_scene import load_lattice_scene
+
+
+def picture() -> Figure:
+    """The strain of the cells, 180 and then 16 of them to either side of the crest."""
+    scene = load_lattice_scene("dimer_peregrine")
+    run = run_lattice_scene(scene).dataset
+    wide, near = (lattice_snapshots(run, scene.eps, cells, (1, 2)) for cells in (180, 16))
+    return snapshot_figure([[wide[0], *near]], "theory")

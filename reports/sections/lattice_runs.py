@@ -1,0 +1,131 @@
+"""What the report prints of runs on other lattices: scenes with their errors, rates over eps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from sympy import Symbol
+
+from derive.output.notation import latex_of
+from reports.latex import duration, escape, measured, table, title_latex
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from verify.lattices.convergence import ErrorAt
+    from verify.studies.measured_rates import MeasuredRate
+    from verify.studies.scene_runs import SceneRun
+
+
+def scene_table(runs: Mapping[str, SceneRun]) -> str:
+    """Each scene: wave and equation, size, the largest error after the start, what it took."""
+    lines = []
+    for name, found in runs.items():
+        lines.append([rf"\multicolumn{{6}}{{l}}{{\rule{{0pt}}{{3ex}}{_scene_words(name, found)}}}"])
+        if found.run is None:
+            lines.append(
+                [rf"\multicolumn{{6}}{{L{{150mm}}}}{{did not run: {escape(found.fault)}}}"]
+            )
+        else:
+            lines.append(_scene_cells(found, found.run))
+    head = [
+        "equation",
+        r"$\epsilon$",
+        r"error$\,/\,\epsilon^p$",
+        "relative error",
+        "cells",
+        "time",
+    ]
+    return table("L{36mm}llllr", head, lines)
+
+
+def _scene_words(name: str, found: SceneRun) -> str:
+    title = found.scene.title or name
+    return rf"{escape(title)} (\texttt{{{escape(name)}}})"
+
+
+def _scene_cells(found: SceneRun, run: xr.Dataset) -> list[str]:
+    """The cells of a scene that ran; the errors are the largest after the first time."""
+    sup, relative = (run[name].values[1:] for name in ("sup_error", "error"))
+    own = float(run.attrs["error_estimate"])
+    place = int(sup.argmax())
+    share = relative[place] / sup[place] if sup[place] else 0.0
+    lost = "" if found.kept else " (TOO LARGE)"
+    return [
+        escape(str(run.attrs["equation"]).partition(":")[0]),
+        f"${found.scene.eps:g}$",
+        measured(float(sup[place]), own) + lost,
+        measured(float(relative[place]), own * float(share)),
+        f"${run.attrs['sites']:,}$".replace(",", r"\,"),
+        duration(float(run.attrs["seconds"] + run.attrs["planning_seconds"])),
+    ]
+
+
+def is_map(found: SceneRun) -> bool:
+    """Whether a scene ran on two axes."""
+    return found.run is not None and "row" in found.run.dims
+
+
+def scene_maps(runs: Mapping[str, SceneRun]) -> str:
+    """The figures of the scenes that ran on two axes."""
+    lines = []
+    for name, found in runs.items():
+        if is_map(found):
+            caption = (
+                f"{escape(found.scene.title)}: strain along $n$, and its distance from theory."
+            )
+            lines += [
+                r"\begin{figure}[htbp]",
+                r"\centering",
+                rf"\includegraphics{{figures/scene_{name}.pdf}}",
+                rf"\caption{{{caption}}}",
+                r"\end{figure}",
+            ]
+    return "\n".join(lines)
+
+
+def rate_table(rates: Iterable[MeasuredRate]) -> str:
+    """Each lattice with its numbers; below it each rate, and the error at every eps."""
+    lines, last = [], ""
+    for found in rates:
+        words = rate_title(found)
+        if words != last:
+            lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
+            last = words
+        rate = rf"${found.study.rate:.2f} \pm {found.study.uncertainty:.2f}$"
+        errors = ", ".join(
+            f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
+            for point in found.study.errors
+        )
+        lines += [
+            [
+                rf"\nopagebreak {escape(found.kind)}",
+                escape(found.wave),
+                found.order,
+                f"${found.expected:g}$",
+                rate + ("" if found.reached else " (NOT REACHED)"),
+            ],
+            [rf"\nopagebreak\multicolumn{{5}}{{L{{160mm}}}}{{errors {errors}}}"],
+        ]
+    head = ["equation", "wave", "data", "expected", "rate"]
+    return table("L{36mm}L{44mm}lll", head, lines)
+
+
+def rate_title(found: MeasuredRate) -> str:
+    """Number, lattice and its numbers, in LaTeX."""
+    values = ", ".join(
+        f"${latex_of(Symbol(name))} = {latex_of(value)}$" for name, value in found.constants
+    )
+    return f"{escape(found.case)}: {title_latex(found.lattice)}; {values}"
+
+
+def rate_panels(
+    rates: Iterable[MeasuredRate],
+) -> dict[float, dict[str, tuple[ErrorAt, ...]]]:
+    """For each expected rate its curves, by the number and the equation of the case."""
+    panels: dict[float, dict[str, tuple[ErrorAt, ...]]] = {}
+    for found in sorted(rates, key=lambda one: one.expected):
+        curves = panels.setdefault(found.expected, {})
+        curves[f"{found.case}: {found.kind}"] = found.study.errors
+    return panels
