@@ -218,7 +218,7 @@ def form_table(
             ]
         )
     head = ["equation", "solution", "parameters", "verdict", "residual", "worst error"]
-    return table("L{27mm}L{42mm}L{38mm}lll", head, rows)
+    return table("L{25mm}L{38mm}L{36mm}lll", head, rows)
 
 
 def _number(value: float | None) -> str:
