@@ -46,8 +46,8 @@ SHORT_ENVELOPES = (("bright, strain", "slaved"),)
 ENVELOPE_SECONDS = {"leading": 2.0, "slaved": 9.0, "corrected": 20.0}
 
 BETWEEN = ("6c", "6d")
-"""Cases without a rate for data of the next order: what those leave out first is an odd power with a
-coefficient so small that a fit lies between two powers (6d: 5.73 at eps = 0.2, 5.39 at 0.035)."""
+"""Cases without a rate for data of the next order: what is left out then is an odd power with so
+small a coefficient that a fit lies between two powers (6d: 5.73 at eps = 0.2, 5.39 at 0.035)."""
 
 REACHED = 0.2
 """How far from what is expected a measured rate may be, beside its own uncertainty."""
