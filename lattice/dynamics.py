@@ -177,7 +177,7 @@ class FieldDynamics:
         """With the largest slope of each bond in its range, of either sign, and at rest."""
         found = []
         for bond, (least, most) in zip(self.lattice.bonds, ranges, strict=False):
-            if not math.isfinite(least + most):
+            if not math.isfinite(float(most) - float(least)):
                 return math.inf
             places = np.append(np.linspace(least, most, SLOPES), bond.offset)
             with np.errstate(all="ignore"):
@@ -190,8 +190,11 @@ class FieldDynamics:
         """The largest field, as often as it enters a stretch, or a force's largest summand.
 
         What rounding does to the latter a stretch does that is smaller by the force's slope.
+        Infinite after a blow-up.
         """
         bonds = self.lattice.bonds
+        if not all(math.isfinite(most - least) for least, most in ranges.tolist()):
+            return math.inf
         weights = [sum(abs(part.weight) for part in bond.stretch) for bond in bonds]
         found = float(np.max(np.abs(ranges[len(bonds) :]))) * max(weights)
         for bond, (least, most) in zip(bonds, ranges, strict=False):
