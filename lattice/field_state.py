@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.model import GROWTH, BlowUp
-from lattice.numeric_lattice import ROUNDED, NumericLattice
+from lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
 
 Array = NDArray[np.float64]
 
@@ -64,8 +64,7 @@ def field_blow_up(
         return None
     with np.errstate(all="ignore"):
         stretches = lattice.stretches(state.f)
-        pairs = list(zip(lattice.bonds, stretches, strict=True))
-        slopes = [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+    slopes = lattice.slopes(stretches)
     torn = ~np.all(np.isfinite(slopes), axis=0)
     if torn.any():
         return _seen("a bond is stretched beyond its force", state, torn)
@@ -73,6 +72,7 @@ def field_blow_up(
         growing = _growing(lattice, slopes)
         if growing.any():
             return _seen("waves about the bonds of a cell grow", state, growing)
+    pairs = zip(lattice.bonds, stretches, strict=True)
     moved = np.max([np.abs(stretch - bond.offset) for bond, stretch in pairs], axis=0)
     large = moved > GROWTH * initial_amplitude
     if large.any():
@@ -83,7 +83,7 @@ def field_blow_up(
 def _growing(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
     """Whether waves grow in the lattice that has the slopes of a cell everywhere, cell by cell."""
     units = np.eye(len(slopes))
-    waves = _wavenumbers(lattice.dimension)
+    waves = zone_wavenumbers(lattice.dimension, WAVES[lattice.dimension])
     matrices = np.array([lattice.dynamical_matrix(waves, list(unit)) for unit in units])
     flat = np.stack([slope.ravel() for slope in slopes])
     found = []
@@ -92,12 +92,6 @@ def _growing(lattice: NumericLattice, slopes: list[Array]) -> NDArray[np.bool_]:
         squares = squares.reshape(part.shape[1], -1)
         found.append(squares.min(axis=1) < -ROUNDED * np.maximum(squares.max(axis=1), TINY))
     return np.concatenate(found).reshape(slopes[0].shape)
-
-
-def _wavenumbers(dimension: int) -> Array:
-    axis = np.linspace(0.0, np.pi, WAVES[dimension])
-    axes = [axis, *[np.linspace(-np.pi, np.pi, 2 * axis.size - 1)] * (dimension - 1)]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
 
 
 def _seen(criterion: str, state: FieldState, where: NDArray[np.bool_]) -> BlowUp:

@@ -135,6 +135,12 @@ class NumericLattice:
         values = np.linalg.eigvals(self.dynamical_matrix(wavenumbers, slopes))
         return np.sort(values.real, axis=-1)
 
+    def slopes(self, stretches: Sequence[Array]) -> list[Array]:
+        """The slope of each bond's force at its stretches; not finite where there is no force."""
+        pairs = zip(self.bonds, stretches, strict=True)
+        with np.errstate(all="ignore"):
+            return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+
     def rest_slopes(self) -> list[float]:
         """The slope of each bond's force at the mean stretch."""
         return [float(bond.force.slope(np.array(bond.offset))) for bond in self.bonds]
@@ -149,10 +155,8 @@ class NumericLattice:
         return bool(np.min(squares) >= -ROUNDED * max(float(np.max(squares)), 1e-300))
 
     def _all_squares(self, slopes: Sequence[float]) -> Array:
-        axis = np.linspace(0.0, math.pi, WAVENUMBERS[self.dimension])
-        axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * axis.size - 1)] * (self.dimension - 1)]
-        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-        return self.squared_frequencies(grid.reshape(-1, self.dimension), slopes)
+        waves = zone_wavenumbers(self.dimension, WAVENUMBERS[self.dimension])
+        return self.squared_frequencies(waves, slopes)
 
     def energy(self, f: Array, v: Array) -> float:
         """Kinetic and potential energy of a ring of displacements.
@@ -172,6 +176,16 @@ WAVENUMBERS = {1: 257, 2: 33, 3: 9}
 
 ROUNDED = 1e-12
 """A square of a frequency so far below 0, in units of the largest, is rounding."""
+
+
+def zone_wavenumbers(dimension: int, count: int) -> Array:
+    """A grid (waves, axes) over half the zone, which holds every wave or its conjugate.
+
+    There are ``count`` wavenumbers from 0 to pi along the first axis.
+    """
+    axis = np.linspace(0.0, math.pi, count)
+    axes = [axis, *[np.linspace(-math.pi, math.pi, 2 * count - 1)] * (dimension - 1)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, dimension)
 
 
 def _shifted(values: Array, shift: tuple[int, ...]) -> Array:

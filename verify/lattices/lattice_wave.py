@@ -126,9 +126,7 @@ class LatticeWave(ABC):
 
         But for tails that fall faster than exponentially no change spreads faster.
         """
-        stretches = ring.lattice.stretches(ring.f)
-        pairs = zip(ring.lattice.bonds, stretches, strict=True)
-        slopes = [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+        slopes = ring.lattice.slopes(ring.lattice.stretches(ring.f))
         ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
         return max(largest_group_velocity(ring.lattice, found) for found in ends)
 

@@ -18,9 +18,9 @@ def advanced(ring: CellRing, times: Array, share: float) -> list[Array]:
     ``share`` of the longest step that is stable at the stiffest bonds of the state.  Raises
     ValueError as `lattice.integrate` does.
     """
-    stretches = ring.lattice.stretches(ring.f)
-    pairs = zip(ring.lattice.bonds, stretches, strict=True)
-    stiffest = [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    stiffest = [
+        float(np.max(slopes)) for slopes in ring.lattice.slopes(ring.lattice.stretches(ring.f))
+    ]
     frequency = max(
         ring.lattice.highest_frequency(slopes) for slopes in (stiffest, ring.lattice.rest_slopes())
     )

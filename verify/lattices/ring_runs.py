@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from derive.command_line import duration
 from lattice.dynamics import dynamics_of
+from lattice.model import GROWTH
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from lattice.trial import (
     NUDGE,
@@ -43,9 +44,6 @@ STEP_RATIO = 0.8
 
 WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
-
-GROWTH = 100.0
-"""Growth of the largest value on the compared cells that counts as a blow-up."""
 
 UPDATES = 1e8
 """Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
@@ -189,8 +187,9 @@ class RingRuns(StepSearch):
     def _check_stability(self, near: CellRing) -> None:
         """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
         corner = (0,) * near.lattice.dimension
-        pairs = zip(near.lattice.bonds, near.lattice.stretches(near.f), strict=True)
-        slopes = [float(bond.force.slope(np.array(stretch[corner]))) for bond, stretch in pairs]
+        slopes = [
+            float(found[corner]) for found in near.lattice.slopes(near.lattice.stretches(near.f))
+        ]
         if not near.lattice.is_stable(slopes):
             raise ValueError(
                 f"constants must make waves of {near.lattice.name} stable, got one that grows at "
@@ -258,9 +257,9 @@ def _stiffest(ring: CellRing) -> list[float]:
 
     Raises ValueError where a force is not defined.
     """
-    pairs = zip(ring.lattice.bonds, ring.lattice.stretches(ring.f), strict=True)
-    with np.errstate(all="ignore"):
-        found = [float(np.max(bond.force.slope(stretch))) for bond, stretch in pairs]
+    found = [
+        float(np.max(slopes)) for slopes in ring.lattice.slopes(ring.lattice.stretches(ring.f))
+    ]
     if not all(map(math.isfinite, found)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
