@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels.native_code import native_function
+from lattice.kernels.native_code import ALIGNMENT, aligned, native_function
 from lattice.kernels.streams import Flow, flow_of
 
 if TYPE_CHECKING:
@@ -119,13 +119,13 @@ def advance_stages(
     layout = _layout(size, lanes, each * flow.below, each * flow.skew)
     margin = together * flow.skew * lanes
     plane = margin + layout.cells.size + ALIGNMENT
-    rings = [_aligned(flow.fields * plane) for _ in range(2)]
+    rings = [aligned(flow.fields * plane) for _ in range(2)]
     planes = [ring[: flow.fields * plane].reshape(flow.fields, plane) for ring in rings]
     for held, ring in zip(planes, (f, v), strict=True):
         held[:, margin : margin + layout.cells.size] = ring[:, layout.cells.ravel()]
     repeated = kicks.size + each
     a, b = (np.ascontiguousarray(np.resize(weights, repeated)) for weights in (drifts, kicks))
-    carried = _aligned((each + together) * flow.kept(together) * lanes)
+    carried = aligned((each + together) * flow.kept(together) * lanes)
     numbers_array = np.array([*numbers, 0.0])
     passages = _passages(flow, lanes, len(numbers))
 
@@ -150,13 +150,3 @@ def advance_stages(
     run(int(stages % each > 0), stages % each, stages // each * each % kicks.size)
     for held, ring in zip(planes, (f, v), strict=True):
         ring[:] = held[:, margin + layout.home]
-
-
-ALIGNMENT = 8
-"""Doubles in a line of the cache."""
-
-
-def _aligned(size: int) -> Array:
-    raw = np.zeros(size + ALIGNMENT)
-    offset = (-(raw.ctypes.data // 8)) % ALIGNMENT
-    return raw[offset : offset + size]

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import math
 import threading
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
+from numpy.typing import NDArray
 
 from solutions.run.entry_point import processor
 from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
 from solutions.run.source_digest import source_digest
 
-__all__ = ["native_function"]
+__all__ = ["aligned", "native_function"]
+
+ALIGNMENT = 8
+"""Doubles in a line of the cache."""
 
 _lock = threading.Lock()
 _engines: list[Any] = []
@@ -73,3 +79,11 @@ def _object_code(module: str, key: str, written: Callable[[], str]) -> bytes:
     if path is not None:
         write_whole(path, code)
     return code
+
+
+def aligned(*shape: int) -> NDArray[np.float64]:
+    """Zeros that begin at a line of the cache."""
+    size = math.prod(shape)
+    raw = np.zeros(size + ALIGNMENT)
+    offset = (-(raw.ctypes.data // 8)) % ALIGNMENT
+    return raw[offset : offset + size].reshape(shape)

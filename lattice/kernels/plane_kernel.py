@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels.native_code import native_function
+from lattice.kernels.native_code import aligned, native_function
 from lattice.kernels.plane_flow import PlaneFlow, plane_flow
 
 if TYPE_CHECKING:
@@ -126,8 +126,8 @@ class _Arc:
         pitch = -(-self._columns // LANES) * LANES + 2 * self._margin
         self._below = each * flow.fall
         held = np.arange(self._first - self._below, self._past + each * flow.rise)
-        self._rings = _aligned((2, fields, held.size, pitch))
-        self._forces = _aligned((each, max(flow.kept, 1), pitch))
+        self._rings = aligned(2, fields, held.size, pitch)
+        self._forces = aligned(each, max(flow.kept, 1), pitch)
         self._numbers = np.array([*numbers, 0.0])
         self._run = _sweep(flow, lanes, len(numbers))
         inside = (held >= self._first) & (held < self._past)
@@ -174,10 +174,3 @@ class _Arc:
             self._past - self._first + stages * (flow.fall + flow.rise),
             stages,
         )
-
-
-def _aligned(shape: tuple[int, ...]) -> Array:
-    size = int(np.prod(shape))
-    raw = np.zeros(size + LANES)
-    offset = (-(raw.ctypes.data // 8)) % LANES
-    return raw[offset : offset + size].reshape(shape)

@@ -158,7 +158,7 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
     builder = _Builder(len(lattice.fields))
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
     for bond in lattice.bonds:
-        law, unit = builder.law(bond.force)
+        law, unit = law_of(bond.force, builder.number)
         if law is None:
             continue
         force = builder.force(builder.stretch(bond.stretch, bond.offset), law)
@@ -267,10 +267,6 @@ class _Builder:
         if made not in self.streams:
             self.streams.append(made)
         return self.streams.index(made)
-
-    def law(self, force: ForceProgram) -> tuple[Law | None, float]:
-        """A force's arithmetic and its unit; None if there is no force."""
-        return law_of(force, self.number)
 
     def stretch(self, entries: Sequence[Entry], offset: float) -> Tap:
         """What a bond of a cell is stretched by."""

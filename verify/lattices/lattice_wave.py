@@ -34,6 +34,11 @@ class CellRing:
     f: Array
     v: Array
 
+    @property
+    def slopes(self) -> list[Array]:
+        """The slope of each bond's force in each cell."""
+        return self.lattice.slopes(self.lattice.stretches(self.f))
+
 
 class LatticeWave(ABC):
     """A long wave or an envelope on a lattice with numbers.
@@ -126,7 +131,7 @@ class LatticeWave(ABC):
 
         But for tails that fall faster than exponentially no change spreads faster.
         """
-        slopes = ring.lattice.slopes(ring.lattice.stretches(ring.f))
+        slopes = ring.slopes
         ends = [[float(choose(slope)) for slope in slopes] for choose in (np.max, np.min)]
         return max(largest_group_velocity(ring.lattice, found) for found in ends)
 

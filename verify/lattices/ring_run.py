@@ -18,9 +18,7 @@ def advanced(ring: CellRing, times: Array, share: float) -> list[Array]:
     ``share`` of the longest step that is stable at the stiffest bonds of the state.  Raises
     ValueError as `lattice.integrate` does.
     """
-    stiffest = [
-        float(np.max(slopes)) for slopes in ring.lattice.slopes(ring.lattice.stretches(ring.f))
-    ]
+    stiffest = [float(np.max(slopes)) for slopes in ring.slopes]
     frequency = max(
         ring.lattice.highest_frequency(slopes) for slopes in (stiffest, ring.lattice.rest_slopes())
     )

@@ -187,9 +187,7 @@ class RingRuns(StepSearch):
     def _check_stability(self, near: CellRing) -> None:
         """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
         corner = (0,) * near.lattice.dimension
-        slopes = [
-            float(found[corner]) for found in near.lattice.slopes(near.lattice.stretches(near.f))
-        ]
+        slopes = [float(found[corner]) for found in near.slopes]
         if not near.lattice.is_stable(slopes):
             raise ValueError(
                 f"constants must make waves of {near.lattice.name} stable, got one that grows at "
@@ -257,9 +255,7 @@ def _stiffest(ring: CellRing) -> list[float]:
 
     Raises ValueError where a force is not defined.
     """
-    found = [
-        float(np.max(slopes)) for slopes in ring.lattice.slopes(ring.lattice.stretches(ring.f))
-    ]
+    found = [float(np.max(slopes)) for slopes in ring.slopes]
     if not all(map(math.isfinite, found)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
