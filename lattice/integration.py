@@ -27,13 +27,13 @@ from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stabil
 from lattice.stepper import Stepper, StillRing
 from lattice.trial import (
     LEAST_FACTOR,
-    NUDGE,
     Choices,
     Kind,
     Progress,
     StepSearch,
     Trial,
     difference,
+    nudged,
     rounding_error,
 )
 
@@ -331,11 +331,10 @@ class RingSearch(StepSearch, Generic[Held]):
         limit = stability_limit(self.scheme)
         return limit / highest if limit < SLOW * highest * self._duration else self._duration
 
-    def _start(self, nudged: bool) -> Held:
-        """A copy of the state; ``nudged`` with the last digits of both its arrays changed."""
+    def _start(self, changed: bool) -> Held:
+        """A copy of the state; ``changed`` with the last digits of both its arrays changed."""
         start = self.state.copy()
-        if nudged:
-            random = np.random.default_rng(0)
-            for values in start.arrays:
-                values *= 1.0 + random.choice([-NUDGE, NUDGE], values.shape)
+        if changed:
+            for values, others in zip(start.arrays, nudged(*start.arrays), strict=True):
+                values[:] = others
         return start

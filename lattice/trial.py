@@ -17,6 +17,12 @@ NUDGE = 2.0**-51
 """Relative change of the data's last digits."""
 
 
+def nudged(*arrays: Array) -> tuple[Array, ...]:
+    """The arrays with the last digits of all numbers changed, the same way each time."""
+    random = np.random.default_rng(0)
+    return tuple(values * (1.0 + random.choice([-NUDGE, NUDGE], values.shape)) for values in arrays)
+
+
 @dataclass(frozen=True)
 class Choices:
     """All numerical choices of a run.

@@ -35,13 +35,13 @@ from lattice.spectral.lattice_ring import (
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.trial import (
     LEAST_FACTOR,
-    NUDGE,
     STEP_RATIO,
     Choices,
     Engine,
     Kind,
     Progress,
     Trial,
+    nudged,
     rounding_error,
 )
 
@@ -331,8 +331,8 @@ class FieldSearch:
             self._dense_state[counts] = self._state.sampled(counts)
         state = self._dense_state[counts]
         if choices.nudged:
-            signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *state.f.shape))
-            state = replace(state, f=state.f * (1 + signs[0]), v=state.v * (1 + signs[1]))
+            f, v = nudged(state.f, state.v)
+            state = replace(state, f=f, v=v)
         return LatticeRing(self._lattice, state, choices.step, self._duration, self._speed, tail)
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:

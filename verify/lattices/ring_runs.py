@@ -20,12 +20,12 @@ from lattice.dynamics import dynamics_of
 from lattice.model import GROWTH
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from lattice.trial import (
-    NUDGE,
     Choices,
     Kind,
     Progress,
     StepSearch,
     Trial,
+    nudged,
     rounding_error,
     shorter_step,
 )
@@ -201,8 +201,8 @@ class RingRuns(StepSearch):
         ends = self.compared.ring(self.times, self.signals, wider)
         ring = self.wave.ring(_grid(ends), self.times[0])
         if choices.nudged:
-            signs = np.random.default_rng(0).choice([-NUDGE, NUDGE], (2, *ring.f.shape))
-            ring = replace(ring, f=ring.f * (1.0 + signs[0]), v=ring.v * (1.0 + signs[1]))
+            f, v = nudged(ring.f, ring.v)
+            ring = replace(ring, f=f, v=v)
         energy = _energy(ring, ring.f, ring.v)
         measured, steps, last = [], 0, (ring.f, ring.v)
         for t, f, v, taken in march(ring, self.times, choices.step):
