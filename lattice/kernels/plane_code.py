@@ -113,21 +113,14 @@ class _Row:
 
     def _sum(self, parts: Sequence[Part], rows: Sequence[Any], place: Any) -> Any:
         """The parts' sum, whose rows begin there."""
-        code, total = self._code, None
-        for part, row in zip(parts, rows, strict=True):
-            value = code.load(row, place)
-            if part.number is not None:
-                weight = self._numbers[part.number]
-                if total is None:
-                    total = code.builder.fmul(weight, value)
-                else:
-                    total = code.fma(weight, value, total)
-            elif total is None:
-                total = value if part.sign > 0 else code.builder.fneg(value)
-            else:
-                add = code.builder.fadd if part.sign > 0 else code.builder.fsub
-                total = add(total, value)
-        return total
+        return self._code.weighted_sum(
+            (
+                None if part.number is None else self._numbers[part.number],
+                part.sign,
+                self._code.load(row, place),
+            )
+            for part, row in zip(parts, rows, strict=True)
+        )
 
     def _forced(self, row: Any, first: Any, past: Any) -> None:
         """The forces of all bonds of that row."""

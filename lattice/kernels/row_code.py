@@ -7,7 +7,7 @@ behind the one before, and what a stream keeps stays in registers as far as ther
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -68,6 +68,25 @@ class LaneCode:
     def fma(self, factor: Any, other: Any, term: Any) -> Any:
         """factor * other + term, rounded once where the processor can."""
         return self._vector_function("fmuladd", factor, other, term)
+
+    def weighted_sum(self, terms: Iterable[tuple[Any, float, Any]]) -> Any:
+        """The sum of (factor, sign, value): factor times value, or with that sign if it is None.
+
+        None without terms.
+        """
+        total = None
+        for factor, sign, value in terms:
+            if factor is not None:
+                if total is None:
+                    total = self.builder.fmul(factor, value)
+                else:
+                    total = self.fma(factor, value, total)
+            elif total is None:
+                total = value if sign > 0 else self.builder.fneg(value)
+            else:
+                add = self.builder.fadd if sign > 0 else self.builder.fsub
+                total = add(total, value)
+        return total
 
     def function(self, name: str, *values: Any) -> Any:
         """The C library's function of that name, lane by lane."""
@@ -236,23 +255,15 @@ class _Stage:
             self._latest.append(made)
 
     def _sum(self, taps: Sequence[Tap], values: Sequence[Any]) -> Any:
-        code, total = self._code, None
-        for tap, value in zip(taps, values, strict=True):
-            weight = None if tap.number is None else self._numbers[tap.number]
-            if weight is None and abs(tap.weight) != 1.0:
-                weight = code.constant(tap.weight)
-            if weight is not None:
-                if total is None:
-                    total = code.builder.fmul(weight, value)
-                else:
-                    total = code.fma(weight, value, total)
-            elif total is None:
-                total = value if tap.weight > 0 else code.builder.fneg(value)
-            elif tap.weight > 0:
-                total = code.builder.fadd(total, value)
-            else:
-                total = code.builder.fsub(total, value)
-        return code.constant(0.0) if total is None else total
+        pairs = zip(taps, values, strict=True)
+        total = self._code.weighted_sum((self._factor(tap), tap.weight, v) for tap, v in pairs)
+        return self._code.constant(0.0) if total is None else total
+
+    def _factor(self, tap: Tap) -> Any:
+        """What the tap's value is multiplied by; None for 1 and -1."""
+        if tap.number is not None:
+            return self._numbers[tap.number]
+        return None if abs(tap.weight) == 1.0 else self._code.constant(tap.weight)
 
     def outcome(self, lag: int) -> tuple[list[Any], list[Any]]:
         """Positions and new velocities of the row ``lag`` behind the front."""
