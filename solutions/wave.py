@@ -118,24 +118,21 @@ class Wave(NumericWave):
         For KP at (X, T, Z), and Y_Z; for NLS they are mpc. Raises ValueError for points that are no
         finite real numbers and for bad ``digits``.
         """
-        point = [exact_point("X", X), exact_point("T", T)]
-        point += [] if Z is None else [exact_point("Z", Z)]
+        point = _exact_place("XTZ", X, T, Z)
         return self._exact("wave", None, point, check_digits(digits))
 
     def mp_at(
         self, n: object, t: object, eps: object, digits: int = 50, *, m: object = None
     ) -> tuple[Any, ...]:
         """``mp`` at site n and lattice time t."""
-        point = [exact_point("n", n), exact_point("t", t)]
-        point += [] if m is None else [exact_point("m", m)]
+        point = _exact_place("ntm", n, t, m)
         return self._exact("wave", self._lattice(eps).eps, point, check_digits(digits))
 
     def mp_jets(
         self, X: object, T: object, highest: int, digits: int = 50, *, Z: object = None
     ) -> tuple[Any, ...]:
         """Y and its X derivatives to the order ``highest`` at one point as mpf."""
-        point = [exact_point("X", X), exact_point("T", T)]
-        point += [] if Z is None else [exact_point("Z", Z)]
+        point = _exact_place("XTZ", X, T, Z)
         return self._exact("wave", None, point, check_digits(digits), highest)
 
     def _make_evaluator(self, part: Part) -> PointEvaluator:
@@ -243,3 +240,9 @@ def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:
         needed, got = getattr(equation, name), getattr(normal_form, name)
         if needed not in (s, got):
             raise ValueError(f"{name} must be {needed} for {form.name}, got {got} ({solves})")
+
+
+def _exact_place(names: str, x: object, t: object, z: object) -> list[sp.Expr]:
+    """Place, time and, if there is one, place across as exact numbers, by names of a letter."""
+    given = (x, t) if z is None else (x, t, z)
+    return [exact_point(name, value) for name, value in zip(names, given, strict=False)]
