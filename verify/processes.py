@@ -134,7 +134,9 @@ def limit_memory(beyond: int) -> None:
 def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
     """Raise OutOfTime in what runs inside after ``seconds``; only a main thread can be stopped.
 
-    They are seconds of the processor, or with ``passing`` of the clock.
+    They are seconds of the processor, or with ``passing`` of the clock. What is raised in a
+    finalizer or in a callback of compiled code is lost there, so it is raised again and again, and
+    at the latest at the end of the body.
 
     >>> with time_limit(10.0):
     ...     print("done")
@@ -144,16 +146,24 @@ def time_limit(seconds: float, passing: bool = False) -> Iterator[None]:
         yield
         return
 
+    late = over = False
+
     def stop(*_: object) -> None:
-        raise OutOfTime
+        nonlocal late
+        late = True
+        if not over:
+            raise OutOfTime
 
     timer, number = signal.ITIMER_PROF, signal.SIGPROF
     if passing:
         timer, number = signal.ITIMER_REAL, signal.SIGALRM
     before = signal.signal(number, stop)
-    signal.setitimer(timer, seconds)
+    signal.setitimer(timer, seconds, POLL)
     try:
         yield
     finally:
+        over = True
         signal.setitimer(timer, 0.0)
         signal.signal(number, before)
+    if late:
+        raise OutOfTime

@@ -6,7 +6,7 @@ from math import sqrt
 import pytest
 
 from verify.comparison import Scene, load_scene, run
-from verify.processes import Job, run_jobs
+from verify.processes import Job, OutOfTime, run_jobs, time_limit
 from verify.studies.measured_runs import scene_job
 
 SHORT = replace(
@@ -40,3 +40,12 @@ def test_a_failing_job_raises_here() -> None:
 def test_at_least_one_worker() -> None:
     with pytest.raises(ValueError, match="workers must be at least 1, got 0"):
         run_jobs({"short": scene_job(SHORT)}, 0, lambda share: None)
+
+
+def test_what_loses_the_limit_does_not_get_away_with_it() -> None:
+    with pytest.raises(OutOfTime), time_limit(0.05, passing=True):
+        try:
+            while True:
+                pass
+        except OutOfTime:  # as a finalizer loses it
+            pass
