@@ -11,7 +11,8 @@ from click.shell_completion import get_completion_class
 from derive.__main__ import derive
 from derive.command_line import Words, called_by, example, json_option
 from reports.__main__ import report
-from verify.cli.commands import complete_scenes, prove, run, verify
+from runs.run_words import complete_scenes, run
+from verify.cli.commands import prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""

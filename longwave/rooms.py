@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 HOUSE = Path(__file__).resolve().parents[1]
-ROOMS = ("derive", "solutions", "lattice", "verify", "reports")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports")
 
 
 class RoomFinder(MetaPathFinder):

@@ -18,7 +18,7 @@ import pytest
 from solutions.run.source_digest import ROOMS as SOURCE_ROOMS
 
 HOUSE = Path(__file__).parents[1]
-ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 SOURCES = sorted(path for room in ROOMS for path in (HOUSE / room).rglob("*.py"))
 
 LONGEST_CHAIN, LONGEST_OF_PROOFS = 9, 15

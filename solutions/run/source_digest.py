@@ -30,7 +30,7 @@ __all__ = [
     "text_digest",
 ]
 
-ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 """The project's own packages; of all others the version counts."""
 
 

@@ -14,9 +14,10 @@ TEXTS = [
     HOUSE / "CONTRIBUTING.md",
     *(path for path in sorted((HOUSE / "docs").rglob("*.md")) if "build" not in path.parts),
 ]
-FOLDERS = ("derive", "solutions", "lattice", "verify", "reports", "longwave", "tests", "docs")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
+FOLDERS = (*ROOMS, "tests", "docs")
 PATHS = re.compile(rf"`((?:{'|'.join((*FOLDERS, 'benchmarks', 'tools'))})/[\w./-]*)`")
-MODULES = re.compile(rf"`~?((?:{'|'.join(FOLDERS[:6])})(?:\.\w+)+)`")
+MODULES = re.compile(rf"`~?((?:{'|'.join(ROOMS)})(?:\.\w+)+)`")
 
 
 def names_in(text: str) -> set[str]:

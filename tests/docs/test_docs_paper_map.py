@@ -10,7 +10,7 @@ from paper_map import Holder, Row, numbers_in, paper_map
 from reports.paper import EQUATIONS, FIGURES, UNNUMBERED, cited
 
 HOUSE = Path(__file__).parents[2]
-ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 MAP = paper_map(HOUSE, ROOMS)
 
 

@@ -15,13 +15,13 @@ import derive.output.printout
 import longwave.command_tree as tree
 import longwave.inventory
 import reports.build
+import runs.scene_command
 import verify.cli.accuracy
-import verify.cli.commands as words
-import verify.cli.run
 import verify.cli.verdicts
 from derive.__main__ import CONSTANTS
 from derive.models.lattices import FPUT_STRAIN
 from longwave.__main__ import main
+from runs import run_words
 from verify.comparison import ENGINES, further_scenes, shipped_scenes
 from verify.lattices.lattice_scene import shipped_lattice_scenes
 
@@ -56,7 +56,7 @@ def test_each_command_has_a_help_with_an_example_and_a_line_that_is_not_cut(
     printed = capsys.readouterr().out
     example = printed.partition("Example:\n")[2].splitlines()[0].split()
     assert example[0] == "longwave"
-    assert set(words.split()) <= set(example) or words == "verify run"
+    assert set(words.split()) <= set(example)
     assert "..." not in ALL[words].get_short_help_str(60)
 
 
@@ -133,10 +133,10 @@ def test_wrong_input_is_one_line_and_status_2(
 
 
 def test_what_is_declared_is_what_the_rooms_take() -> None:
-    assert words.ENGINES == ENGINES
+    assert run_words.ENGINES == ENGINES
     assert tuple(str(constant) for constant in FPUT_STRAIN.constants) == CONSTANTS
     known = (*shipped_scenes(), *further_scenes(), *shipped_lattice_scenes())
-    assert words.scene_names() == sorted(known)
+    assert run_words.scene_names() == sorted(known)
 
 
 def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,11 +149,11 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(derive.output.printout, "print_derivation", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
     monkeypatch.setattr(verify.cli.verdicts, "print_mutations", keep)
-    monkeypatch.setattr(verify.cli.run, "run_and_print", keep)
+    monkeypatch.setattr(runs.scene_command, "run_and_print", keep)
     monkeypatch.setattr(verify.cli.accuracy, "print_accuracy", keep)
     monkeypatch.setattr(reports.build, "write_report", keep)
     Wanted = derive.output.printout.Wanted
-    verdicts, runs = verify.cli.verdicts.VerdictOptions, verify.cli.run.RunOptions
+    verdicts, RunOptions = verify.cli.verdicts.VerdictOptions, runs.scene_command.RunOptions
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove kink wave_cn kink --json --output c.json",
@@ -161,7 +161,6 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         "verify mutations --only kink",
         "verify accuracy --only kink --jobs 2 --json",
         "run x.toml --tolerance 1e-3 --engine stencil --output x.nc",
-        "verify run x.toml",
         "report --output there --full --workers 3",
     ):
         assert main(line.split()) == 1
@@ -171,8 +170,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         (verdicts(("kink",), digits="20,40", seed=3), "longwave verify"),
         (("kink",), False, "longwave verify mutations"),
         (("kink",), 2, None, True, "longwave verify accuracy"),
-        (runs("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
-        (runs("x.toml"), "longwave verify run"),
+        (RunOptions("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
         (Path("there"), True, 3, "longwave report"),
     ]
 

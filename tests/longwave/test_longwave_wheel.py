@@ -12,7 +12,7 @@ from zipfile import ZipFile
 import pytest
 
 HOUSE = Path(__file__).parents[2]
-ROOMS = ("derive", "solutions", "lattice", "verify", "reports", "longwave")
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 SCENE = "rogue_cn_k_0.5"
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 

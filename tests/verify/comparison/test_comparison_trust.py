@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verify.cli.run import summary_lines
+from runs.scene_command import summary_lines
 from verify.comparison import load_scene, run, trust
 from verify.comparison.scene import with_tolerance
 from verify.comparison.stated_run import RunRecord

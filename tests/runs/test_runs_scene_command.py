@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.__main__ import main
+from longwave.__main__ import main
 
 SHORT = """
 title = "A short run"

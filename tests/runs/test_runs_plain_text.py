@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from rich.progress import TextColumn
 
-from verify.__main__ import main
+from longwave.__main__ import main
+from runs import scene_command as cli
 from verify.cli import console
-from verify.cli import run as cli
 from verify.comparison.scene import find_scene
 
 SCENE = """

@@ -15,7 +15,7 @@ from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
-    from verify.cli.run import RunOptions
+    from runs.scene_command import RunOptions
 
 
 def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str) -> int:

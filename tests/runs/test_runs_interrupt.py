@@ -31,12 +31,12 @@ compared = 100
 def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path, press_ctrl_c: Any) -> None:
     scene, output = tmp_path / "long.toml", tmp_path / "run.nc"
     scene.write_text(LONG)
-    done = press_ctrl_c(["verify", "run", str(scene), "--output", str(output)], 8.0)
+    done = press_ctrl_c(["longwave", "run", str(scene), "--output", str(output)], 8.0)
     assert done.seconds < 4.0
     assert done.status == 130
     assert done.announced.startswith("long: about ")
     assert done.errors.splitlines() == [
-        f"python -m verify run: interrupted (2 snapshots are kept in {output})"
+        f"longwave run: interrupted (2 snapshots are kept in {output})"
     ]
     assert "unfinished: Ctrl-C after t = " in done.out
     run = load_run(output)

@@ -1,4 +1,4 @@
-"""``python -m verify run SCENE``: run a scene, print its errors, cost and trust."""
+"""``longwave run SCENE``: run a scene, print its errors, cost and trust."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -41,7 +41,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
     except ValueError as error:
         return fail(error)
     if isinstance(found, LatticeScene):
-        from verify.cli.lattice_scenes import run_lattice_and_print
+        from runs.lattice_scene_command import run_lattice_and_print
 
         return run_lattice_and_print(found, options, program)
     try:

@@ -1,0 +1,1 @@
+"""Runs: made at the command line, kept as files."""
