@@ -35,9 +35,14 @@ FRAMES = 41
 CHAIN_STARTS: Mapping[str, Mapping[str, float]] = {
     **{f"rational_{order}": {"K2": 4, "eps": 0.05, "half_width": 20} for order in (1, 2, 3)},
     "rogue_cn": {"begin": -0.25, "end": 0.25},
+    "soliton_dn": {"begin": -0.25, "end": 0.25, "eps": 0.05},
+    **{
+        name: {"begin": -4, "end": 4}
+        for name in ("soliton_sech", "kink", "two_soliton", "soliton_background", "kink_antikink")
+    },
 }
 """Where a wave on the chain begins other than `_chain` says: the paper's constants, shorter times
-where the background is unstable."""
+where the background is unstable, longer ones where waves only travel."""
 
 OTHER_CONSTANTS: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "gardner_table_soliton": ("gardner_soliton", {"K4": -1}),
@@ -126,7 +131,7 @@ def settings(wave: str) -> tuple[Setting, ...]:
         elif not _alike(form, closed_form(scene.wave)):
             continue
         if scene.wave != wave:
-            scene = scene.changed(wave=wave, parameters=_usual_parameters(form))
+            scene = scene.changed(wave=wave, parameters=_usual_parameters(form), title="")
         found.append(Setting(name, _lattice_title(scene), scene))
     return tuple(found)
 

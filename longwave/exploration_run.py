@@ -12,8 +12,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +60,41 @@ class Superseded(BaseException):
     """Something else is asked for; what catches every Exception does not catch this."""
 
 
+LONGEST_FORMULA = 1500
+"""Signs of a formula in LaTeX beyond which nobody reads it; that of rogue_cn has 200 000."""
+
+
+class WaveTexts(NamedTuple):
+    """What a wave's record says: title, source, and in LaTeX its equation's normal form and itself.
+
+    ``formula`` is empty where it would fill pages.
+    """
+
+    title: str
+    reference: str
+    normal_form: str
+    formula: str
+
+
+def wave_texts(scene: AnyScene) -> WaveTexts:
+    """The texts of a scene's wave."""
+    return _wave_texts(str(scene.wave), tuple(name for name, _ in scene.parameters))
+
+
+@lru_cache(maxsize=64)
+def _wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
+    from solutions import closed_form
+
+    form = closed_form(wave, parameters)
+    formula = form._repr_latex_()
+    return WaveTexts(
+        form.title,
+        str(form.reference),
+        form.equation._repr_latex_(),
+        formula if len(formula) <= LONGEST_FORMULA else "",
+    )
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Lattice and wave on the compared cells at all times, both in units of eps to a power.
@@ -80,13 +117,15 @@ class Comparison:
     unit: str
     equation: str
     equation_latex: str
+    wave_texts: WaveTexts
     lines: tuple[str, ...]
     ended: str = ""
 
     def columns(self, values: Array) -> Array:
-        """The values (time, cell) in at most `MAP_COLUMNS` cells, each time the largest in modulus.
+        """The values (time, cell) in at most `MAP_COLUMNS` cells, each the largest in modulus.
 
-        >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", ())
+        >>> texts = WaveTexts("kink", "", "", "")
+        >>> shown = Comparison(*[np.zeros((1, 600))] * 7, 0.0, "eps", "", "", texts, ())
         >>> shown.columns(np.arange(1200.0).reshape(2, 600)).shape
         (2, 300)
         """
@@ -163,6 +202,7 @@ def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Compari
         unit="eps",
         equation=f"{scene.form.equation.name}: {_chain_equation()[0]}",
         equation_latex=_chain_equation()[1],
+        wave_texts=wave_texts(scene),
         lines=tuple(summary_lines(record, scene)),
         ended=ended,
     )
@@ -207,6 +247,7 @@ def _of_lattice(scene: LatticeScene, progress: Progress | None, announce: Any) -
         unit=found.unit,
         equation=found.derived.text(),
         equation_latex=source.pde.latex() if isinstance(source, Reduction) else of_envelope,
+        wave_texts=wave_texts(scene),
         lines=(
             f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
             f"{cost['seconds']:.2f} s; planned in {cost['planning_seconds']:.2f} s",
@@ -252,7 +293,7 @@ class Explorer:
     def ask(self, scene: AnyScene) -> None:
         """Have this scene compared, and no other."""
         if self._process is None or not self._process.is_alive():
-            self._start()
+            self.start()
         assert self._connection is not None
         self._asked += 1
         self._waiting, self._since = True, time.monotonic()
@@ -283,7 +324,8 @@ class Explorer:
         self._waiting = found is None or isinstance(found, float)
         return found
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Start the process, which imports what it takes."""
         context = mp.get_context("spawn")
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
@@ -313,10 +355,16 @@ def _interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+BEFOREHAND = ("runs.scene_command", "verify.lattices.lattice_run", "derive.reduction", "xarray")
+"""Modules that a process takes whatever is asked."""
+
+
 def _serve(connection: Connection) -> None:
     """Compare what is asked for, always the newest, until the page's process has gone."""
     ignore_interrupt()
     limit_memory(MOST_MEMORY)
+    for module in BEFOREHAND:
+        import_module(module)
     with suppress(EOFError, OSError):
         while True:
             asked, scene, most_seconds = connection.recv()
