@@ -167,7 +167,8 @@ class ExplorePage:
         self.difference_map = SpaceTimeMap("lattice less wave", "RdBu_r", symmetric=True)
         self.player = pn.widgets.Player(
             start=0, end=FRAMES - 1, value=FRAMES // 2, interval=120, loop_policy="loop",
-            show_loop_controls=False, sizing_mode="stretch_width", css_classes=["player"], height=60,
+            show_loop_controls=False, sizing_mode="stretch_width", css_classes=["player"],
+            height=60,
         )  # fmt: skip
         self.player.param.watch(lambda _: self._show_frame(), "value")
         self.toml = pn.widgets.TextAreaInput(
