@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from derive.atomic_file import write_atomically
 from lattice.refine import Announce
 from lattice.trial import Progress
-from runs.atomic_file import write_atomically
 from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
 
 if TYPE_CHECKING:
