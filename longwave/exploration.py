@@ -6,6 +6,7 @@ What a person types is text, and is judged by the scene, the wave and the lattic
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -153,9 +154,9 @@ def _lattice_title(scene: LatticeScene) -> str:
     return title
 
 
-def _usual_parameters(form: ClosedForm) -> dict[str, float]:
+def _usual_parameters(form: ClosedForm) -> dict[str, float | None]:
     """Values in the middle of what is admitted; a parameter with a default is left to it."""
-    found: dict[str, float] = {}
+    found: dict[str, float | None] = {}
     for parameter in form.parameters:
         if parameter.default is None:
             low, high = bounds(parameter, found)
@@ -191,7 +192,9 @@ def _lattice_time(T: float, eps: float) -> float:
     return float(f"{T / eps**3:.12g}")
 
 
-def bounds(parameter: Parameter, values: Mapping[str, Any]) -> tuple[float | None, float | None]:
+def bounds(
+    parameter: Parameter, values: Mapping[str, float | None]
+) -> tuple[float | None, float | None]:
     """The ends of a parameter's declared domain, given others' values; None where there is none.
 
     >>> from solutions import closed_form
@@ -204,10 +207,10 @@ def bounds(parameter: Parameter, values: Mapping[str, Any]) -> tuple[float | Non
     return low, ends[-1] if parameter.upper else None
 
 
-def _end(value: Any, values: Mapping[str, Any]) -> float | None:
+def _end(value: Any, values: Mapping[str, float | None]) -> float | None:
     """The number that a bound is, None if what it depends on is no number or not admitted."""
     known = {symbol: values.get(symbol.name) for symbol in value.free_symbols}
-    if any(not isinstance(given, int | float) for given in known.values()):
+    if None in known.values():
         return None
     found = value.subs(known).evalf(15)
     return float(found) if found.is_real and found.is_finite else None
@@ -220,7 +223,7 @@ INSIDE = 0.01
 """How far from an end that does not belong to the domain a slider stops, in units of its reach."""
 
 
-def slider_ends(parameter: Parameter, values: Mapping[str, Any]) -> tuple[float, float]:
+def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tuple[float, float]:
     """From where to where a slider goes: within the declared domain.
 
     >>> from solutions import closed_form
@@ -247,6 +250,19 @@ def number(text: str) -> int | float | str:
         with suppress(ValueError):
             return kind(text)
     return text.strip()
+
+
+def plain_value(text: str) -> float | None:
+    """The value of a typed number or ratio, None for anything else.
+
+    >>> plain_value("1/4"), plain_value("-2e-3"), plain_value("K/2"), plain_value("1/0")
+    (0.25, -0.002, None, None)
+    """
+    top, _, below = text.partition("/")
+    with suppress(ValueError, ZeroDivisionError):
+        found = float(top) / float(below or 1)
+        return found if math.isfinite(found) else None
+    return None
 
 
 def first_choices(wave: str, setting: str | None = None) -> Choices:
@@ -284,13 +300,13 @@ def _all_parameters(scene: AnyScene) -> dict[str, str]:
     }
 
 
-def _typed(value: object) -> str:
-    """A value as one would type it.
+def _typed(value: Any) -> str:
+    """A value as one would type it; a default of the catalogue is a number of SymPy.
 
     >>> _typed(1.0), _typed(0.30000000000000004), _typed("eps/2")
     ('1', '0.3', 'eps/2')
     """
-    return f"{value:.12g}" if isinstance(value, int | float) else str(value)
+    return value if isinstance(value, str) else f"{float(value):.12g}"
 
 
 def _setting(wave: str, name: str | None) -> Setting:

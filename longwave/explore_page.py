@@ -19,7 +19,7 @@ from longwave.exploration import (
     bounds,
     examples,
     first_choices,
-    number,
+    plain_value,
     scene_of_choices,
     settings,
     slider_ends,
@@ -85,8 +85,8 @@ class Entry:
             )
 
     def _within(self, low: float, high: float) -> float:
-        value = number(self.box.value)
-        return min(max(float(value), low), high) if isinstance(value, int | float) else low
+        value = plain_value(self.box.value)
+        return low if value is None else min(max(value, low), high)
 
     def _typed(self, _: Any) -> None:
         if self._follows:
@@ -252,7 +252,7 @@ class ExplorePage:
         """Let the parameters' sliders go where the catalogue admits values, given the others."""
         from solutions import closed_form
 
-        values = {name: number(value) for name, value in choices.parameters.items()}
+        values = {name: plain_value(value) for name, value in choices.parameters.items()}
         for one in closed_form(choices.wave).parameters:
             if None in bounds(one, values) and _depends(one):
                 continue
