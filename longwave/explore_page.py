@@ -356,7 +356,9 @@ class ExplorePage:
             pn.Column(
                 self.status, self.refusal, self.outcome,
                 _panel("at one time", [
-                    pn.pane.Bokeh(self.profile.picture, sizing_mode="stretch_width"),
+                    pn.pane.Bokeh(
+                        self.profile.picture, sizing_mode="stretch_width", css_classes=["profile"]
+                    ),
                     self.moment, self.player,
                 ]),
                 _panel("at all times, in the frame that moves with the wave", [maps]),
