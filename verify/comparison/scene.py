@@ -12,11 +12,12 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from derive.user_files import STANDARD_INPUT, shown_path
 from lattice.model import Model
 from lattice.schemes import Scheme, scheme_named
 from verify.comparison import scene_fields as check
 from verify.comparison.observables import OBSERVABLES, observable_named
-from verify.comparison.scene_fields import read_scene_file
+from verify.comparison.scene_fields import named_fields, read_document
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,12 +146,16 @@ class Scene:
     @classmethod
     def from_toml(cls, path: str | Path) -> "Scene":
         """Read a scene file (`scene_fields.py` says what may stand in it)."""
+        return cls.of_document(read_document(path), path)
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any], path: str | Path) -> "Scene":
+        """The scene that the tables of a file at ``path`` describe."""
+        fields = named_fields(document, path)
         try:
-            return cls.of(**read_scene_file(Path(path)))
+            return cls.of(**fields)
         except ValueError as error:
-            text = str(error)
-            file = Path(path).name
-            raise ValueError(text if file in text else f"{file}: {text}") from None
+            raise ValueError(f"{shown_path(Path(path).name)}: {error}") from None
 
     @classmethod
     def from_json(cls, text: str) -> "Scene":
@@ -355,7 +360,9 @@ def load_scene(name: str) -> Scene:
             with as_file(folder / f"{name}.toml") as path:
                 return Scene.from_toml(path)
     known = ", ".join((*shipped_scenes(), *further_scenes()))
-    raise ValueError(f"scene must be a TOML file or a shipped scene, got {name!r} (one of {known})")
+    raise ValueError(
+        f"scene must be a TOML file or a shipped scene, got {check.shown(name)} (one of {known})"
+    )
 
 
 def _names(folder: Traversable) -> tuple[str, ...]:
@@ -415,7 +422,7 @@ def find_scene(text: str) -> Scene:
 
     Raises ValueError for a file that cannot be read and a name that is none.
     """
-    if text.endswith(".toml") or Path(text).is_file():
+    if text == STANDARD_INPUT or text.endswith(".toml") or Path(text).is_file():
         return Scene.from_toml(text)
     family = rational_family_scenes()
     return family[text] if text in family else load_scene(text)
