@@ -18,7 +18,6 @@ import os
 import shutil
 import sys
 import tempfile
-import uuid
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
@@ -57,12 +56,11 @@ def write_whole(path: Path, data: bytes) -> None:
 
     A cache can only save time: a full disk or a folder that is gone is no error.
     """
-    draft = path.with_name(f"{path.name}.{uuid.uuid4().hex[:16]}")
+    from derive.atomic_file import write_atomically
+
     with suppress(OSError):
-        draft.write_bytes(hashlib.sha256(data).digest() + data)
-        draft.replace(path)
-    with suppress(OSError):
-        draft.unlink(missing_ok=True)
+        held = hashlib.sha256(data).digest() + data
+        write_atomically(path, lambda draft: draft.write_bytes(held), durable=False)
 
 
 def read_whole(path: Path) -> bytes | None:
