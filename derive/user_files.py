@@ -91,7 +91,11 @@ def read_text(path: str | Path, what: str, most: int) -> str:
 
 def read_toml(path: str | Path, what: str, most: int) -> dict[str, Any]:
     """The tables of such a file; ValueError also for what is no TOML, or nested too deep."""
-    content = read_bytes(path, what, most)
+    return parse_toml(read_bytes(path, what, most), path, what)
+
+
+def parse_toml(content: bytes, path: str | Path, what: str) -> dict[str, Any]:
+    """The tables of a file's content; raises as `read_toml` does."""
     if DEEP_KEY.search(content):
         raise ValueError(
             f"{what} must have plain keys, got one with dots upon dots in {shown_path(path)}"

@@ -3,13 +3,13 @@
 A check raises ValueError in one line: argument, condition, value, remedy. Scene files are TOML with
 a whitelist of keys:
 
-title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
+name, title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
 [lattice]     K2, K3, K4
 [parameters]  the wave's own: numbers, or multiples of K such as "K/2"
 [scheme]      name, step
 [domain]      kind, sites, compared
 
-A scene with a tolerance states no step, kind and sites.
+A scene with a tolerance states no step, kind and sites; one without a name has that of its file.
 """
 
 import math
@@ -18,7 +18,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from derive.user_files import file_stem, read_toml, shown_path
+from derive.user_files import parse_toml, read_toml, shown_path
 
 MOST_STEPS = 1e10
 
@@ -101,9 +101,11 @@ def enough_steps(step: float, duration: float) -> None:
 
 
 def text(name: str, value: object) -> None:
-    """Refuse what is no text."""
+    """Refuse what is no text, and what no file can hold of one: halves of signs."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+    if any("\ud800" <= sign <= "\udfff" for sign in value):
+        raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (name it anew)")
 
 
 def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
@@ -171,10 +173,24 @@ def parameters(values: object) -> tuple[tuple[str, float | str], ...]:
             f"parameters must be pairs of names and values, got {shown(values)} (such as "
             '{"k": 0.5})'
         )
-    return tuple(
+    found = tuple(
         (str(name), value if isinstance(value, str) else finite(str(name), value))
         for name, value in pairs
     )
+    differing("parameters", found)
+    return found
+
+
+def differing(where: str, pairs: Iterable[tuple[str, object]]) -> None:
+    """Refuse pairs of which two have one name, and texts that no file can hold."""
+    seen = set()
+    for name, value in pairs:
+        if name in seen:
+            raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
+        seen.add(name)
+        text(f"name in {where}", name)
+        if isinstance(value, str):
+            text(name, value)
 
 
 def shown(value: object) -> str:
@@ -203,6 +219,7 @@ def _remedy(name: str) -> str:
 
 
 TOP = (
+    "name",
     "title",
     "wave",
     "eps",
@@ -242,15 +259,9 @@ def read_document(path: str | Path) -> Mapping[str, Any]:
         ) from None
 
 
-def named_fields(document: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
-    """The fields of the scene that is in a file, after which it is called.
-
-    Raises ValueError, with the file's name, for an unknown key and for one that is missing.
-    """
-    try:
-        return {"name": file_stem(path), **scene_fields(document)}
-    except ValueError as error:
-        raise ValueError(f"{shown_path(Path(path).name)}: {error}") from None
+def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
+    """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
+    return parse_toml(content, source, "scene")
 
 
 def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -259,7 +270,7 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     >>> scene_fields({"colour": 3})
     Traceback (most recent call last):
     ...
-    ValueError: keys must be known ones, got colour (one of title, wave, ..., domain, parameters)
+    ValueError: keys must be known ones, got colour (one of name, title, ..., domain, parameters)
     """
     refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
     fields = {key: document[key] for key in TOP if key in document}
@@ -274,6 +285,21 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(f"{_where(missing[0])} must be stated, got nothing (state it{remedy})")
     fields["parameters"] = tuple(table(document, "parameters").items())
     return fields
+
+
+def document_of(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """The document of a scene with these fields: what `scene_fields` makes them of.
+
+    >>> document_of({"wave": "kink", "K2": 1, "step": None, "parameters": [["A", 1]]})
+    {'wave': 'kink', 'lattice': {'K2': 1}, 'parameters': {'A': 1}}
+    """
+    given = {k: value for k, value in fields.items() if value not in (None, "") or k == "name"}
+    found = {key: given[key] for key in TOP if key in given}
+    for name, renamed in TABLES.items():
+        entries = {key: given[field] for key, field in renamed.items() if field in given}
+        found |= {name: entries} if entries else {}
+    parameters = dict(given["parameters"])
+    return found | ({"parameters": parameters} if parameters else {})
 
 
 def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:
