@@ -4,6 +4,7 @@ Nothing of the rooms is imported before a command runs, so help and completion a
 """
 
 import json
+from typing import Any
 
 import click
 from click.shell_completion import get_completion_class
@@ -86,6 +87,30 @@ def plot(source: str, output: str | None, kind: str) -> int:
     from longwave.plotting import draw
 
     return draw(source, output, kind, called_by())
+
+
+@longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
+@click.argument("source", shell_complete=complete_scenes)
+@click.option(
+    "--output",
+    metavar="FILE",
+    type=click.Path(),
+    help="MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).",
+)
+@click.option("--duration", type=float, default=6.0, show_default=True, help="Seconds.")
+@click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
+@click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
+@click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
+def animate(source: str, output: str | None, **options: Any) -> int:
+    """Make a film of a run, or of a scene.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
+    a scene's TOML file or the name of a shipped scene, which is run for as many as the film has.
+    Lattice and wave are shown in the frame that moves with the sound, with the time and the error.
+    """
+    from longwave.animation import draw_film
+
+    return draw_film(source, output, options, called_by())
 
 
 longwave.add_command(report)
