@@ -11,7 +11,7 @@ import pytest
 from longwave import explore_text as text
 from longwave.exploration import (
     FRAMES,
-    Choices,
+    Chosen,
     bounds,
     examples,
     first_choices,
@@ -122,7 +122,7 @@ def test_what_is_typed_wrong_is_told_in_the_librarys_line(
         (SOLITON.changed(eps="0.001", end="10"), "the run must take at most 10 s here, got about "),
     ],
 )
-def test_what_cannot_be_run_is_told_in_one_line(choices: Choices, line: str) -> None:
+def test_what_cannot_be_run_is_told_in_one_line(choices: Chosen, line: str) -> None:
     begun = time.process_time()
     with pytest.raises(ValueError) as told:  # noqa: PT011  (the whole line is looked at)
         compare(scene_of_choices(choices))
