@@ -9,7 +9,8 @@ import xarray as xr
 
 import longwave
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
-from verify.comparison import Scene, run, save_run
+from runs import save_run
+from verify.comparison import Scene, run
 
 SCENE = Scene.of(
     name="soliton",
@@ -62,12 +63,13 @@ def test_the_suffix_says_the_format(
 def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(made: xr.Dataset) -> None:
     figure = plot(made)
     assert labels(figure) == [
-        "$y_n$", "", "$n - c\\,t$  (sites)", "$y_n$", r"$L^\infty_\epsilon$",
+        "$y_n$", "", "$n - c\\,t$  (sites)", "$y_n$", "amplitude of $y$", "",
+        r"$L^\infty_\epsilon$",
         "crest at $n - c\\,t$  (sites)", "$y$ at the crest",
     ]  # fmt: skip
     axes = figure.get_axes()
-    assert np.array_equal(axes[4].lines[0].get_ydata(), made["error_curve"])
-    assert np.array_equal(axes[6].lines[0].get_ydata(), made["crest_strain"])
+    assert np.array_equal(axes[6].lines[0].get_ydata(), made["error_curve"])
+    assert np.array_equal(axes[8].lines[0].get_ydata(), made["crest_strain"])
     mesh = axes[2].collections[0]
     assert np.array_equal(np.asarray(mesh.get_array()), made["space_time"].values.T)
 
@@ -105,7 +107,7 @@ def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch)
     plot(refined, kind="errors")
     assert [scene.observables for scene in asked] == [
         ("strain", "space_time", "crest_track"),
-        ("error_curve",),
+        ("error_curve", "time_step_error"),
     ]
     assert asked[0].look_points is not None
 
@@ -188,7 +190,7 @@ def test_a_file_that_is_no_run_is_one_line(
     path = tmp_path / "run.nc"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(ValueError, match=rf"^source must be a run, got [^\n]*{said}[^\n]*\)$"):
+    with pytest.raises(ValueError, match=rf"^(source|run) must be a [^\n]*{said}[^\n]*\)$"):
         plot(path)
 
 
@@ -197,7 +199,7 @@ def test_a_truncated_run_is_one_line(made: xr.Dataset, tmp_path: Path, kept: flo
     save_run(made, tmp_path / "whole.nc")
     content = (tmp_path / "whole.nc").read_bytes()
     (tmp_path / "cut.nc").write_bytes(content[: int(kept * len(content))])
-    with pytest.raises(ValueError, match=r"^source must [^\n]*$"):
+    with pytest.raises(ValueError, match=r"^run must be a whole [^\n]*$"):
         plot(tmp_path / "cut.nc")
 
 
