@@ -136,6 +136,26 @@ def converge(
     return converge_and_draw(scene, eps, tolerance, output, json_wanted, called_by())
 
 
+@longwave.command(epilog=example("longwave explore --no-browser --port 5006"))
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="N",
+    help="Any free one if not given.",
+)
+@click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
+def explore(port: int, no_browser: bool) -> int:
+    """Choose wave, lattice and eps in the browser, and see lattice against wave.
+
+    The page is served to this machine alone, until Ctrl-C. It takes the extra `explore`:
+    pip install 'longwave[explore]'.
+    """
+    from longwave.explore_server import explore as serve
+
+    return serve(port, not no_browser, called_by())
+
+
 @longwave.command("list", epilog=example("longwave list waves --json"))
 @click.argument("kind", required=False, type=click.Choice(KINDS), metavar="[KIND]")
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
