@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory
+
 Array = NDArray[np.float64]
 KernelConstants = tuple[float, float | None, float | None]
 
@@ -309,3 +311,11 @@ class Domain(Protocol[Held]):
     def locate(self, found: BlowUp, state: Held) -> BlowUp:
         """``found``, with what the domain may have to do with it."""
         return found
+
+    def memory(self) -> Memory:
+        """What has become of the domain on the way, for `recall`."""
+        return {}
+
+    def recall(self, memory: Memory, t: float) -> None:
+        """Be what the domain was, at a stop of the march at ``t``."""
+        return
