@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.checkpoint import Memory
-
 Array = NDArray[np.float64]
 KernelConstants = tuple[float, float | None, float | None]
 
@@ -272,6 +270,7 @@ class InflowCheck:
 
 
 if TYPE_CHECKING:
+    from lattice.checkpoint import Memory
     from lattice.field_state import FieldState
 
 Held = TypeVar("Held", "State", "FieldState")
@@ -312,10 +311,10 @@ class Domain(Protocol[Held]):
         """``found``, with what the domain may have to do with it."""
         return found
 
-    def memory(self) -> Memory:
+    def memory(self) -> "Memory":
         """What has become of the domain on the way, for `recall`."""
         return {}
 
-    def recall(self, memory: Memory, t: float) -> None:
+    def recall(self, memory: "Memory", t: float) -> None:
         """Be what the domain was, at a stop of the march at ``t``."""
         return

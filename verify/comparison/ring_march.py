@@ -22,7 +22,7 @@ MakeRing = Callable[[RingState, float], SpectralRing]
 """A ring from its state, with a step."""
 
 
-class Phase(NamedTuple):
+class MarchPhase(NamedTuple):
     """A part of the way with a step of its own: its beginning, and the times in it."""
 
     start: float
@@ -30,38 +30,38 @@ class Phase(NamedTuple):
     step: float
 
 
-class Tally(NamedTuple):
+class RingTally(NamedTuple):
     """What rings came to: the smallest and the largest strain, steps, evaluations."""
 
     strain: tuple[float, float]
     steps: int
     evaluations: int
 
-    def with_ring(self, ring: SpectralRing | None) -> "Tally":
+    def with_ring(self, ring: SpectralRing | None) -> "RingTally":
         """With that of one more ring."""
         if ring is None:
             return self
         (least, most), integrator = self.strain, ring.integrator
         strain = min(least, ring.strain[0]), max(most, ring.strain[1])
         steps, evaluations = self.steps + integrator.steps, self.evaluations
-        return Tally(strain, steps, evaluations + integrator.evaluations)
+        return RingTally(strain, steps, evaluations + integrator.evaluations)
 
 
 class RingMarch:
     """Takes a wave from ``state`` through its ``phases``; ``rows`` are its y/eps at their times."""
 
     def __init__(
-        self, moving: MovingWave, state: RingState, phases: Sequence[Phase], make: MakeRing
+        self, moving: MovingWave, state: RingState, phases: Sequence[MarchPhase], make: MakeRing
     ) -> None:
         self.rows: list[Array] = []
         self._moving, self._state, self._phases, self._make = moving, state, phases, make
         self._before = [0, *accumulate(len(phase.times) for phase in phases)]
         self._place = 0
         self._ring: SpectralRing | None = None
-        self._left = Tally((math.inf, -math.inf), 0, 0)
+        self._left = RingTally((math.inf, -math.inf), 0, 0)
 
     @property
-    def tally(self) -> Tally:
+    def tally(self) -> RingTally:
         """That of all rings so far."""
         return self._left.with_ring(self._ring)
 
@@ -99,7 +99,7 @@ class RingMarch:
 
     def _recall(self, memory: Memory) -> None:
         self.rows, self._place = memory["rows"], memory["_place"]
-        self._left, self._state = Tally(*memory["left"]), RingState(**memory["state"])
+        self._left, self._state = RingTally(*memory["left"]), RingState(**memory["state"])
         if memory["ring"] is not None:
             self._ring = self._make(self._state, self._phases[self._place].step)
             self._ring.recall(memory["ring"])

@@ -34,7 +34,7 @@ from lattice.trial import (
     rounding_error,
 )
 from verify.comparison.moving_wave import MovingWave
-from verify.comparison.ring_march import MakeRing, Phase, RingMarch
+from verify.comparison.ring_march import MakeRing, MarchPhase, RingMarch
 from verify.comparison.spectral_data import (
     RingPlace,
     SpectralCost,
@@ -339,7 +339,7 @@ class SpectralEngine:
             short=short,
         )
 
-    def _phases(self, choices: Choices) -> list[Phase]:
+    def _phases(self, choices: Choices) -> list[MarchPhase]:
         """The start, if it has a step of its own, and what follows.
 
         The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
@@ -347,10 +347,10 @@ class SpectralEngine:
         """
         t0, times, began = self._moving.t0, list(self._moving.times[1:]), self._started
         if not 0.0 < choices.start < choices.step:
-            return [Phase(t0, times, choices.step)]
+            return [MarchPhase(t0, times, choices.step)]
         return [
-            Phase(t0, [t for t in times if t < began], choices.start),
-            Phase(began, [t for t in times if t >= began], choices.step),
+            MarchPhase(t0, [t for t in times if t < began], choices.start),
+            MarchPhase(began, [t for t in times if t >= began], choices.step),
         ]
 
     def _ring(self, choices: Choices) -> RingPlace:
