@@ -61,7 +61,7 @@ def same_bits(one: xr.Dataset, other: xr.Dataset) -> None:
     assert set(one.coords) == set(other.coords)
     for name in one.variables:
         a, b = one.variables[name], other.variables[name]
-        assert (a.dims, a.dtype, a.attrs) == (b.dims, b.dtype, b.attrs), name
+        assert repr((a.dims, a.dtype, a.attrs)) == repr((b.dims, b.dtype, b.attrs)), name
         assert a.values.tobytes() == b.values.tobytes(), name
     assert repr(one.attrs) == repr(other.attrs)
 
