@@ -19,7 +19,8 @@ CHUNK = 4096
 
 
 @lru_cache(maxsize=1)
-def _executor() -> ThreadPoolExecutor:
+def _executor(_: int) -> ThreadPoolExecutor:
+    """Of one process: in a fork of it there are no threads."""
     return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="wave")
 
 
@@ -38,7 +39,9 @@ def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
     if len(slices) == 1:
         out = function(*(axis.copy() for axis in flat))
     else:
-        chunks = _executor().map(lambda s: function(*(axis[s].copy() for axis in flat)), slices)
+        chunks = _executor(os.getpid()).map(
+            lambda s: function(*(axis[s].copy() for axis in flat)), slices
+        )
         out = np.concatenate(list(chunks), axis=-1)
     return out.reshape(*out.shape[:-1], *points[0].shape)
 
