@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lattice.model import State
 from reports.figures.run_figures import SpectrumPanel
+from runs.run_file import scene_of_run
 from verify.comparison.observables import amplitudes, cell_width, extremum
 from verify.comparison.scene import scene_of
 from verify.comparison.view import View
@@ -53,7 +54,7 @@ def frame_of(data: xr.Dataset) -> RunFrame:
     """What places a run, from its scene; ValueError if it has none that can be read."""
     try:
         if "lattice_scene" in data.attrs:
-            scene = LatticeScene.from_json(data.attrs["lattice_scene"])
+            scene = scene_of_run(data)
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
             return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
         chain = scene_of(data)
