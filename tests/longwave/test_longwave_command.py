@@ -28,7 +28,15 @@ from verify.lattices.lattice_scene import shipped_lattice_scenes
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
 WORDS = (
-    *("derive", "prove", "verify", "run", "plot", "animate", "report", "converge", "list"),
+    "derive",
+    "prove",
+    "verify",
+    "run",
+    "plot",
+    "animate",
+    "report",
+    "converge",
+    "list",
     "doctor",
 )
 
