@@ -22,6 +22,7 @@ from derive.normal_form import NORMAL_EQUATIONS
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
 from derive.scaling import Scaling, SlowVariable
+from derive.user_files import STANDARD_INPUT
 
 MOST_ORDERS = 13
 
@@ -69,7 +70,7 @@ def _lattice(model: str | None) -> Lattice:
         return FPUT_STRAIN
     if model in LATTICES:
         return LATTICES[model]
-    if model.endswith(".toml"):
+    if model.endswith(".toml") or model == STANDARD_INPUT:
         return read_lattice(Path(model))
     raise ValueError(
         f"MODEL must be a lattice or a file of one, got {shown(model)} (one of "

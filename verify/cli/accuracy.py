@@ -15,7 +15,7 @@ from rich.table import Table
 from derive.algebra.exact_numbers import shown
 from derive.command_line import announce, fail, interrupted
 from verify.cli.console import finished, table_console
-from verify.processes import ignore_interrupt, stopping
+from verify.processes import ignore_interrupt, starting_workers, stopping
 from verify.studies.evaluation_accuracy import (
     DRAWN,
     PROMISED_ERROR,
@@ -70,10 +70,11 @@ def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
     context = get_context("spawn")
     with ProcessPoolExecutor(jobs, context, ignore_interrupt) as pool, stopping(pool):
-        pending = [
-            (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
-            for name in names
-        ]
+        with starting_workers():
+            pending = [
+                (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
+                for name in names
+            ]
         for name, cases in pending:
             print(f"measuring {name}", file=sys.stderr)
             yield worst_of(case.result() for case in cases)
