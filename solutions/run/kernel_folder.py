@@ -18,12 +18,13 @@ import os
 import shutil
 import sys
 import tempfile
-import uuid
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+
+from derive.atomic_file import write_atomically
 
 __all__ = ["cache_folder", "read_whole", "write_whole"]
 
@@ -57,12 +58,9 @@ def write_whole(path: Path, data: bytes) -> None:
 
     A cache can only save time: a full disk or a folder that is gone is no error.
     """
-    draft = path.with_name(f"{path.name}.{uuid.uuid4().hex[:16]}")
     with suppress(OSError):
-        draft.write_bytes(hashlib.sha256(data).digest() + data)
-        draft.replace(path)
-    with suppress(OSError):
-        draft.unlink(missing_ok=True)
+        held = hashlib.sha256(data).digest() + data
+        write_atomically(path, lambda draft: draft.write_bytes(held), durable=False)
 
 
 def read_whole(path: Path) -> bytes | None:

@@ -14,8 +14,9 @@ from solutions.run.jit import njit
 
 HOUSE = Path(__file__).parents[3]
 
-RUN_FILES = tuple(
-    f"run/{name}.py" for name in ("jit", "entry_point", "kernel_folder", "source_digest")
+RUN_FILES = (
+    *(f"solutions/run/{n}.py" for n in ("jit", "entry_point", "kernel_folder", "source_digest")),
+    "derive/atomic_file.py",
 )
 
 FILES = {
@@ -63,9 +64,9 @@ print(kernel(3.0), kernel.found)
 def house(tmp_path: Path) -> Path:
     """A small project whose kernel is built from five files."""
     room = tmp_path / "house" / "solutions"
-    (room / "run").mkdir(parents=True)
     for name in RUN_FILES:
-        shutil.copy(HOUSE / "solutions" / name, room / name)
+        (room.parent / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HOUSE / name, room.parent / name)
     for name, text in FILES.items():
         (room / name).write_text(text)
     return room.parent
@@ -181,7 +182,7 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
 def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
     """The force of the vector code changed from y^3 to y^2 and back."""
     for name in (
-        *(f"solutions/{name}" for name in RUN_FILES),
+        *RUN_FILES,
         "lattice/kernels/vector_code.py",
         "lattice/kernels/blocked.py",
     ):
