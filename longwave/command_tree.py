@@ -11,13 +11,13 @@ from click.shell_completion import get_completion_class
 from derive.__main__ import derive
 from derive.command_line import Words, called_by, example, json_option
 from reports.__main__ import report
-from runs.run_words import complete_scenes, run
+from runs.run_words import complete_scenes, run, sweep
 from verify.cli.commands import prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "observables")
+KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
 PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
 SHELLS = ("bash", "zsh", "fish")
 
@@ -66,7 +66,7 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, verify, run):
+for word in (derive, prove, verify, run, sweep):
     longwave.add_command(word)
 
 

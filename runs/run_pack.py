@@ -11,6 +11,7 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,12 +98,11 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     for record in records:
         kinds[_kind(record.run)].append(record)
 
-    def write(draft: Path) -> None:
-        with h5py.File(draft, "w") as file:
-            for number, alike in enumerate(kinds.values()):
-                _write_group(file.create_group(str(number)), alike)
-
-    write_atomically(path, write, force=False)
+    image = BytesIO()  # a full disk breaks no library then
+    with h5py.File(image, "w") as file:
+        for number, alike in enumerate(kinds.values()):
+            _write_group(file.create_group(str(number)), alike)
+    write_atomically(path, lambda draft: draft.write_bytes(image.getbuffer()), force=False)
 
 
 def _kind(run: xr.Dataset | None) -> str:

@@ -60,7 +60,10 @@ TOP = ("title", "scene", "set", "grid", "list", "random")
 RANGE = ("from", "to", "count", "log")
 DRAWN = ("from", "to", "log", "whole", "choose")
 
-TAKEN = ("time", "site", "row", "quantity", "background")
+CASE, SAMPLE = "case", "sample"
+"""The dimensions of a list and of a random sample."""
+
+TAKEN = (CASE, SAMPLE, "time", "site", "row", "quantity", "background")
 """Names that runs have for something else."""
 
 FOLDER = files("runs.sweeps")
@@ -231,7 +234,7 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
                     f"columns in [list] must have one length, got {len(columns[first])} of {first} "
                     f"and {len(columns[field])} of {field} (they go together; or use [grid])"
                 )
-        yield SweptDimension("case", tuple(columns), tuple(zip(*columns.values(), strict=True)))
+        yield SweptDimension(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
     if "random" in document:
         yield _sampled(dict(table(document, "random")))
 
@@ -250,7 +253,7 @@ def _sampled(given: dict[str, Any]) -> SweptDimension:
         columns[field] = [_drawn(field, drawn, stream) for _ in range(count)]
     if not columns:
         raise ValueError("[random] must name a field, got none (such as eps = {from = 0.05, to = 0.1})")
-    return SweptDimension("sample", tuple(columns), tuple(zip(*columns.values(), strict=True)))
+    return SweptDimension(SAMPLE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
 
 def _count(value: object) -> int:
