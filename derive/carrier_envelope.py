@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -93,7 +93,7 @@ class Envelope(Displayed):
     wavenumber: Expr
     branch: int
     constants: Mapping[Symbol, Expr]
-    carrier: Carrier
+    carrier: Carrier = field(compare=False)
 
     @cached_property
     def parts(self) -> Mapping[str, RationalFunction]:

@@ -11,12 +11,12 @@ A table is checked for its shape and its consistency when it is declared, for th
 claims by `lattice.scheme_order.check_order`. Adding a scheme is one table here, in `SCHEMES`.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import accumulate, pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,12 @@ class Scheme:
     name: str
     order: int
     reference: str
+
+    def __reduce__(self) -> tuple[Callable[..., "Scheme"], tuple[object, ...]]:
+        if any(scheme is self for scheme in SCHEMES):
+            return scheme_named, (self.name,)
+        kind: Any = type(self)
+        return kind, tuple(getattr(self, entry.name) for entry in fields(kind))
 
     @property
     def rounding(self) -> float:

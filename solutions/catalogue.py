@@ -93,6 +93,15 @@ class Catalogue(Sequence["ClosedForm"]):
     def __len__(self) -> int:
         return len(self.names)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Catalogue) and self.names == other.names
+
+    def __hash__(self) -> int:
+        return hash(self.names)
+
+    def __reduce__(self) -> str | tuple[type, tuple[tuple[str, ...]]]:
+        return "CATALOGUE" if self is CATALOGUE else (Catalogue, (self.names,))
+
     def __repr__(self) -> str:
         counts = Counter(map(self.equation, self.names))
         told = ", ".join(f"{count} of {equation}" for equation, count in counts.items())
@@ -125,7 +134,7 @@ def _made(name: str) -> "ClosedForm":
     module = Catalogue.module(name)
     form: ClosedForm = getattr(import_module(module), name)()
     object.__setattr__(form, "module", module)
-    return form
+    return form.found_by(closed_form, name)
 
 
 def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":

@@ -40,10 +40,12 @@ def kept_data(maker: str, key: str, make: Callable[[], Data]) -> Data:
 
 
 class DataStore:
-    """The files of one key, which begin with ``stem``."""
+    """The files of what the module ``maker`` makes of ``key``, in ``folder``."""
 
-    def __init__(self, stem: Path, sources: Files) -> None:
-        self._stem, self._sources = stem, sources
+    def __init__(self, maker: str, key: str, folder: Path, sources: Files) -> None:
+        self.maker, self.key = maker, key
+        stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
+        self._stem, self._sources = folder / stem, sources
 
     def read(self, part: str) -> Any:
         """What was kept under that name, None if nothing was."""
@@ -74,5 +76,4 @@ def open_store(maker: str, key: str) -> DataStore | None:
     """
     sources = all_sources((maker, __name__, *CATALOGUE.modules))
     folder = cache_folder(__name__, text_digest(sources))
-    stem = hashlib.sha256(f"{maker} {key}".encode()).hexdigest()[:32]
-    return None if folder is None else DataStore(folder / stem, sources)
+    return None if folder is None else DataStore(maker, key, folder, sources)

@@ -123,6 +123,16 @@ class NumericWave:
         self._lattices: dict[object, Variables] = {}
         self._series: dict[int, Evaluator] = {}
 
+    def __reduce__(self) -> tuple[Callable[..., "NumericWave"], tuple[Any, ...]]:
+        """What makes the wave again: no program and no kernel is pickled."""
+        return type(self), (self.numbers, self._make, self._settle)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, NumericWave) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash((self.numbers.name, self.numbers.a, self.numbers.b))
+
     @property
     def wavelength(self) -> float | None:
         """The period of the background in X, None if the background is constant."""

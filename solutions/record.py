@@ -4,8 +4,8 @@ A parameter has a domain, and says what happens at its ends.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, fields
+from functools import cached_property, partial
 from typing import Any
 
 import sympy as sp
@@ -190,6 +190,7 @@ class ClosedForm:
     )
     potential: sp.Expr | None = None
     module: str = field(default="", init=False, compare=False, repr=False)
+    _found: tuple[Any, ...] | None = field(default=None, init=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):
@@ -197,6 +198,17 @@ class ClosedForm:
         instance("equation", self.equation, Equation, "FOCUSING_MKDV is one")
         for parameter in self.parameters:
             instance("each of parameters", parameter, Parameter, "Parameter(solutions.symbols.k)")
+
+    def found_by(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
+        """This form, which pickles as a call of ``maker`` with ``of``."""
+        object.__setattr__(self, "_found", (maker, of))
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._found is not None:
+            return self._found
+        own = {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.init}
+        return partial(ClosedForm, **own), ()
 
     def __repr__(self) -> str:
         domains = "".join(f", {parameter.domain}" for parameter in self.parameters)

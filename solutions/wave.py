@@ -1,6 +1,6 @@
 """A closed form with numbers in, in the lattice's slow variables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -70,6 +70,12 @@ class Wave(NumericWave):
         for sign in form.equation.free_sign:
             self.parameters = {**self.parameters, sign: normal_form.s}
         super().__init__(self._all_numbers(), self._make_evaluator, self._settled)
+
+    def __reduce__(self) -> tuple[Callable[..., "Wave"], tuple[Any, ...]]:
+        given = {
+            parameter.name: self.parameters[parameter.symbol] for parameter in self.form.parameters
+        }
+        return _wave_of, (self.form, self.normal_form, given)
 
     def _all_numbers(self) -> WaveNumbers:
         form, normal_form = self.form, self.normal_form
@@ -215,6 +221,11 @@ class Wave(NumericWave):
         scales = [form.h * rate for rate in rates]
         stated = self._expression(part), self.parameters, variables, scales, point, digits
         return evaluate_mp(*stated, drift=form.drift, highest=highest)
+
+
+def _wave_of(form: ClosedForm, normal_form: NormalForm, parameters: Mapping[str, Any]) -> Wave:
+    """A pickled wave."""
+    return Wave(form, normal_form, **parameters)
 
 
 def _check_equation(form: ClosedForm, normal_form: NormalForm) -> None:

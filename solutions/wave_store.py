@@ -41,6 +41,16 @@ class _KeptWave(NumericWave):
         super().__init__(numbers, self._part, self._settled)
         self._store, self._make_wave = store, make
 
+    def __reduce__(self) -> tuple[Callable[..., NumericWave], tuple[Any, ...]]:
+        return kept_wave, (self._store.maker, self._store.key, self._make_wave)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, _KeptWave):
+            return self.__reduce__()[1][:2] == other.__reduce__()[1][:2] or self.made == other.made
+        return self.made == other
+
+    __hash__ = NumericWave.__hash__
+
     @cached_property
     def made(self) -> "Wave":
         """The wave with its formulas."""

@@ -6,7 +6,7 @@ found some hundred times as fast as in SymPy's ``FracField``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -28,6 +28,10 @@ class RationalFunctions:
     """
 
     symbols: tuple[Symbol, ...]
+
+    def __reduce__(self) -> tuple[type, tuple[tuple[Symbol, ...]]]:
+        """FLINT's rings do not pickle; the field of these symbols has but one."""
+        return RationalFunctions, (self.symbols,)
 
     @cached_property
     def context(self) -> Any:
@@ -87,6 +91,9 @@ class RationalFunction:
         self.field = field
         self.numer = numer
         self.denom = denom
+
+    def __reduce__(self) -> tuple[Callable[..., RationalFunction], tuple[Any, ...]]:
+        return _quotient, (self.field, dict(self.terms()), dict(self.terms(below=True)))
 
     def _lowest(self, numer: fmpz_mpoly, denom: fmpz_mpoly) -> RationalFunction:
         common = numer.gcd(denom)
@@ -251,6 +258,14 @@ class RationalFunction:
             return None
         rest, slope = (self.field.from_terms(parts[power]) for power in (0, 1))
         return -rest / slope
+
+
+def _quotient(
+    field: RationalFunctions, above: Mapping[Exponents, int], below: Mapping[Exponents, int]
+) -> RationalFunction:
+    """A pickled element: numerator and denominator as they were."""
+    numer, denom = (field.context.from_dict(terms) for terms in (above, below))
+    return RationalFunction(field, numer, denom)
 
 
 def _product(symbols: Sequence[Symbol], exponents: Exponents, value: int) -> Expr:

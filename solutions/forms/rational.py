@@ -52,7 +52,7 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
     family = rational_tau(order, shifts)
     symbols = (CO_MOVING, tau, *family.symbols[2:])
     level = sp.Integer((-1) ** order)
-    return ClosedForm(
+    form = ClosedForm(
         name=f"rational_{order}",
         title=f"rational solution of order {order}",
         expression=_wave(order, *(_to_sympy(part, *symbols) for part in _parts(family))),
@@ -64,6 +64,7 @@ def rational(order: int, free: Iterable[int] = ()) -> ClosedForm:
         stabilise=lambda: horner_form(order, shifts),
         evaluator=rational_evaluator(order, shifts),
     )
+    return form.found_by(rational, order, shifts)
 
 
 def rational_evaluator(

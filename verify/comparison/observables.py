@@ -84,6 +84,11 @@ class Observable:
     needs_ring: bool = False
     all_sites: bool = False
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        if OBSERVABLES.get(self.name) is self:
+            return observable_named, (self.name,)
+        return Observable, tuple(vars(self).values())
+
 
 OBSERVABLES: dict[str, Observable] = {}
 """The observables by name, in the order in which they are declared."""

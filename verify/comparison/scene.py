@@ -198,6 +198,10 @@ class Scene:
                     f"domain must be 'ring' for {name}, got 'window' (a window drops sites)"
                 )
 
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: the wave and its programs are made again where they are asked for."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
+
     def __repr__(self) -> str:
         values = ", ".join(
             f"{name} = {value if isinstance(value, str) else f'{value:g}'}"

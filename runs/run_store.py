@@ -1,0 +1,226 @@
+"""A store of runs: a folder in which each scene's run lies under a key of all that it follows from.
+
+The key is a digest of the scene and of what computes it: the formulas of the waves, the kernels,
+the engines, and the packages whose numbers end up in a run. What is drawn or printed of it does not
+count. So a scene is run once, and again only when something that matters has changed.
+
+A run's file is NetCDF-4 with a line after its end, which HDF5 passes over: the file's checksum.
+Files appear whole or not at all, and one that was damaged since is made anew. Whoever makes a run
+holds its lock; a process that is killed lets go of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from derive.atomic_file import write_atomically
+from runs.file_lock import locked
+
+if TYPE_CHECKING:
+    from hashlib import _Hash as Hash
+
+    import xarray as xr
+
+    from lattice.refine import Announce
+    from lattice.trial import Progress
+    from verify.comparison.scene import Scene
+    from verify.lattices.lattice_scene import LatticeScene
+
+LOG = logging.getLogger("longwave.store")
+
+UNMOVED = ("xarray", "h5netcdf")
+"""Packages whose version does not move a run's bits."""
+
+SEAL = b"\nlongwave run, sha256 of all before this line: "
+"""How the line after a run's file begins; the digest, in hexadecimal, and a line's end follow."""
+
+SEAL_LENGTH = len(SEAL) + 64 + 1
+
+PART = 2**20
+"""Bytes that are read at once."""
+
+
+class UnkeptRunError(OSError):
+    """A finished run that could not be written: ``run`` holds it."""
+
+    def __init__(self, error: OSError, run: xr.Dataset) -> None:
+        super().__init__(error.errno, error.strerror or str(error), error.filename)
+        self.run = run
+
+
+class RunStore:
+    """The runs in a folder, which is made when the first of them is kept.
+
+    What happens on the way is told to the logger ``longwave.store``: damage as a warning, waiting
+    for another process and going on with an unfinished run as information.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+
+    def key(self, scene: Scene | LatticeScene) -> str:
+        """The key of the scene's run, 40 hexadecimal digits; equal scenes have equal keys.
+
+        Raises ValueError for a scene with a wave of one's own, of which only the name is known.
+        """
+        if not isinstance(scene.wave, str):
+            raise ValueError(
+                f"wave must be a shipped one for its run to be kept in a store, got one of your "
+                f"own, {scene.wave.name} (run it and save it)"
+            )
+        asked = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
+        text = f"{type(scene).__name__}\n{asked}\n{code_that_matters()}"
+        return hashlib.sha256(text.encode()).hexdigest()[:40]
+
+    def path(self, scene: Scene | LatticeScene) -> Path:
+        """Where the scene's run is, or would be."""
+        return self._path(self.key(scene))
+
+    def _path(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.nc"
+
+    def find(self, scene: Scene | LatticeScene) -> Path | None:
+        """The file of the scene's run, None if there is none or only a damaged one."""
+        path = self.path(scene)
+        return path if is_whole(path) else None
+
+    def keep(self, scene: Scene | LatticeScene, run: xr.Dataset) -> Path:
+        """Put the run of a scene that was made elsewhere into the store; return its file.
+
+        Raises ValueError for an unfinished run and OSError where it cannot be written.
+        """
+        path = self.path(scene)
+        with self._alone(path):
+            return _kept(path, run)
+
+    def fetch(
+        self,
+        scene: Scene | LatticeScene,
+        progress: Progress | None = None,
+        announce: Announce | None = None,
+    ) -> Path:
+        """The file of the scene's run, which is made if there is none.
+
+        If another process is making it, that is waited for. ``progress`` and ``announce`` are as in
+        `run_any_scene`. Raises what that raises; OSError before the run if the store cannot be
+        written; UnkeptRunError, which holds the run, if it could not be written after it.
+        """
+        found = self.find(scene)
+        if found is not None:
+            return found
+        path = self.path(scene)
+        with self._alone(path):
+            if is_whole(path):
+                return path
+            check_sources()
+            from runs.run_file import run_any_scene
+
+            run = run_any_scene(scene, progress, announce)
+            try:
+                return _kept(path, run)
+            except OSError as error:
+                raise UnkeptRunError(error, run) from error
+
+    @contextmanager
+    def _alone(self, path: Path) -> Iterator[None]:
+        """Be the only one who makes the run of that file; drafts of killed processes go."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with locked(path.with_suffix(".lock"), lambda: LOG.info("%s: another process ...", path)):
+            for draft in path.parent.glob(f".{path.stem[:40]}.*.draft*"):
+                with suppress(OSError):
+                    draft.unlink()
+            yield
+
+
+def is_whole(path: Path) -> bool:
+    """Whether there is a run's file as it was written; one that is damaged is told."""
+    try:
+        with path.open("rb") as stream:
+            whole = _is_sealed(stream, os.fstat(stream.fileno()).st_size - SEAL_LENGTH)
+    except FileNotFoundError:
+        return False
+    if not whole:
+        LOG.warning("%s is damaged: it counts as missing, and is made anew", path)
+    return whole
+
+
+def _is_sealed(stream: BinaryIO, left: int) -> bool:
+    """Whether the seal after so many bytes is theirs."""
+    total = hashlib.sha256()
+    while left > 0 and (part := stream.read(min(left, PART))):
+        total.update(part)
+        left -= len(part)
+    return left == 0 and stream.read() == _seal(total)
+
+
+def _seal(total: Hash) -> bytes:
+    return SEAL + total.hexdigest().encode() + b"\n"
+
+
+def _kept(path: Path, run: xr.Dataset) -> Path:
+    from runs.run_file import file_content
+
+    if "unfinished" in run.attrs:
+        raise ValueError(
+            f"run must have come to its end to be kept in a store, got one that did not "
+            f"({run.attrs['unfinished']})"
+        )
+    content = file_content(run)
+
+    def write(draft: Path) -> None:
+        with draft.open("wb") as stream:
+            stream.write(content)
+            stream.write(_seal(hashlib.sha256(content)))
+
+    write_atomically(path, write)
+    return path
+
+
+def _canonical(value: Any) -> Any:
+    """The same for values that are equal: 1, 1.0 and True; 0.0 and -0.0.
+
+    >>> _canonical([1, -0.0, "a", {"k": 2.5}])
+    [1.0, 0.0, 'a', {'k': 2.5}]
+    """
+    if isinstance(value, dict):
+        return {name: _canonical(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_canonical(item) for item in value]
+    if isinstance(value, int) and abs(value) < 2**53:
+        return float(value)
+    return value + 0.0 if isinstance(value, float) else value
+
+
+@lru_cache
+def code_that_matters() -> str:
+    """The digest of the sources and the versions that a run's numbers follow from."""
+    from verify.provenance import provenance
+
+    made = provenance()
+    versions = [text for text in made["versions"].split(", ") if not text.startswith(UNMOVED)]
+    plain = os.environ.get("LONGWAVE_PLAIN_KERNELS", "")
+    return hashlib.sha256("\n".join([made["code"], *versions, plain]).encode()).hexdigest()
+
+
+@lru_cache
+def check_sources() -> None:
+    """Raise ValueError if what is in memory may not be what the files say: no run is kept then."""
+    from solutions.run.source_digest import HOUSE, runs_as_written
+    from verify.provenance import CODE
+
+    paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
+    stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]
+    names = [".".join(parts).removesuffix(".__init__") for parts in stems]
+    if not runs_as_written(tuple(zip(names, paths, strict=True))):
+        raise ValueError(
+            "sources must be what this process runs for its runs to be kept in a store, got some "
+            "that changed since it began (start it again)"
+        )
