@@ -34,8 +34,10 @@ from reports.figures.drawing import (
     styled,
 )
 from reports.figures.paper_figures import snapshots
+from runs import load_run
+from runs.run_file import REMEDY, is_run_file
 from verify.cli.console import check_output, picture_path, plain_console, progress_bar
-from verify.comparison import Scene, load_run, run
+from verify.comparison import Scene, run
 from verify.comparison.scene import scene_of
 from verify.comparison.stated_run import UnfinishedRun
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
@@ -122,27 +124,17 @@ def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
             "(such as 'run.nc')"
         )
     path = Path(source)
-    if path.suffix == ".nc" or (path.is_file() and _is_binary(path)):
+    if path.suffix == ".nc" or (path.is_file() and is_run_file(path)):
         return _read_run(path)
     return find_any_scene(str(source))
 
 
-def _is_binary(path: Path) -> bool:
-    """Whether the file begins as those of netCDF 3 and 4 do."""
-    with path.open("rb") as file:
-        return file.read(4)[:3] in (b"CDF", b"\x89HD")
-
-
 def _read_run(path: Path) -> xr.Dataset:
-    remedy = "write it with `longwave run SCENE --output run.nc`"
     try:
         return load_run(path)
     except OSError as error:
-        reason = error.strerror or "no netCDF 3 file"
-        raise ValueError(f"source must be a run, got {path}: {reason} ({remedy})") from None
-    except Exception as error:  # what the reader raises for a broken file is not documented
-        reason = " ".join(str(error).split())
-        raise ValueError(f"source must be a run, got {path}: {reason} ({remedy})") from None
+        reason = f"{path}: {error.strerror}"
+        raise ValueError(f"source must be a run, got {reason} ({REMEDY})") from None
 
 
 def _for_pictures(scene: Scene, kind: str) -> Scene:

@@ -9,8 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
+from runs.run_file import save_run
 from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_run import Announcer, save_run
+from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 

@@ -9,9 +9,10 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
+from runs.run_file import save_run
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.scene_run import record_scene, save_run
+from verify.comparison.scene_run import record_scene
 from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene

@@ -9,7 +9,8 @@ import xarray as xr
 
 import longwave
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
-from verify.comparison import Scene, run, save_run
+from runs import save_run
+from verify.comparison import Scene, run
 
 SCENE = Scene.of(
     name="soliton",
@@ -188,7 +189,7 @@ def test_a_file_that_is_no_run_is_one_line(
     path = tmp_path / "run.nc"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(ValueError, match=rf"^source must be a run, got [^\n]*{said}[^\n]*\)$"):
+    with pytest.raises(ValueError, match=rf"^(source|run) must be a [^\n]*{said}[^\n]*\)$"):
         plot(path)
 
 
@@ -197,7 +198,7 @@ def test_a_truncated_run_is_one_line(made: xr.Dataset, tmp_path: Path, kept: flo
     save_run(made, tmp_path / "whole.nc")
     content = (tmp_path / "whole.nc").read_bytes()
     (tmp_path / "cut.nc").write_bytes(content[: int(kept * len(content))])
-    with pytest.raises(ValueError, match=r"^source must [^\n]*$"):
+    with pytest.raises(ValueError, match=r"^run must be a whole [^\n]*$"):
         plot(tmp_path / "cut.nc")
 
 

@@ -32,7 +32,7 @@ def fake(name: str, off: float = 0.0) -> xr.Dataset:
         "error": ("time", np.full(shape[0], abs(off) / 4.0)),
     }
     attributes = {
-        "scene": scene.json(),
+        "scene": scene.toml(),
         "tolerance": scene.tolerance,
         "error_estimate": 4e-5,
         "seconds": 2.0,

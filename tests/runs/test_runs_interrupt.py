@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from verify.comparison.scene_run import load_run
+from runs import load_run
 
 LONG = """
 wave = "soliton_sech"

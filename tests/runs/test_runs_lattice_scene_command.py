@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from longwave.__main__ import main
-from verify.comparison import load_run
+from runs import load_run
 
 Output = pytest.CaptureFixture[str]
 

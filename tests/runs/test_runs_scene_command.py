@@ -49,7 +49,7 @@ def test_summary_and_file(short: Path, tmp_path: Path, capsys: pytest.CaptureFix
         "stable",
     ):
         assert expected in out
-    with xr.open_dataset(output, engine="scipy") as read:
+    with xr.open_dataset(output) as read:
         assert read.strain.shape == (2, 201)
         assert np.array_equal(read.time, [-10.0, 10.0])
         assert "soliton_dn" in read.attrs["scene"]

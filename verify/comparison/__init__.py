@@ -32,7 +32,7 @@ if TYPE_CHECKING:
         shipped_scenes,
         with_tolerance,
     )
-    from verify.comparison.scene_run import load_run, resume, run, save_run
+    from verify.comparison.scene_run import resume, run
     from verify.comparison.view import relative_sup_error
 
 __all__ = [
@@ -48,13 +48,11 @@ __all__ = [
     "Scheme",
     "Tolerance",
     "further_scenes",
-    "load_run",
     "load_scene",
     "rational_family_scenes",
     "relative_sup_error",
     "resume",
     "run",
-    "save_run",
     "scheme_named",
     "shipped_scenes",
     "stability_limit",
@@ -67,7 +65,7 @@ __getattr__, __dir__ = lazy_face(
         "lattice.model": "BlowUp Model",
         "lattice.schemes": "SCHEMES Composition RungeKutta Scheme scheme_named stability_limit",
         "verify.comparison.observables": "OBSERVABLES",
-        "verify.comparison.scene_run": "load_run resume run save_run",
+        "verify.comparison.scene_run": "resume run",
         "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance further_scenes "
         "load_scene rational_family_scenes shipped_scenes with_tolerance",
         "verify.comparison.view": "relative_sup_error",

@@ -56,15 +56,15 @@ class Variable:
     """One array that an observable adds; ``dimensions`` are those after the time."""
 
     name: str
-    dimensions: tuple[str, ...] = ()
-    units: str = "1"
-    long_name: str = ""
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
     optional: bool = False
 
     @property
     def attributes(self) -> dict[str, str]:
         """Attributes of the array in the run."""
-        return {"units": self.units} | ({"long_name": self.long_name} if self.long_name else {})
+        return {"units": self.units, "long_name": self.long_name}
 
 
 @dataclass(frozen=True)
@@ -121,6 +121,12 @@ def observable_named(name: str) -> Observable:
     return OBSERVABLES[name]
 
 
+SITES, RATIO = "sites", "1"
+"""Units of lengths, and of what has none."""
+
+TIME = {"units": "lattice time", "long_name": "time on the lattice"}
+"""Attributes of every axis of times."""
+
 MAP_CELLS = 256
 """Most cells of a space-time map."""
 
@@ -139,17 +145,18 @@ def axis_values(dimension: str, compared: int) -> tuple[NDArray[np.generic], dic
     count = 2 * compared + 1
     if dimension == "site":
         offsets = np.arange(-compared, compared + 1)
-        return offsets, {"long_name": "offset from the site nearest c t"}
+        return offsets, {"units": SITES, "long_name": "offset from the site nearest c t"}
     if dimension == "wavenumber":
         values = 2.0 * np.pi * np.fft.rfftfreq(count)
-        return values, {"units": "1/site"}
+        return values, {"units": "1/site", "long_name": "wavenumber along the compared sites"}
     if dimension == "map_site":
         starts = np.arange(-compared, compared + 1, cell_width(compared))
-        return starts, {"long_name": "first site of the cell, from the site nearest c t"}
+        named = {"long_name": "first site of the cell, from the site nearest c t"}
+        return starts, {"units": SITES} | named
     return None
 
 
-STRAIN, PER_TIME, SITES = "strain (lattice units)", "strain per lattice time", "sites"
+STRAIN, PER_TIME = "strain (lattice units)", "strain per lattice time"
 RELATIVE = "relative sup error against the bare background"
 RELATIVE_FAR = "relative sup error against the true far field"
 
@@ -157,12 +164,12 @@ RELATIVE_FAR = "relative sup error against the true far field"
 @observable(
     "strains of run, wave and background at the snapshots, and the error there",
     "snapshots",
-    Variable("strain", ("site",), STRAIN),
-    Variable("analytic", ("site",), STRAIN),
-    Variable("background", ("site",), STRAIN),
-    Variable("n", ("site",), long_name="site on the lattice"),
-    Variable("error", long_name=RELATIVE),
-    Variable("error_far_field", long_name=RELATIVE_FAR, optional=True),
+    Variable("strain", ("site",), STRAIN, "strain of the lattice"),
+    Variable("analytic", ("site",), STRAIN, "strain of the closed-form wave"),
+    Variable("background", ("site",), STRAIN, "strain of the bare background"),
+    Variable("n", ("site",), SITES, "site on the lattice"),
+    Variable("error", (), RATIO, RELATIVE),
+    Variable("error_far_field", (), RATIO, RELATIVE_FAR, optional=True),
 )
 def strain(view: View) -> Mapping[str, Any]:
     """Strains of run, wave and bare background, the sites' numbers, and the errors.
@@ -184,8 +191,8 @@ def strain(view: View) -> Mapping[str, Any]:
 @observable(
     "the relative sup error against time",
     "curve",
-    Variable("error_curve", long_name=RELATIVE),
-    Variable("error_curve_far_field", long_name=RELATIVE_FAR, optional=True),
+    Variable("error_curve", (), RATIO, RELATIVE),
+    Variable("error_curve_far_field", (), RATIO, RELATIVE_FAR, optional=True),
 )
 def error_curve(view: View) -> Mapping[str, Any]:
     """The relative sup errors alone."""
@@ -202,7 +209,7 @@ def _errors(view: View, prefix: str) -> dict[str, float]:
 @observable(
     "kinetic and potential energy of the ring against time",
     "looks",
-    Variable("energy", units="lattice energy"),
+    Variable("energy", (), "lattice energy", "kinetic and potential energy of the ring"),
     needs_ring=True,
     all_sites=True,
 )
@@ -214,8 +221,8 @@ def energy(view: View) -> Mapping[str, float]:
 @observable(
     "mean strain and mean velocity of the ring against time",
     "looks",
-    Variable("mean_strain", units=STRAIN),
-    Variable("mean_velocity", units=PER_TIME, long_name="conserved by the exact flow"),
+    Variable("mean_strain", (), STRAIN, "mean strain of the ring"),
+    Variable("mean_velocity", (), PER_TIME, "mean velocity, conserved by the exact flow"),
     needs_ring=True,
     all_sites=True,
 )
@@ -232,7 +239,7 @@ def momentum(view: View) -> Mapping[str, float]:
 @observable(
     "Fourier amplitudes of the compared strains at the snapshots",
     "snapshots",
-    Variable("spectrum", ("wavenumber",), STRAIN),
+    Variable("spectrum", ("wavenumber",), STRAIN, "Fourier amplitude of the strain"),
 )
 def spectrum(view: View) -> Mapping[str, Array]:
     """Amplitudes of the strain on the compared sites, by wavenumber in 0 .. pi."""
@@ -262,8 +269,8 @@ NEWTON_STEPS = 4
 @observable(
     "position and strain of the crest against time",
     "looks",
-    Variable("crest_position", units=SITES, long_name="position of the crest less c t"),
-    Variable("crest_strain", units=STRAIN),
+    Variable("crest_position", (), SITES, "position of the crest less c t"),
+    Variable("crest_strain", (), STRAIN, "strain at the crest"),
 )
 def crest_track(view: View) -> Mapping[str, float]:
     """Position of the crest relative to c t, and its strain, interpolated between the sites."""
@@ -309,7 +316,7 @@ def extremum(f: Array) -> tuple[float, float]:
 @observable(
     "a map of the strain over time and cells of sites",
     "looks",
-    Variable("space_time", ("map_site",), STRAIN),
+    Variable("space_time", ("map_site",), STRAIN, "strain farthest from the background"),
 )
 def space_time(view: View) -> Mapping[str, Array]:
     """The strain farthest from the background in each cell of sites: no crest is lost."""
@@ -322,7 +329,7 @@ def space_time(view: View) -> Mapping[str, Array]:
 @observable(
     "strain of the run less the bare background at the snapshots",
     "snapshots",
-    Variable("background_difference", ("site",), STRAIN),
+    Variable("background_difference", ("site",), STRAIN, "strain less the bare background"),
 )
 def background_difference(view: View) -> Mapping[str, Any]:
     """Strain of the run less the bare wave of the same phase (or the constant)."""
@@ -332,11 +339,11 @@ def background_difference(view: View) -> Mapping[str, Any]:
 @observable(
     "the error at the snapshots as shift in position, amplitude and shape",
     "snapshots",
-    Variable("shift", units=SITES, long_name="fitted shift of the run"),
-    Variable("scale", long_name="fitted amplitude over the wave's"),
-    Variable("error_position", long_name="relative sup of the shift's part"),
-    Variable("error_amplitude", long_name="relative sup of the amplitude's part"),
-    Variable("error_shape", long_name="relative sup of what is left"),
+    Variable("shift", (), SITES, "fitted shift of the run"),
+    Variable("scale", (), RATIO, "fitted amplitude over the wave's"),
+    Variable("error_position", (), RATIO, "relative sup of the shift's part"),
+    Variable("error_amplitude", (), RATIO, "relative sup of the amplitude's part"),
+    Variable("error_shape", (), RATIO, "relative sup of what is left"),
 )
 def error_split(view: View) -> Mapping[str, float]:
     """Shift, scale, and the three parts of the relative error."""
@@ -387,9 +394,9 @@ def _slopes(view: View, unknown: Array) -> Array:
 @observable(
     "strains and velocities of all computed sites at the snapshots, for a restart",
     "snapshots",
-    Variable("state_y", ("cell",), STRAIN),
-    Variable("state_s", ("cell",), PER_TIME),
-    Variable("state_left", long_name="leftmost site held"),
+    Variable("state_y", ("cell",), STRAIN, "strain of every computed site"),
+    Variable("state_s", ("cell",), PER_TIME, "velocity of every computed site"),
+    Variable("state_left", (), SITES, "leftmost site held"),
     all_sites=True,
 )
 def state(view: View) -> Mapping[str, Any]:

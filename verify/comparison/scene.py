@@ -16,7 +16,8 @@ from lattice.model import Model
 from lattice.schemes import Scheme, scheme_named
 from verify.comparison import scene_fields as check
 from verify.comparison.observables import OBSERVABLES, observable_named
-from verify.comparison.scene_fields import read_scene_file
+from verify.comparison.scene_fields import document_of, parse_document, read_document, scene_fields
+from verify.comparison.toml_text import toml_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,12 +146,15 @@ class Scene:
     @classmethod
     def from_toml(cls, path: str | Path) -> "Scene":
         """Read a scene file (`scene_fields.py` says what may stand in it)."""
+        return cls.of_document(read_document(Path(path)), Path(path))
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any], path: Path) -> "Scene":
+        """The scene that the tables of a file at ``path`` describe."""
         try:
-            return cls.of(**read_scene_file(Path(path)))
+            return cls.of(**{"name": path.stem} | scene_fields(document))
         except ValueError as error:
-            text = str(error)
-            file = Path(path).name
-            raise ValueError(text if file in text else f"{file}: {text}") from None
+            raise ValueError(f"{path.name}: {error}") from None
 
     @classmethod
     def from_json(cls, text: str) -> "Scene":
@@ -160,7 +164,9 @@ class Scene:
     def __post_init__(self) -> None:
         for key in ("name", "title"):
             check.text(key, getattr(self, key))
-        if not isinstance(self.wave, str):
+        if isinstance(self.wave, str):
+            check.text("wave", self.wave)
+        else:
             check.closed_form(self.wave)
         for key in ("eps", "t0", "K2", "K3", "K4"):
             object.__setattr__(self, key, check.finite(key, getattr(self, key)))
@@ -285,6 +291,10 @@ class Scene:
             shown["wave"] = f"{self.wave.name} (a closed form that is not shipped)"
         return json.dumps(shown, sort_keys=True)
 
+    def toml(self) -> str:
+        """The scene as a file, with its name; a wave of your own is said not to be shipped."""
+        return toml_text(document_of(json.loads(self.json())))
+
     def _keywords(self) -> dict[str, Any]:
         return {key: getattr(self, key) for key in PHYSICS} | asdict(self.numerics)
 
@@ -316,8 +326,12 @@ def _numerics(given: Mapping[str, Any]) -> Discretisation | Tolerance:
 
 
 def scene_of(run: "xr.Dataset") -> Scene:
-    """The scene that a run carries."""
-    return Scene.from_json(run.attrs["scene"])
+    """The scene that a run carries, with step and domain where those were chosen.
+
+    Raises KeyError for a data set without one, ValueError for what is no scene.
+    """
+    text = run.attrs["plan" if "plan" in run.attrs else "scene"]
+    return Scene.of_document(parse_document(text.encode(), "a run"), Path("scene"))
 
 
 def with_tolerance(scene: Scene, tolerance: float) -> Scene:

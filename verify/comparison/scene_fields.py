@@ -3,13 +3,13 @@
 A check raises ValueError in one line: argument, condition, value, remedy. Scene files are TOML with
 a whitelist of keys:
 
-title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
+name, title, wave, eps, t0, snapshots, observables, curve_points, look_points, tolerance, engine
 [lattice]     K2, K3, K4
 [parameters]  the wave's own: numbers, or multiples of K such as "K/2"
 [scheme]      name, step
 [domain]      kind, sites, compared
 
-A scene with a tolerance states no step, kind and sites.
+A scene with a tolerance states no step, kind and sites; one without a name has that of its file.
 """
 
 import math
@@ -100,9 +100,11 @@ def enough_steps(step: float, duration: float) -> None:
 
 
 def text(name: str, value: object) -> None:
-    """Refuse what is no text."""
+    """Refuse what is no text, and what no file can hold of one: halves of signs."""
     if not isinstance(value, str):
         raise ValueError(f"{name} must be a text, got {shown(value)} (write it in quotes)")
+    if any("\ud800" <= sign <= "\udfff" for sign in value):
+        raise ValueError(f"{name} must be a text in Unicode, got {shown(value)} (name it anew)")
 
 
 def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
@@ -168,10 +170,24 @@ def parameters(values: object) -> tuple[tuple[str, float | str], ...]:
             f"parameters must be pairs of names and values, got {shown(values)} (such as "
             '{"k": 0.5})'
         )
-    return tuple(
+    found = tuple(
         (str(name), value if isinstance(value, str) else finite(str(name), value))
         for name, value in pairs
     )
+    differing("parameters", found)
+    return found
+
+
+def differing(where: str, pairs: Iterable[tuple[str, object]]) -> None:
+    """Refuse pairs of which two have one name, and texts that no file can hold."""
+    seen = set()
+    for name, value in pairs:
+        if name in seen:
+            raise ValueError(f"{where} must have each name once, got {name} twice (leave one)")
+        seen.add(name)
+        text(f"name in {where}", name)
+        if isinstance(value, str):
+            text(name, value)
 
 
 def shown(value: object) -> str:
@@ -191,6 +207,7 @@ def _remedy(name: str) -> str:
 
 
 TOP = (
+    "name",
     "title",
     "wave",
     "eps",
@@ -227,23 +244,16 @@ def read_document(path: Path) -> Mapping[str, Any]:
         ) from None
     if len(content) > LARGEST_FILE:
         raise ValueError(f"scene must have at most {LARGEST_FILE} bytes, got {path} with more")
+    return parse_document(content, str(path))
+
+
+def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
+    """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
     try:
         return tomllib.loads(content.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())
-        raise ValueError(f"scene must be a TOML file, got {path}: {reason} (mend it)") from None
-
-
-def read_scene_file(path: Path) -> dict[str, Any]:
-    """The scene's fields by name, the file's stem as ``name``.
-
-    Raises ValueError for a file that is missing, is not TOML, has an unknown key or lacks one.
-    """
-    document = read_document(path)
-    try:
-        return {"name": path.stem, **scene_fields(document)}
-    except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
+        raise ValueError(f"scene must be a TOML file, got {source}: {reason} (mend it)") from None
 
 
 def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -252,7 +262,7 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     >>> scene_fields({"colour": 3})
     Traceback (most recent call last):
     ...
-    ValueError: keys must be known ones, got colour (one of title, wave, ..., domain, parameters)
+    ValueError: keys must be known ones, got colour (one of name, title, ..., domain, parameters)
     """
     refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
     fields = {key: document[key] for key in TOP if key in document}
@@ -267,6 +277,21 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(f"{_where(missing[0])} must be stated, got nothing (state it{remedy})")
     fields["parameters"] = tuple(table(document, "parameters").items())
     return fields
+
+
+def document_of(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """The document of a scene with these fields: what `scene_fields` makes them of.
+
+    >>> document_of({"wave": "kink", "K2": 1, "step": None, "parameters": [["A", 1]]})
+    {'wave': 'kink', 'lattice': {'K2': 1}, 'parameters': {'A': 1}}
+    """
+    given = {k: value for k, value in fields.items() if value not in (None, "") or k == "name"}
+    found = {key: given[key] for key in TOP if key in given}
+    for name, renamed in TABLES.items():
+        entries = {key: given[field] for key, field in renamed.items() if field in given}
+        found |= {name: entries} if entries else {}
+    parameters = dict(given["parameters"])
+    return found | ({"parameters": parameters} if parameters else {})
 
 
 def table(document: Mapping[str, Any], name: str) -> Mapping[str, Any]:

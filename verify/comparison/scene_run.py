@@ -3,13 +3,12 @@
 Where none is named or required by what is asked for, the cheaper one by a model is taken. What the
 spectral engine refuses, though it was not named, is run site by site.
 
-A run can be saved, and gone on with from a snapshot.
+A run can be gone on with from a snapshot.
 """
 
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -105,9 +104,11 @@ def run_to_tolerance(
             told(seconds)
             found = run_stencil(scene, progress, told)
     except UnfinishedRun as stop:
+        stop.record.asked = scene
         stop.record.attrs["tolerance"] = scene.tolerance
         raise
     run, refined = found
+    run.asked = scene
     run.attrs |= {
         "tolerance": scene.tolerance,
         "error_estimate": refined.error,
@@ -127,11 +128,12 @@ def run(
     site nearest to c t) and what else the observables add. The table of observables
     (`observables.py`) says which variables each of them adds; none other is there.
 
-    Attributes: the scene as JSON, versions, cost, and ``blow_up`` (empty if there was none). A run
-    that blows up keeps the times before it. With a tolerance also ``error_estimate`` and its parts
-    (`run_to_tolerance`); the scene is then the one with step and domain filled in, if sites were
-    computed one by one. ``progress`` is called with the share of the work that is done, 0 .. 1;
-    ``announce`` with the seconds that are expected to pass, if they are many.
+    Attributes: the scene as TOML, what made the run (`provenance`), cost, and ``blow_up`` (empty if
+    there was none). A run that blows up keeps the times before it. With a tolerance also
+    ``error_estimate`` and its parts (`run_to_tolerance`), and ``plan``, the scene with step and
+    domain filled in, if sites were computed one by one. ``progress`` is called with the share of
+    the work that is done, 0 .. 1; ``announce`` with the seconds that are expected to pass, if they
+    are many.
 
     Raises ValueError for every input that the scene's wave, lattice or scheme do not admit, and
     UnfinishedRun on Ctrl-C.
@@ -195,16 +197,3 @@ def resume(
         raise ValueError(f"snapshots must lie after t = {start.t:g}, got none (name later ones)")
     scene = replace(scene, snapshots=later)
     return run_from(scene, scene.moving_wave, start, progress).dataset
-
-
-def save_run(run: "xr.Dataset", path: str | Path) -> None:
-    """Write a run as netCDF 3; floats keep their bits. Raises OSError if it cannot be written."""
-    run.to_netcdf(path, engine="scipy")
-
-
-def load_run(path: str | Path) -> "xr.Dataset":
-    """Read a run back into memory. Raises OSError if there is none."""
-    import xarray as xr  # where no file is read it is not needed
-
-    with xr.open_dataset(path, engine="scipy") as dataset:
-        return dataset.load()

@@ -22,6 +22,7 @@ from lattice.trial import Progress
 from verify.comparison.domain import Array, SiteRing, Window
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.observables import (
+    TIME,
     TIME_DIMENSION,
     Moment,
     Observable,
@@ -30,6 +31,7 @@ from verify.comparison.observables import (
 )
 from verify.comparison.scene import Scene
 from verify.comparison.view import View
+from verify.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,7 +127,7 @@ class Recorder:
                 found[variable.name] = (dimensions, values, variable.attributes)
         if self.dimension != "time":
             times = np.array(self.times)
-            found[self.dimension] = ((self.dimension,), times, {"units": "lattice time"})
+            found[self.dimension] = ((self.dimension,), times, TIME)
         return found
 
 
@@ -140,21 +142,20 @@ def build_recorders(scene: Scene) -> list[Recorder]:
     ]
 
 
-PACKAGES = ("longwave", "numpy", "numba", "sympy", "xarray")
-
-
 @dataclass
 class RunRecord:
     """A run of ``scene`` as it was recorded: a `Dataset` before anyone needs one.
 
     ``reached`` are the snapshots that were got to; ``attrs`` is what was told of the run, its cost
-    first, and may be added to until the data set is made.
+    first, and may be added to until the data set is made. ``asked`` is the scene that was asked
+    for, if step and domain of ``scene`` were chosen.
     """
 
     scene: Scene
     reached: Sequence[float]
     variables: Variables
     attrs: dict[str, Any]
+    asked: Scene | None = None
 
     def values(self, name: str) -> NDArray[Any]:
         """The values of a variable, in the order of its times."""
@@ -162,25 +163,23 @@ class RunRecord:
 
     @cached_property
     def dataset(self) -> "xr.Dataset":
-        """The run with its coordinates, the scene and the versions."""
-        from importlib.metadata import version
-
+        """The run with its coordinates, the scene and what made it."""
         import xarray as xr  # 0.4 s, for those who want a data set
 
         used = {name for dimensions, _, _ in self.variables.values() for name in dimensions}
         axes = {name: axis_values(name, self.scene.compared) for name in used}
-        coordinates: dict[str, object] = {
-            "time": ("time", list(self.reached), {"units": "lattice time"})
-        }
+        coordinates: dict[str, object] = {"time": ("time", list(self.reached), TIME)}
         coordinates |= {name: (name, *axis) for name, axis in axes.items() if axis is not None}
         names = {name for name, (found, _, _) in self.variables.items() if found == (name,)}
         coordinates |= {name: self.variables[name] for name in names}
         data = {name: value for name, value in self.variables.items() if name not in names}
+        asked = self.asked or self.scene
         attributes = {
-            "scene": self.scene.json(),
-            "title": self.scene.title or self.scene.name,
+            "title": asked.title or asked.name,
+            "scene": asked.toml(),
+            **({} if asked is self.scene else {"plan": self.scene.toml()}),
             **self.attrs,
-            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+            **provenance(),
         }
         return xr.Dataset(data, coordinates, attributes)
 

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from lattice.refine import Announce, refine
 from lattice.trial import Progress
-from verify.comparison.stated_run import PACKAGES
+from verify.comparison.observables import RATIO, SITES, STRAIN, TIME
 from verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.lattice_wave import LatticeWave
 from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
+from verify.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,43 +91,61 @@ class LatticeRun:
 
         The first of several quantities is called ``strain``; all are in ``strains``.
         """
-        from importlib.metadata import version
-
         import xarray as xr
 
         places = ("time", "site", "row")[: self.theory.ndim - 1]
         middles = np.rint(self.speed * np.array(self.times)).astype(np.int64)
         along = self.cells if self.cells.ndim == 2 else self.cells[:, 0, :, 0]
         offset = (along[0] - middles[0]).astype(np.int64)
-        data: dict[str, Any] = {
+        values: dict[str, tuple[Any, Array]] = {
             "strain": (places, self.measured[:, 0]),
             "analytic": (places, self.theory[:, 0]),
             "background": (places, self.background[:, 0]),
             "n": (("time", "site"), along.astype(np.int64)),
-            "error": ("time", self.relative_errors),
-            "sup_error": ("time", self.errors, {"units": self.unit}),
-            "slow_time": ("time", self.slow_times),
+            "error": (("time",), self.relative_errors),
+            "sup_error": (("time",), self.errors),
+            "slow_time": (("time",), self.slow_times),
+            "site": (("site",), offset),
         }
         if self.measured.shape[1] > 1:
-            data["strains"] = (("time", "quantity", *places[1:]), self.measured)
-            data["analytics"] = (("time", "quantity", *places[1:]), self.theory)
-        coordinates: dict[str, Any] = {
-            "time": ("time", list(self.times), {"units": "lattice time"}),
-            "site": ("site", offset, {"long_name": "offset from the cell nearest to c t"}),
-        }
+            values["strains"] = (("time", "quantity", *places[1:]), self.measured)
+            values["analytics"] = (("time", "quantity", *places[1:]), self.theory)
         if len(places) == 3:
-            coordinates["row"] = ("row", self.cells[0, 1, 0].astype(np.int64))
+            values["row"] = (("row",), self.cells[0, 1, 0].astype(np.int64))
+        told = {name: (*value, self._attributes(name)) for name, value in values.items()}
+        axes = {name: told.pop(name) for name in ("site", "row") if name in told}
         attributes = {
-            "lattice_scene": self.scene.json(),
             "title": self.scene.title or self.scene.name,
+            "lattice_scene": self.scene.toml(),
             "equation": self.derived.text(),
             "frame_speed": self.speed,
             "error_estimate": self.error_estimate,
             "tolerance": self.scene.tolerance,
             **self.cost,
-            "versions": ", ".join(f"{package} {version(package)}" for package in PACKAGES),
+            **provenance(),
         }
-        return xr.Dataset(data, coordinates, attributes)
+        return xr.Dataset(told, {"time": ("time", list(self.times), TIME), **axes}, attributes)
+
+    def _attributes(self, name: str) -> dict[str, str]:
+        """Unit and long name of a variable."""
+        units, long_name = VARIABLES[name]
+        return {"units": self.unit if name == "sup_error" else units, "long_name": long_name}
+
+
+VARIABLES = {
+    "strain": (STRAIN, "what is compared, on the lattice"),
+    "analytic": (STRAIN, "the same of the closed-form wave"),
+    "background": (STRAIN, "the same of the wave's background"),
+    "strains": (STRAIN, "all quantities that are compared, on the lattice"),
+    "analytics": (STRAIN, "the same of the closed-form wave"),
+    "n": (SITES, "cell on the lattice"),
+    "error": (RATIO, "sup error over the wave's largest deviation from its background"),
+    "sup_error": ("", "sup error"),
+    "slow_time": ("slow time", "T, the wave's own time"),
+    "site": (SITES, "offset from the cell nearest to c t"),
+    "row": (SITES, "cell along the second axis"),
+}
+"""Unit and long name of each variable; that of ``sup_error`` is a power of eps."""
 
 
 def lattice_times(scene: LatticeScene, slow: int) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from importlib.resources import as_file, files
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,16 @@ from verify.comparison.scene import (
     rational_family_scenes,
     shipped_scenes,
 )
-from verify.comparison.scene_fields import finite, positive, read_document, shown, whole
-from verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
+from verify.comparison.scene_fields import (
+    finite,
+    parse_document,
+    positive,
+    read_document,
+    shown,
+    whole,
+)
+from verify.comparison.toml_text import toml_text
+from verify.lattices.lattice_scene_file import document_of, lattice_scene_fields, names_a_lattice
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -96,7 +105,7 @@ class LatticeScene:
     def of_document(cls, document: Mapping[str, Any], path: Path) -> LatticeScene:
         """The scene that the tables of a file at ``path`` describe."""
         try:
-            return cls.of(name=path.stem, **lattice_scene_fields(document, path.parent))
+            return cls.of(**{"name": path.stem} | lattice_scene_fields(document, path.parent))
         except ValueError as error:
             raise ValueError(f"{path.name}: {error}") from None
 
@@ -118,8 +127,9 @@ class LatticeScene:
         check.one_of("order", self.order, ORDERS)
         for key in ("constants", "parameters"):
             self._set(key, _pairs(key, getattr(self, key)))
-        _value("k", self.carrier)
-        _value("background", self.background)
+        self._set("carrier", _value("k", self.carrier))
+        self._set("background", _value("background", self.background))
+        self._set("declared", _canonical(self.declared))
         self._check_moments()
         self._check_region()
         self._check_ansatz()
@@ -170,6 +180,7 @@ class LatticeScene:
                     f"{key} must be a whole number, 0 <= {key} <= {most}, got {shown(value)} "
                     "(leave it out and it is found)"
                 )
+            self._set(key, None if value is None else int(value))
         if self.is_envelope:
             for key, usual in (("amplitude", None), ("time", None), ("background", 0)):
                 if getattr(self, key) != usual:
@@ -180,6 +191,11 @@ class LatticeScene:
         if isinstance(self.branch, bool) or not isinstance(self.branch, int | str):
             raise ValueError(
                 f"branch must be acoustic, optical or a number, got {shown(self.branch)}"
+            )
+        if self.branch != "acoustic" and not self.is_envelope:
+            raise ValueError(
+                f"branch must be given with an envelope, got {shown(self.branch)} without (give "
+                "the carrier's k)"
             )
 
     @property
@@ -203,6 +219,10 @@ class LatticeScene:
         """The keywords of `of` as JSON, sorted."""
         return json.dumps(self._keywords(), sort_keys=True)
 
+    def toml(self) -> str:
+        """The scene as a file, with its name and, if it is declared, its lattice."""
+        return toml_text(document_of(self._keywords()))
+
     def _keywords(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
@@ -224,9 +244,26 @@ def _value(name: str, value: object) -> Value:
             raise ValueError(
                 f"{name} must be a short formula, got {len(value)} characters (such as 1/3)"
             )
+        check.text(name, value)
         return value
-    finite(name, value)
-    return value  # type: ignore[return-value]
+    number = finite(name, value)
+    return int(value) if isinstance(value, Integral) else number
+
+
+def _canonical(declared: str) -> str:
+    """A declared lattice in one spelling, without its name; ValueError for what is no table."""
+    if not declared:
+        return ""
+    try:
+        found = json.loads(declared)
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, Mapping):
+        raise ValueError(
+            f"declared must be a lattice's tables as JSON, got {shown(declared)} (read_lattice "
+            "says what they hold)"
+        )
+    return json.dumps({key: value for key, value in found.items() if key != "name"})
 
 
 def _pairs(name: str, given: object) -> Pairs:
@@ -238,7 +275,9 @@ def _pairs(name: str, given: object) -> Pairs:
         raise ValueError(
             f'{name} must be pairs of names and values, got {shown(given)} (such as {{"K2": 1}})'
         )
-    return tuple((str(key), _value(str(key), value)) for key, value in pairs)
+    found = tuple((str(key), _value(str(key), value)) for key, value in pairs)
+    check.differing(name, found)
+    return found
 
 
 FOLDER = files("verify.lattices.scenes")
@@ -270,10 +309,7 @@ def find_any_scene(text: str) -> Scene | LatticeScene:
     """
     path = Path(text)
     if text.endswith(".toml") or path.is_file():
-        document = read_document(path)
-        if names_a_lattice(document):
-            return LatticeScene.of_document(document, path)
-        return Scene.from_toml(path)
+        return _scene_of_document(read_document(path), path)
     if text in shipped_lattice_scenes():
         return load_lattice_scene(text)
     names = (*shipped_scenes(), *further_scenes())
@@ -283,3 +319,13 @@ def find_any_scene(text: str) -> Scene | LatticeScene:
     raise ValueError(
         f"scene must be a TOML file or a shipped scene, got {shown(text)} (one of {known})"
     )
+
+
+def any_scene_of_toml(text: str) -> Scene | LatticeScene:
+    """The scene of either kind that ``toml`` wrote; ValueError in one line for what is none."""
+    return _scene_of_document(parse_document(text.encode(), "a text"), Path("scene"))
+
+
+def _scene_of_document(document: Mapping[str, Any], path: Path) -> Scene | LatticeScene:
+    kind = LatticeScene if names_a_lattice(document) else Scene
+    return kind.of_document(document, path)

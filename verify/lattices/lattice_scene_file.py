@@ -1,13 +1,14 @@
 """The files of scenes on any lattice: TOML with a whitelist of keys.
 
-    title, lattice, wave, eps, order, slow_times, times, half_width, compared, tolerance
+    name, title, lattice, wave, eps, order, slow_times, times, half_width, compared, tolerance
     [constants]   the lattice's: numbers, or formulas in text, with eps in it where they are small
     [parameters]  the wave's
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
 
 ``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
-lattice itself, as a table with the keys of such a file.
+lattice itself, as a table with the keys of such a file.  A scene without a name has that of its
+file.
 """
 
 from __future__ import annotations
@@ -17,14 +18,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from verify.comparison.scene_fields import read_document, refuse_unknown, shown, table
+from verify.comparison.scene_fields import read_document, refuse_unknown, shown, table, text
 
 TOP = (
-    *("title", "wave", "eps", "order", "slow_times", "times", "half_width", "compared"),
+    *("name", "title", "wave", "eps", "order", "slow_times", "times", "half_width", "compared"),
     "tolerance",
 )
 TABLES = ("constants", "parameters", "long_wave", "envelope")
-LONG_WAVE = ("amplitude", "time", "background")
+LONG_WAVE = {"amplitude": None, "time": None, "background": 0}
+"""What stands in a file, and what it is where that says nothing."""
+
 ENVELOPE = {"k": "carrier", "branch": "branch"}
 LATTICE_KEYS = ("fields", "masses", "positive", "spring", "site", "bond")
 """Keys of which a table that declares a lattice has one; K2, K3, K4 are the paper's constants."""
@@ -43,12 +46,12 @@ def names_a_lattice(document: Mapping[str, Any]) -> bool:
 
 
 def lattice_scene_fields(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The fields of a `LatticeScene` but for its name; files are looked for in ``folder``.
+    """The fields of a `LatticeScene`, its name if given; files are looked for in ``folder``.
 
     >>> lattice_scene_fields({"colour": 3}, Path())
     Traceback (most recent call last):
     ...
-    ValueError: keys must be known ones, got colour (one of title, ..., constants, ...)
+    ValueError: keys must be known ones, got colour (one of name, ..., constants, ...)
     """
     refuse_unknown(document, (*TOP, "lattice", *TABLES), "")
     found = {key: document[key] for key in TOP if key in document}
@@ -56,7 +59,7 @@ def lattice_scene_fields(document: Mapping[str, Any], folder: Path) -> dict[str,
     for name in ("constants", "parameters"):
         found[name] = tuple(table(document, name).items())
     ansatz = table(document, "long_wave")
-    refuse_unknown(ansatz, LONG_WAVE, " in [long_wave]")
+    refuse_unknown(ansatz, tuple(LONG_WAVE), " in [long_wave]")
     found |= ansatz
     carrier = table(document, "envelope")
     refuse_unknown(carrier, tuple(ENVELOPE), " in [envelope]")
@@ -70,7 +73,7 @@ def lattice_scene_fields(document: Mapping[str, Any], folder: Path) -> dict[str,
 def _lattice(given: object, folder: Path) -> dict[str, Any]:
     """The lattice by name, or as its name and its declaration."""
     if isinstance(given, Mapping):
-        return {"lattice": str(given.get("name", "lattice")), "declared": _as_json(given)}
+        return _declaration(given, "lattice")
     if not isinstance(given, str):
         raise ValueError(
             f"lattice must be a name, a file or a table, got {shown(given)} (such as 'toda')"
@@ -83,12 +86,30 @@ def _lattice(given: object, folder: Path) -> dict[str, Any]:
             f"lattice must be a file beside the scene, got {shown(given)} (there is none in "
             f"{folder})"
         )
-    document = read_document(path)
-    return {"lattice": str(document.get("name", path.stem)), "declared": _as_json(document)}
+    return _declaration(read_document(path), path.stem)
 
 
-def _as_json(document: Mapping[str, Any]) -> str:
+def _declaration(document: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The lattice's name, and what else its tables say as JSON."""
+    found = dict(document)
+    called = found.pop("name", name)
+    text("name in [lattice]", called)
     try:
-        return json.dumps(document)
+        return {"lattice": called, "declared": json.dumps(found)}
     except TypeError as error:
         raise ValueError(f"lattice must hold texts and numbers, got a date ({error})") from None
+
+
+def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The document of a scene with these fields: what `lattice_scene_fields` makes them of."""
+    found: dict[str, Any] = {"name": given["name"]}
+    found |= {key: given[key] for key in TOP if given[key] not in (None, "", ())}
+    found["lattice"] = given["lattice"]
+    if given["declared"]:
+        found["lattice"] = {"name": given["lattice"], **json.loads(given["declared"])}
+    ansatz = {key: given[key] for key, usual in LONG_WAVE.items() if given[key] != usual}
+    found |= {"constants": dict(given["constants"]), "parameters": dict(given["parameters"])}
+    found |= {"long_wave": ansatz} if ansatz else {}
+    if given["carrier"] != "":
+        found["envelope"] = {key: given[field] for key, field in ENVELOPE.items()}
+    return {key: value for key, value in found.items() if value != {}}

@@ -1,6 +1,5 @@
 """Catches: figures that are the step's or the domain's, effects nobody asked for, lost data."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -12,6 +11,7 @@ from scipy.integrate import solve_ivp
 from lattice.model import BlowUp
 from verify.comparison import Scene, load_scene, run
 from verify.comparison.domain import SiteRing
+from verify.comparison.scene import scene_of
 from verify.comparison.stated_run import build_domain, refined
 from verify.comparison.view import View
 
@@ -126,7 +126,7 @@ def test_the_dataset_says_what_was_run(ring_scene: Callable[..., Scene]) -> None
     measured = run(ring_scene(), seen.append)
     assert isinstance(measured, xr.Dataset)
     assert measured.strain.dims == ("time", "site")
-    assert json.loads(measured.attrs["scene"])["wave"] == "rogue_cn"
+    assert scene_of(measured).wave == "rogue_cn"
     assert "numba" in measured.attrs["versions"]
     assert measured.attrs["force_evaluations"] == 17 * measured.attrs["steps"]
     assert measured.attrs["blow_up"] == ""

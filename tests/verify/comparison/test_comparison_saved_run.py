@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_run, resume, run, save_run
+from runs import load_run, save_run
+from verify.comparison import Scene, resume, run
 from verify.comparison.scene import scene_of
 
 NAMES = ("strain", "state", "error_curve")

@@ -24,7 +24,7 @@ def fake(scene: Scene, off: float, times: int = 6) -> xr.Dataset:
     strain = np.zeros((times, 3))
     strain[-1, 1] = off * scene.eps
     data = {"strain": (("time", "site"), strain)}
-    attributes = {"scene": scene.json(), "tolerance": scene.tolerance}
+    attributes = {"scene": scene.toml(), "tolerance": scene.tolerance}
     return xr.Dataset(data, {"time": list(scene.snapshots[:times])}, attributes)
 
 

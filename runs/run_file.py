@@ -1,0 +1,250 @@
+"""Runs as files: NetCDF-4 that `xarray.open_dataset` opens, and that reads back bit by bit.
+
+A file holds what a run's data set holds: variables with dimensions, coordinates, units and long
+names, and as attributes the scene as TOML, the cost, the estimated error, and what made it. What
+NetCDF has no type for is written as what it has: a complex variable gets the dimension
+``real_imag``, an attribute that is a truth value or a list is JSON, and ``json_attributes`` names
+those.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from derive.atomic_file import write_atomically
+from lattice.refine import Announce
+from lattice.trial import Progress
+from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from verify.comparison import Scene
+
+PARTS = "real_imag"
+"""The last dimension of what is complex."""
+
+TEXTS = "json_attributes"
+"""The attribute that lists those that are JSON."""
+
+COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
+
+SIGNATURES = {b"\x89HDF\r\n\x1a\n": "NetCDF-4", b"CDF": "netCDF 3"}
+
+MOST_SHRUNK = 1100
+"""Bytes that one byte of a file can hold at most, compressed."""
+
+SMALL = 10**6
+"""Bytes that any file may hold."""
+
+
+def run_any_scene(
+    scene: Scene | LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
+    """The run of a scene of either kind as it is kept, with what can be trusted of it.
+
+    ``progress`` is called with the share of the work that is done, ``announce`` with the seconds
+    that are expected to pass. Raises ValueError in one line, and UnfinishedRun on Ctrl-C.
+    """
+    if isinstance(scene, LatticeScene):
+        from verify.lattices.lattice_run import run_lattice_scene
+
+        return run_lattice_scene(scene, progress, announce).dataset
+    from verify.comparison.scene_run import record_scene
+    from verify.comparison.stated_run import UnfinishedRun
+    from verify.comparison.trust import trust_attributes
+
+    trust = trust_attributes(scene)
+    try:
+        record = record_scene(scene, progress, announce)
+    except UnfinishedRun as stop:
+        stop.record.attrs |= trust
+        raise
+    record.attrs |= trust
+    return record.dataset
+
+
+def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
+    """Write a run as NetCDF-4, whole or not at all; without ``force`` no file is overwritten.
+
+    Raises OSError that names the file if it cannot be written, and ValueError for what no file can
+    hold.
+    """
+    content = file_content(run)
+    write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
+
+
+def file_content(run: xr.Dataset) -> memoryview:
+    """The bytes of a run's file. They are made in memory: a full disk then breaks no library."""
+    import h5netcdf  # type: ignore[import-untyped]
+    from xarray.backends import H5NetCDFStore
+
+    kept = _encoded(run)
+    image = BytesIO()
+    with h5netcdf.File(image, "w") as file:
+        kept.dump_to_store(H5NetCDFStore(file), encoding=_encoding(kept))
+    return image.getbuffer()
+
+
+def load_run(path: str | Path) -> xr.Dataset:
+    """Read a run back into memory.
+
+    Raises OSError if there is none, and ValueError in one line if the file is no run, damaged or
+    of an older kind.
+    """
+    with open_run(path) as run:
+        try:
+            return run.load()
+        except Exception as error:  # what the library raises for a damaged file is not documented
+            raise _damaged(path, error) from None
+
+
+def open_run(path: str | Path) -> xr.Dataset:
+    """A run whose values are read when they are asked for; to be closed. Raises as `load_run`."""
+    import xarray as xr
+
+    path = Path(path)
+    size = _checked_size(path)
+    try:
+        run = xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False)
+    except Exception as error:  # see load_run
+        raise _damaged(path, error) from None
+    try:
+        if run.nbytes > SMALL + MOST_SHRUNK * size:
+            raise ValueError(f"{run.nbytes:.3g} bytes are claimed to be in {size}")
+        return _decoded(run)
+    except Exception as error:
+        run.close()
+        raise _damaged(path, error) from None
+
+
+def scene_of_run(run: xr.Dataset) -> Scene | LatticeScene:
+    """The scene that a run was asked for; ValueError in one line if it carries none."""
+    text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
+    if not isinstance(text, str):
+        raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
+    return any_scene_of_toml(text)
+
+
+def is_run_file(path: Path) -> bool:
+    """Whether a file begins as runs do, older ones as well."""
+    with path.open("rb") as file:
+        begun = file.read(8)
+    return any(begun.startswith(signature) for signature in SIGNATURES)
+
+
+REMEDY = "write it with `longwave run SCENE --output run.nc`"
+
+
+def _checked_size(path: Path) -> int:
+    """The size of a file that begins as NetCDF-4 does."""
+    state = os.stat(path)
+    if not stat.S_ISREG(state.st_mode):
+        raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
+    with path.open("rb") as file:
+        begun = file.read(8)
+    kind = next((kind for sign, kind in SIGNATURES.items() if begun.startswith(sign)), "no run")
+    if kind != "NetCDF-4":
+        remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
+        raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
+    return state.st_size
+
+
+def _damaged(path: str | Path, error: Exception) -> ValueError:
+    reason = " ".join(str(error).split())[:150]
+    return ValueError(f"run must be a whole NetCDF-4 file, got {path}: {reason} ({REMEDY})")
+
+
+def _encoding(run: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """How each variable is stored: numbers compressed, no value standing for a missing one."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, variable in run.variables.items():
+        packed = variable.ndim > 0 and variable.size > 0 and variable.dtype.kind not in "OUST"
+        found[str(name)] = {"_FillValue": None} | (COMPRESSION if packed else {})
+    return found
+
+
+def _encoded(run: xr.Dataset) -> xr.Dataset:
+    """The run in the types that NetCDF has."""
+    import xarray as xr
+
+    variables = {}
+    for name, variable in run.variables.items():
+        dims, values, attributes = variable.dims, variable.values, _plain(variable.attrs)
+        if values.dtype.kind == "c":
+            parts = np.ascontiguousarray(values).view(values.real.dtype)
+            dims, values = (*dims, PARTS), parts.reshape(*values.shape, 2)
+        variables[name] = xr.Variable(dims, values, attributes)
+    coordinates = {name: variables.pop(name) for name in run.coords}
+    return xr.Dataset(variables, coordinates, _plain(run.attrs))
+
+
+def _decoded(run: xr.Dataset) -> xr.Dataset:
+    """What `_encoded` was given."""
+    import xarray as xr
+
+    found = run
+    for name, variable in run.variables.items():
+        if variable.dims[-1:] == (PARTS,):
+            values = np.ascontiguousarray(variable.values)
+            whole = values.view(np.result_type(values.dtype, np.complex64))[..., 0]
+            found = found.assign({name: xr.Variable(variable.dims[:-1], whole, variable.attrs)})
+    for variable in found.variables.values():
+        variable.attrs = _restored(variable.attrs)
+    found.attrs = _restored(run.attrs)
+    if found is not run:
+        found.set_close(run.close)
+    return found
+
+
+def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Attributes as texts and numbers of 64 bits, what is neither as JSON."""
+    found, texts = {}, []
+    for name, value in attributes.items():
+        item = value.item() if isinstance(value, np.generic) else value
+        if not _is_plain(item):
+            texts.append(str(name))
+            item = json.dumps(item, default=_as_json)
+        found[str(name)] = item
+    return found | ({TEXTS: json.dumps(texts)} if texts else {})
+
+
+def _is_plain(value: object) -> bool:
+    if isinstance(value, str):
+        return "\0" not in value and not any("\ud800" <= sign <= "\udfff" for sign in value)
+    if isinstance(value, bool):
+        return False
+    return isinstance(value, float) or (isinstance(value, int) and -(2**63) <= value < 2**63)
+
+
+def _as_json(value: object) -> object:
+    if isinstance(value, complex):
+        return {"real": value.real, "imag": value.imag}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise ValueError(
+        f"an attribute must be a text, a number or a list, got {type(value).__name__} (leave it)"
+    )
+
+
+def _restored(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """What `_plain` was given."""
+    found = {
+        str(name): value.item() if isinstance(value, np.generic) else value
+        for name, value in attributes.items()
+    }
+    for name in json.loads(found.pop(TEXTS, "[]")):
+        found[name] = json.loads(found[name], object_hook=_complex)
+    return found
+
+
+def _complex(found: dict[str, Any]) -> object:
+    return complex(found["real"], found["imag"]) if found.keys() == {"real", "imag"} else found
