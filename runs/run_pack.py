@@ -75,7 +75,8 @@ class PackedRun:
 
         with h5py.File(self.path) as file:
             group = file[self.group]
-            data, coordinates = {}, {}
+            data: dict[str, Any] = {}
+            coordinates: dict[str, Any] = {}
             for name, held in group["arrays"].items():
                 found = data if not held.attrs["coordinate"] else coordinates
                 texts = json.loads(held.attrs["attributes"])
@@ -131,15 +132,15 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     first = alike[0].run
     if first is None:
         return
-    for name, variable in first.variables.items():
+    for label, variable in first.variables.items():
         runs = [one.run for one in alike if one.run is not None]
-        values = np.stack([np.asarray(run.variables[name].values) for run in runs])
+        values = np.stack([np.asarray(run.variables[label].values) for run in runs])
         packing: dict[str, Any] = {}
         if values[0].nbytes >= COMPRESSED:
             packing = {"compression": LEVEL, "shuffle": True, "chunks": (1, *values.shape[1:])}
-        held = arrays.create_dataset(str(name), data=values, **packing)
+        held = arrays.create_dataset(str(label), data=values, **packing)
         held.attrs["dims"] = json.dumps(variable.dims)
-        held.attrs["coordinate"] = name in first.coords
+        held.attrs["coordinate"] = label in first.coords
         held.attrs["attributes"] = json.dumps(_plain(variable.attrs))
 
 

@@ -62,12 +62,13 @@ class SweepState:
     processor_seconds: float = 0.0
     worker_seconds: float = 0.0
     first_fault: str = ""
+    pace: float = 0.0
+    """Seconds of a cell, of late."""
 
     @property
     def seconds_left(self) -> float:
-        """An estimate by the cells that were done; 0 before there are any."""
-        left = self.cells - self.found - self.done
-        return left * self.seconds / (self.workers * self.done) if self.done else 0.0
+        """An estimate by the cells that were done of late; 0 before there are any."""
+        return (self.cells - self.found - self.done) * self.pace / self.workers
 
     def count(self, batch: Batch) -> None:
         """Take in what a worker did."""
@@ -77,6 +78,8 @@ class SweepState:
         self.processor_seconds += batch.processor_seconds
         self.worker_seconds += batch.whole_processor_seconds
         self.first_fault = self.first_fault or batch.first_fault
+        mean = batch.seconds / len(batch.statuses)
+        self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
 
 def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
@@ -85,7 +88,7 @@ def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | N
     A file that is no pack is passed over: a pack is whole or was not written here.
     """
     found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
-    for path in sorted((Path(store.folder) / PACKS).glob(f"*{SUFFIX}")):
+    for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
         with suppress(OSError, KeyError, ValueError):
             for record, place in read_pack(path):
                 if record.status in SETTLED or record.key not in found:
@@ -103,8 +106,9 @@ def run_sweep(
     """Run what the store does not hold of a sweep; all that comes to an end is in the store.
 
     Cells with a fault are recorded and the sweep goes on; they are run again only if they may
-    succeed then. ``progress`` is told now and then how far it is, in the ``state`` that is returned. Raises OSError if the store
-    cannot be written, and passes on Ctrl-C; what was done is kept then, too.
+    succeed then. ``progress`` is told now and then how far it is, in the ``state`` that is
+    returned. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was done is
+    kept then, too.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
     (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
@@ -135,7 +139,6 @@ class _March:
     state: SweepState
     progress: Tell
     token: str
-    pace: float = 0.0
     sent: dict[Promise, list[Cell]] = field(default_factory=dict)
     suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
     answered: SimpleQueue[Promise] = field(default_factory=SimpleQueue)
@@ -158,7 +161,8 @@ class _March:
     def _missing(self) -> Iterator[Cell]:
         """The cells that the store does not hold, as they are asked for."""
         settled = {
-            key for key, (record, _) in packed_records(self.store).items()
+            key
+            for key, (record, _) in packed_records(self.store).items()
             if record.status in SETTLED
         }
         for number in range(len(self.sweep)):
@@ -177,12 +181,13 @@ class _March:
 
     def _size(self) -> int:
         """Cells of the next batch."""
-        if not self.pace:
+        pace = self.state.pace
+        if not pace:
             return 1
         unsent = self.state.cells - self.state.found - self.state.done
         unsent -= sum(map(len, self.sent.values()))
-        fair = unsent * self.pace / (SHARE * self.workers.count)
-        return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / self.pace))
+        fair = unsent * pace / (SHARE * self.workers.count)
+        return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
 
     def _send(self, cells: list[Cell]) -> None:
         try:
@@ -216,8 +221,6 @@ class _March:
             self.suspects.popleft()
         if batch.pack is not None:
             self._keep(batch.pack)
-        mean = batch.seconds / len(cells)
-        self.pace = 0.5 * (self.pace + mean) if self.pace else mean
         self.state.count(batch)
         self.progress(self.state)
 

@@ -88,9 +88,7 @@ def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
             pack = _pack(found, None if store is None else folder / PACKS)
     statuses = [record.status for record in found]
     faults = (record.message for record in found if record.status in (REFUSED, FAILED))
-    return Batch(
-        statuses, seconds, processor, process_time() - begun, next(faults, ""), pack
-    )
+    return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
 
 
 def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:

@@ -57,7 +57,9 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
             _run_with_bar(sweep, store, workers, told)
         found = write_sweep(sweep, store, output)
     except KeyboardInterrupt:
-        kept = f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"
+        kept = (
+            f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"
+        )
         return interrupted(program, kept)
     except (ValueError, OSError) as error:
         return fail(error)
@@ -92,7 +94,7 @@ def _run_with_bar(sweep: Sweep, store: RunStore, workers: Workers, told: SweepSt
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
-            if state.done >= 2 * state.workers:
+            if state.done >= 4 * state.workers:
                 announce(state.seconds_left)
 
         run_sweep(sweep, store, workers, show, told)

@@ -144,7 +144,9 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     """
     names = [dimension.name for dimension in sweep.dimensions]
     if set(indices) != set(names):
-        raise ValueError(f"indices must be of {', '.join(names)}, got {', '.join(indices) or 'none'}")
+        raise ValueError(
+            f"indices must be of {', '.join(names)}, got {', '.join(indices) or 'none'}"
+        )
     try:
         number = int(np.ravel_multi_index([indices[name] for name in names], sweep.shape))
     except ValueError:
@@ -152,7 +154,9 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
         raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
     record, place = _found(sweep, number, store, packed_records(store))
     if place is None:
-        raise ValueError(f"cell {indices} must have a run, got none: {record.message or record.status}")
+        raise ValueError(
+            f"cell {indices} must have a run, got none: {record.message or record.status}"
+        )
     return place.load() if isinstance(place, PackedRun) else load_run(place)
 
 
@@ -165,5 +169,3 @@ def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = T
     content = file_content(found)
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
     return found
-
-

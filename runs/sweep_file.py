@@ -92,11 +92,12 @@ class Sweep:
     Cells are counted with the last dimension running fastest; `scene` makes each when it is needed.
     ``folder`` is where files that the scene names are looked for.
 
-    >>> sweep = sweep_of({"scene": "toda_soliton", "grid": {"eps": [0.1, 0.2], "order": ["leading"]}})
+    >>> varied = {"eps": [0.1, 0.2], "order": ["leading"]}
+    >>> sweep = sweep_of({"scene": "toda_soliton", "grid": varied})
     >>> sweep
     <Sweep of toda_soliton: 2 eps x 1 order = 2 cells>
     >>> sweep.scene(1)
-    <LatticeScene toda_soliton: kdv_soliton with kappa = 1 on toda, eps = 0.2, leading order, to 0.0001>
+    <LatticeScene toda_soliton: kdv_soliton with kappa = 1 on toda, eps = 0.2, ...>
     """
 
     name: str
@@ -212,7 +213,9 @@ def _flat(entries: Mapping[str, Any], where: str, inner: str = "") -> Iterator[t
         name = f"{inner}{key}"
         if isinstance(value, Mapping) and not set(value) & {*RANGE, *DRAWN}:
             if name.count(".") > 1:
-                raise ValueError(f"fields in [{where}] must have at most one dot, got {shown(name)}")
+                raise ValueError(
+                    f"fields in [{where}] must have at most one dot, got {shown(name)}"
+                )
             yield from _flat(value, where, f"{name}.")
         else:
             yield name, value
@@ -252,7 +255,9 @@ def _sampled(given: dict[str, Any]) -> SweptDimension:
         stream = Random(f"{seed} {field}")
         columns[field] = [_drawn(field, drawn, stream) for _ in range(count)]
     if not columns:
-        raise ValueError("[random] must name a field, got none (such as eps = {from = 0.05, to = 0.1})")
+        raise ValueError(
+            "[random] must name a field, got none (such as eps = {from = 0.05, to = 0.1})"
+        )
     return SweptDimension(SAMPLE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
 
@@ -297,7 +302,9 @@ def _ends(field: str, given: Mapping[str, Any]) -> tuple[float, float, bool]:
 def _flag(field: str, given: Mapping[str, Any], key: str) -> bool:
     flag = given.get(key, False)
     if not isinstance(flag, bool):
-        raise ValueError(f"{key} of {field} must be true or false, got {shown(flag)} (without quotes)")
+        raise ValueError(
+            f"{key} of {field} must be true or false, got {shown(flag)} (without quotes)"
+        )
     return flag
 
 

@@ -94,7 +94,11 @@ def check_field(field: str, document: Document) -> None:
     if top in known and (key in known[top] if key else not known[top]):
         return
     names = [
-        *(f"{name}.{inner}" if inner else name for name, keys in known.items() for inner in keys or [""]),
+        *(
+            f"{name}.{inner}" if inner else name
+            for name, keys in known.items()
+            for inner in keys or [""]
+        ),
         "parameters.NAME",
         *(["constants.NAME"] if known is ANY_LATTICE else []),
     ]

@@ -44,7 +44,7 @@ class Workers(Protocol):
         """Replace workers that are gone."""
 
     def stop(self) -> None:
-        """End all work within two seconds; calls that `runs.sweep_cells` makes keep what is done."""
+        """End all work within two seconds; a batch keeps what is done of it."""
 
 
 class LocalWorkers:
@@ -154,7 +154,7 @@ def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Work
         )
     if processes is not None and not 1 <= processes <= MOST_PROCESSES:
         raise ValueError(
-            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one for each core is usual)"
+            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one a core is usual)"
         )
     workers: Workers = (
         DaskWorkers(scheduler)
