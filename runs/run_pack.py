@@ -2,11 +2,13 @@
 
 A file for every small run would cost as much as the run: HDF5 is a file's open and close, and a
 flush to the disk. In a pack, runs whose arrays have the same names and shapes are stacked along
-their first axis, a group for each kind; what did not come to a run has a group without arrays.
+their first axis, a group for each kind; what did not come to a run has a group without arrays. The file
+ends with its checksum, as a store's other files do.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from derive.atomic_file import write_atomically
+from runs.run_store import SEAL, is_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,7 +106,9 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    write_atomically(path, lambda draft: draft.write_bytes(image.getbuffer()), force=False)
+    content = image.getvalue()
+    seal = SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
+    write_atomically(path, lambda draft: draft.write_bytes(content + seal), force=False)
 
 
 def _kind(run: xr.Dataset | None) -> str:
@@ -153,9 +158,11 @@ def _plain(attributes: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
-    """What a pack holds, its runs still on the disk. Raises OSError for what is no pack."""
+    """What a pack holds, its runs still on the disk; nothing of one that was damaged."""
     import h5py
 
+    if not is_whole(path):
+        return []
     found: list[tuple[CellRecord, PackedRun | None]] = []
     with h5py.File(path) as file:
         for name, group in file.items():

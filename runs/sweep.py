@@ -5,7 +5,7 @@ from __future__ import annotations
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -85,14 +85,13 @@ class SweepState:
 def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
     """What the store's packs hold, by key; of several attempts one that settled it.
 
-    A file that is no pack is passed over: a pack is whole or was not written here.
+    Damaged packs count as missing.
     """
     found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
     for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
-        with suppress(OSError, KeyError, ValueError):
-            for record, place in read_pack(path):
-                if record.status in SETTLED or record.key not in found:
-                    found[record.key] = record, place
+        for record, place in read_pack(path):
+            if record.status in SETTLED or record.key not in found:
+                found[record.key] = record, place
     return found
 
 

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from verify.processes import ignore_interrupt
 
-PATIENCE = 1.5
+PATIENCE = 1.0
 """Seconds that workers have to pack what they have when the sweep is stopped."""
 
 
