@@ -18,7 +18,7 @@ COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
 KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
-PICTURES = ("all", "snapshots", "space_time", "errors", "crest")
+PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -81,7 +81,7 @@ def plot(source: str, output: str | None, kind: str) -> int:
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
     of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
-    error curves and the track of the crest: all that the run holds, or one kind.
+    spectra, the error curves and the track of the crest: all that the run holds, or one kind.
     """
     from longwave.plotting import draw
 
@@ -116,7 +116,7 @@ def converge(
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
 def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
-    """Show lattices, waves, schemes, scenes or observables.
+    """Show lattices, waves, schemes, scenes, sweeps or observables.
 
     KIND is one of these words; without it all are shown.
     """

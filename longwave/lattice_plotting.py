@@ -1,73 +1,24 @@
-"""Pictures of scenes on any lattice: snapshots of a run, and the errors of one at several eps."""
+"""The picture of `longwave converge`: the errors of a scene on any lattice at several eps."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure, FigureBase
+from matplotlib.figure import Figure
 
 from derive.command_line import fail, interrupted
 from reports.figures.drawing import (
-    ANALYTICAL,
     CURVES,
-    NUMERICAL,
     TEXT_WIDTH,
     save,
-    snapshot_height,
     styled,
 )
 from verify.cli.console import check_output, picture_path
 from verify.cli.converge import measured_convergence, print_convergence
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
     from verify.lattices.scene_convergence import SceneConvergence
-
-ACROSS, MOST_PANELS = 3, 9
-"""Snapshots side by side, and most of them; of more some are taken, evenly."""
-
-SQUARE = 2.3
-"""Height in inches of a row of maps."""
-
-
-def draw_lattice_run(data: xr.Dataset, title: str) -> Figure:
-    """The snapshots of a run: lattice and wave on a chain, the lattice's strain on two axes."""
-    count = data.sizes["time"]
-    shown = np.unique(np.linspace(0, count - 1, min(count, MOST_PANELS)).round().astype(int))
-    rows = -(-len(shown) // ACROSS)
-    draw = _draw_map if "row" in data.dims else _draw_chain
-    height = SQUARE * rows if "row" in data.dims else snapshot_height(rows)
-    figure = Figure((TEXT_WIDTH, height + 0.25), layout="constrained")
-    panels = figure.subplots(rows, min(ACROSS, len(shown)), squeeze=False, sharey=True)
-    for ax, place in zip(panels.flat, shown, strict=False):
-        at = data.isel(time=int(place))
-        draw(figure, ax, at)
-        ax.set_title(f"$T={float(at['slow_time']):.4g}$", loc="left")
-    for ax in panels.flat[len(shown) :]:
-        ax.set_visible(False)
-    figure.suptitle(title, parse_math=False, fontsize="medium")
-    return figure
-
-
-def _draw_chain(figure: FigureBase, ax: Axes, at: xr.Dataset) -> None:
-    ax.plot(at["site"], at["strain"], label="lattice", **NUMERICAL)
-    ax.plot(at["site"], at["analytic"], label="wave", **ANALYTICAL)
-    ax.set_xlabel("cells from $c\\,t$")
-    if not figure.legends:
-        figure.legend(*ax.get_legend_handles_labels(), loc="outside upper right", ncols=2)
-
-
-def _draw_map(figure: FigureBase, ax: Axes, at: xr.Dataset) -> None:
-    values = np.asarray(at["strain"])
-    largest = float(np.max(np.abs(values))) or 1.0
-    mesh = ax.pcolormesh(
-        at["site"], at["row"], values.T, cmap="RdBu_r", vmin=-largest, vmax=largest, rasterized=True
-    )
-    ax.set_xlabel("cells from $c\\,t$")
-    figure.colorbar(mesh, ax=ax)
 
 
 def convergence_figure(study: SceneConvergence) -> Figure:

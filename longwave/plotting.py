@@ -1,4 +1,4 @@
-"""Pictures of a run: snapshots against the wave, space-time map, errors, crest track.
+"""Pictures of a run: snapshots against the wave, space-time map, spectra, errors, crest track.
 
 `PICTURES` says which pictures there are, and which observable and variables each is drawn from.
 `plot` draws a run, or a scene that is run first; `draw` is the work of `longwave plot`.
@@ -19,6 +19,15 @@ from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
+from longwave.run_quantities import (
+    LEAST_LOOKS,
+    MEASURED,
+    RunFrame,
+    frame_of,
+    own_relative_error,
+    spectrum_panel,
+    with_looks,
+)
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -29,18 +38,19 @@ from reports.figures.drawing import (
     draw_error_panels,
     draw_snapshot_panels,
     draw_space_time,
+    even_places,
     save,
     snapshot_height,
     styled,
 )
-from reports.figures.paper_figures import snapshots
+from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
+from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
 from runs.run_file import REMEDY, is_run_file
 from verify.cli.console import check_output, picture_path, plain_console, progress_bar
 from verify.comparison import Scene, run
-from verify.comparison.scene import scene_of
 from verify.comparison.stated_run import UnfinishedRun
-from verify.lattices.lattice_scene import LatticeScene, find_any_scene
+from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
 
 ALL = "all"
 
@@ -53,8 +63,9 @@ SHOWN, LEAST_SHOWN = 0.02, 20
 WIDTH, MOST = 90, 270
 """Characters in a line of a figure's title, and most of them altogether."""
 
-LOOKS = 201
-"""Times of map and crest track where the scene does not state any."""
+LOOKS, LATTICE_LOOKS = 201, 101
+"""Times of map and crest track where the scene does not state any; of a scene on any lattice, whose
+snapshots they are."""
 
 Source = xr.Dataset | Scene | LatticeScene | str | Path
 
@@ -67,7 +78,7 @@ class Picture:
     observable: str
     variables: Mapping[str, int]
     height: Callable[[xr.Dataset], float]
-    draw: Callable[[FigureBase, xr.Dataset, Scene], None]
+    draw: Callable[[FigureBase, xr.Dataset, RunFrame], None]
 
 
 def plot(
@@ -95,7 +106,7 @@ def plot(
     if isinstance(found, Scene):
         data = run(_for_pictures(found, kind), progress, announce)
     elif isinstance(found, LatticeScene):
-        data = _run_of_lattice(found, progress, announce)
+        data = _run_of_lattice(found, kind, progress, announce)
     else:
         data = found
     with styled(), warnings.catch_warnings():
@@ -107,11 +118,18 @@ def plot(
 
 
 def _run_of_lattice(
-    scene: LatticeScene, progress: Progress | None, announce: Announce | None
+    scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
+    """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
     from verify.lattices.lattice_run import run_lattice_scene
 
-    return run_lattice_scene(scene, progress, announce).dataset
+    named = "slow_times" if scene.slow_times else "times"
+    own: tuple[float, ...] = getattr(scene, named)
+    times = own
+    if kind not in ("snapshots", "spectra") and len(own) + LATTICE_LOOKS <= MOST_TIMES:
+        times = tuple(sorted({*own, *np.linspace(own[0], own[-1], LATTICE_LOOKS).tolist()}))
+    run = run_lattice_scene(scene.changed(**{named: times}), progress, announce).dataset
+    return with_looks(run, frame_of(run)).isel(time=[times.index(t) for t in own])
 
 
 def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
@@ -141,7 +159,8 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
     """The scene with the observables that are drawn.
 
     Of all pictures the error curve is drawn only if the scene asks for it: a run that is asked for
-    it ends in an error where the wave cannot be told from its background.
+    it ends in an error where the wave cannot be told from its background. With it come the run's
+    own errors, if the scene asks for them.
     """
     if kind == ALL:
         kinds = [
@@ -149,21 +168,18 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
         ]
     else:
         kinds = [kind]
-    wanted = tuple(PICTURES[name].observable for name in kinds)
-    return replace(scene, observables=wanted, look_points=scene.look_points or LOOKS)
+    wanted = [PICTURES[name].observable for name in kinds]
+    if "errors" in kinds:
+        wanted += [name for name in MEASURED if name in scene.observables]
+    asked = tuple(dict.fromkeys(wanted))
+    return replace(scene, observables=asked, look_points=scene.look_points or LOOKS)
 
 
 def _draw(data: xr.Dataset, kind: str) -> Figure:
     """Draw the pictures of that kind, one below the other, the run's title above them."""
+    frame = frame_of(data)
     if "lattice_scene" in data.attrs:
-        if kind not in (ALL, "snapshots"):
-            raise ValueError(
-                f"kind must be snapshots for a scene that names a lattice, got {kind!r} (leave it)"
-            )
-        from longwave.lattice_plotting import draw_lattice_run
-
-        return draw_lattice_run(data, _title(data))
-    scene = _scene_of(data)
+        data = with_looks(data, frame, LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
     heights = [picture.height(data) for picture in drawn]
     title = _title(data)
@@ -171,20 +187,9 @@ def _draw(data: xr.Dataset, kind: str) -> Figure:
     figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
     parts = figure.subfigures(len(drawn), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, picture in zip(parts, drawn, strict=True):
-        picture.draw(part, data, scene)
+        picture.draw(part, data, frame)
     figure.suptitle(title, parse_math=False, fontsize="medium")
     return figure
-
-
-def _scene_of(data: xr.Dataset) -> Scene:
-    try:
-        return scene_of(data)
-    except (KeyError, TypeError, ValueError) as error:
-        reason = "no scene" if isinstance(error, KeyError) else " ".join(str(error).split())
-        raise ValueError(
-            f"source must be a run with the scene that it was made from, got {reason} "
-            "(write it with `longwave run SCENE --output run.nc`)"
-        ) from None
 
 
 def _title(data: xr.Dataset) -> str:
@@ -213,7 +218,7 @@ def _has(data: xr.Dataset, picture: Picture) -> bool:
     """Whether the run has the picture's variables, and numbers in them."""
     return all(
         name in data
-        and data[name].ndim == dimensions
+        and data[name].ndim == dimensions + ("row" in data[name].dims)
         and data[name].dtype.kind in "fiu"
         and bool(np.isfinite(data[name]).any())
         for name, dimensions in picture.variables.items()
@@ -222,18 +227,30 @@ def _has(data: xr.Dataset, picture: Picture) -> bool:
 
 def _shown_snapshots(data: xr.Dataset) -> list[list[int]]:
     """Which snapshots are shown, row by row."""
-    count = data.sizes["time"]
-    shown = min(count, MOST_PANELS)
-    places = [round(float(place)) for place in np.linspace(0, count - 1, shown)]
-    return [places[first : first + ACROSS] for first in range(0, shown, ACROSS)]
+    places = even_places(data.sizes["time"], MOST_PANELS)
+    return [places[first : first + ACROSS] for first in range(0, len(places), ACROSS)]
 
 
-def _draw_snapshots(figure: FigureBase, data: xr.Dataset, scene: Scene) -> None:
-    half_width = shown_half_width(data)
-    panels = [
-        list(snapshots(data.isel(time=row), scene, half_width)) for row in _shown_snapshots(data)
-    ]
-    draw_snapshot_panels(figure, panels)
+def _snapshot_height(data: xr.Dataset) -> float:
+    return maps_height() if "row" in data.dims else snapshot_height(len(_shown_snapshots(data)))
+
+
+def _draw_snapshots(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+    """Lattice against wave on a chain; on two axes maps of the strain and of the difference."""
+    if "row" in data.dims:
+        draw_maps(figure, data)
+        return
+    half_width, rows = shown_half_width(data), _shown_snapshots(data)
+    panels = [lattice_snapshots(data, frame.eps, half_width, row, frame.speed) for row in rows]
+    draw_snapshot_panels(figure, panels, "wave" if "sup_error" in data else "mKdV wave")
+
+
+def _shown_spectra(data: xr.Dataset) -> list[int]:
+    return even_places(data.sizes["time"], MOST_SPECTRA)
+
+
+def _draw_spectra(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
+    draw_spectra(figure, [spectrum_panel(data, frame, place) for place in _shown_spectra(data)])
 
 
 def shown_half_width(data: xr.Dataset) -> int:
@@ -244,40 +261,49 @@ def shown_half_width(data: xr.Dataset) -> int:
     sites = np.abs(data["site"].values)
     if "background" not in data:
         return int(sites.max())
-    deviation = np.abs((data["analytic"] - data["background"]).values).max(axis=0)
+    deviation = np.abs((data["analytic"] - data["background"]).values)
+    others = tuple(axis for axis, name in enumerate(data["analytic"].dims) if name != "site")
+    deviation = np.nan_to_num(deviation, posinf=0.0).max(axis=others)
     seen = sites[deviation > SHOWN * deviation.max()]
     return int(max(1.25 * seen.max(), LEAST_SHOWN)) if seen.size else int(sites.max())
 
 
-def _draw_map(figure: FigureBase, data: xr.Dataset, _: Scene) -> None:
+def _draw_map(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
     """Draw the map about the sites that the snapshots show, if there are snapshots."""
     shown = shown_half_width(data) if _has(data, PICTURES["snapshots"]) else None
     draw_space_time(figure, data["space_time"], shown)
 
 
-def _draw_crest(figure: FigureBase, data: xr.Dataset, _: Scene) -> None:
+def _draw_crest(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
     draw_crest(figure, data)
 
 
-def _draw_errors(figure: FigureBase, data: xr.Dataset, scene: Scene) -> None:
+def _draw_errors(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
     """Draw the error against the bare background, and against the far field if that is there."""
     names = {"error_curve": "over background", "error_curve_far_field": "over far field"}
-    curves = [
-        ErrorCurve(label, data[name]["curve_time"].values, data[name].values)
-        for name, label in names.items()
-        if name in data
-    ]
-    draw_error_panels(figure, [(rf"$\epsilon={scene.eps:g}$", curves)])
+    curves = []
+    for name, label in names.items():
+        if name in data:
+            times = data[name]["curve_time"].values
+            own = own_relative_error(data, frame, times, far_field=name != "error_curve")
+            curves.append(ErrorCurve(label, times, data[name].values, own))
+    draw_error_panels(figure, [(rf"$\epsilon={frame.eps:g}$", curves)])
 
 
 PICTURES: Mapping[str, Picture] = {
     "snapshots": Picture(
         "strain",
         {"strain": 2, "analytic": 2, "n": 2},
-        lambda data: snapshot_height(len(_shown_snapshots(data))),
+        _snapshot_height,
         _draw_snapshots,
     ),
     "space_time": Picture("space_time", {"space_time": 2}, lambda _: MAP_HEIGHT, _draw_map),
+    "spectra": Picture(
+        "strain",
+        {"strain": 2, "analytic": 2},
+        lambda data: spectra_height(len(_shown_spectra(data))),
+        _draw_spectra,
+    ),
     "errors": Picture("error_curve", {"error_curve": 1}, lambda _: ERROR_HEIGHT, _draw_errors),
     "crest": Picture(
         "crest_track",

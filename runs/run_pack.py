@@ -2,8 +2,8 @@
 
 A file for every small run would cost as much as the run: HDF5 is a file's open and close, and a
 flush to the disk. In a pack, runs whose arrays have the same names and shapes are stacked along
-their first axis, a group for each kind; what did not come to a run has a group without arrays. The file
-ends with its checksum, as a store's other files do.
+their first axis, a group for each kind; what did not come to a run has a group without arrays. The
+file ends with its checksum, as a store's other files do.
 """
 
 from __future__ import annotations

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
+import tomllib
 from collections.abc import Mapping
-from importlib.resources import as_file
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from verify.comparison import scene_fields
 from verify.comparison.observables import OBSERVABLES
-from verify.comparison.scene import FOLDER, FURTHER, Scene
+from verify.comparison.scene import Scene
 from verify.comparison.scene_fields import read_document, shown
-from verify.lattices import lattice_scene, lattice_scene_file
+from verify.lattices import lattice_scene_file
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 from verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
 
@@ -27,14 +25,17 @@ ALTERNATIVES = (("slow_times", "times"), ("half_width", "compared"))
 OPEN = ("parameters", "constants")
 """Tables whose keys a wave or a lattice decides."""
 
+LABELS = ("name", "title")
+"""Fields on which no run depends."""
+
 CHAIN = {
-    **{key: () for key in scene_fields.TOP if key != "title"},
+    **{key: () for key in scene_fields.TOP if key not in LABELS},
     **{name: tuple(keys) for name, keys in scene_fields.TABLES.items()},
 }
 """What may vary of a `Scene`: fields, and tables with their keys."""
 
 ANY_LATTICE = {
-    **{key: () for key in (*lattice_scene_file.TOP, "lattice") if key != "title"},
+    **{key: () for key in (*lattice_scene_file.TOP, "lattice") if key not in LABELS},
     "long_wave": lattice_scene_file.LONG_WAVE,
     "envelope": tuple(lattice_scene_file.ENVELOPE),
 }
@@ -55,34 +56,8 @@ def base_document(given: object, folder: Path) -> tuple[str, Document]:
     if given.endswith(".toml"):
         path = folder / given
         return path.stem, read_document(path)
-    shipped = _shipped(given)
-    if shipped is None:
-        scene = find_any_scene(given)
-        assert isinstance(scene, Scene)  # of a family: those of other lattices are all files
-        return given, _document(scene)
-    with as_file(shipped) as path:
-        return given, read_document(path)
-
-
-def _shipped(name: str) -> Traversable | None:
-    """The file of a shipped scene, None if there is none of that name."""
-    for folder in (FOLDER, FURTHER, lattice_scene.FOLDER):
-        for entry in folder.iterdir():
-            if entry.name == f"{name}.toml":
-                return entry
-    return None
-
-
-def _document(scene: Scene) -> Document:
-    """The tables of a scene that no file holds."""
-    given = {**json.loads(scene.json()), "parameters": dict(scene.parameters)}
-    held = {key: value for key, value in given.items() if value not in (None, "", ())}
-    tables = {
-        name: {key: held[field] for key, field in renamed.items() if field in held}
-        for name, renamed in scene_fields.TABLES.items()
-    }
-    top = {key: held[key] for key in (*scene_fields.TOP, "parameters") if key in held}
-    return {**top, **tables}
+    scene = find_any_scene(given)
+    return scene.name, tomllib.loads(scene.toml())
 
 
 def check_field(field: str, document: Document) -> None:
@@ -147,5 +122,5 @@ def _leave_to_tolerance(document: dict[str, Any]) -> None:
 def make_scene(document: Document, name: str, folder: Path) -> AnyScene:
     """The scene, of either kind, that the tables say; ValueError in one line for what is none."""
     if names_a_lattice(document):
-        return LatticeScene.of(name=name, **lattice_scene_fields(document, folder))
-    return Scene.of(name=name, **scene_fields.scene_fields(document))
+        return LatticeScene.of(**{"name": name} | lattice_scene_fields(document, folder))
+    return Scene.of(**{"name": name} | scene_fields.scene_fields(document))

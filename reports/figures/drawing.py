@@ -134,6 +134,15 @@ def draw_snapshot_panels(
     figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
 
 
+def even_places(count: int, most: int) -> list[int]:
+    """At most that many places of ``count``, evenly from the first to the last.
+
+    >>> even_places(7, 3), even_places(2, 3), even_places(0, 3)
+    ([0, 3, 6], [0, 1], [])
+    """
+    return [round(place) for place in np.linspace(0, count - 1, min(count, most)).tolist()]
+
+
 def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None:
     """Draw one panel: the numerical strain solid blue, the analytical one dashed red on it."""
     ax.plot(snapshot.offset, snapshot.numerical, label="lattice", **NUMERICAL)
@@ -145,9 +154,21 @@ def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None
 
 def _limits(row: Sequence[Snapshot]) -> tuple[float, float]:
     """Return the strain axis that all panels of a row share."""
-    values = np.concatenate([part for s in row for part in (s.numerical, s.analytical)])
-    low, high = float(values.min()), float(values.max())
+    return spread_limits([part for s in row for part in (s.numerical, s.analytical)])
+
+
+def spread_limits(arrays: Sequence[Sites]) -> tuple[float, float]:
+    """An axis that holds all finite values with a margin, and is no point where all are equal.
+
+    >>> spread_limits([np.array([0.0, 100.0, np.nan])]), spread_limits([np.zeros(3)])
+    ((-6.0, 106.0), (-1.0, 1.0))
+    """
+    values = np.concatenate([np.ravel(array) for array in arrays])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     margin = 0.06 * (high - low)
+    if not margin > 1e-12 * max(abs(low), abs(high)):
+        margin = 0.1 * abs(high) or 1.0
     return low - margin, high + margin
 
 
@@ -157,11 +178,15 @@ ERROR_HEIGHT = 2.0
 
 @dataclass(frozen=True)
 class ErrorCurve:
-    """The relative sup error at each of the times; `label` may hold mathematics in dollars."""
+    """The relative sup error at each of the times; `label` may hold mathematics in dollars.
+
+    ``own`` is the run's own error in the same units, NaN at times where it was not measured.
+    """
 
     label: str
     times: NDArray[np.float64]
     errors: NDArray[np.float64]
+    own: NDArray[np.float64] | None = None
 
 
 def error_figure(panels: Sequence[tuple[str, Sequence[ErrorCurve]]]) -> Figure:
@@ -187,6 +212,8 @@ def _draw_curves(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
     """Draw the curves of one panel through all their points, without markers."""
     for curve, look in zip(curves, CURVES, strict=False):
         ax.plot(curve.times, curve.errors, label=curve.label, **look | {"marker": ""})
+        if curve.own is not None and np.isfinite(curve.own).any():
+            _draw_own(ax, curve, curve.own, look["color"])
     ax.set_xlabel("$t$")
     ax.set_ylabel(r"$L^\infty_\epsilon$")
     ax.set_ylim(bottom=0)
@@ -194,6 +221,38 @@ def _draw_curves(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
     ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
     ax.legend()
 
+
+def scientific(value: float) -> str:
+    """A number to one digit, as mathematics.
+
+    >>> print(scientific(0.0), scientific(0.02), scientific(1.4e-9), scientific(3e-5))
+    0 0.02 $10^{-9}$ $3\\times10^{-5}$
+    """
+    text = f"{value:.0e}"
+    if not np.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e3:
+        return f"{value:.1g}"
+    digits, _, power = text.partition("e")
+    return f"${'' if digits == '1' else digits + chr(92) + 'times'}10^{{{int(power)}}}$"
+
+
+def _draw_own(ax: Axes, curve: ErrorCurve, own: NDArray[np.float64], colour: str) -> None:
+    """Draw a band about a curve, or bars where the run's own error is known at a few times.
+
+    It is often thinner than the line, so its label says how much it is.
+    """
+    label = rf"own error $\leq$ {scientific(float(np.nanmax(own)))}"
+    known = np.isfinite(own)
+    if known.sum() > BARS * own.size:
+        low, high = curve.errors - own, curve.errors + own
+        ax.fill_between(curve.times, low, high, color=colour, alpha=0.3, lw=0, label=label)
+    else:
+        bars = own[known]
+        look: dict[str, Any] = {"color": colour, "linestyle": "", "marker": "o", "capsize": 3.0}
+        ax.errorbar(curve.times[known], curve.errors[known], bars, label=label, **look)
+
+
+BARS = 0.5
+"""Share of the times at which the own error must be known for it to be a band."""
 
 MAP_HEIGHT = 3.0
 """Height of a map, in inches."""
@@ -226,7 +285,7 @@ def draw_space_time(
         ax.set_ylim(-shown, shown)
     ax.set_xlabel("$t$")
     ax.set_ylabel("$n - c\\,t$  (sites)")
-    figure.colorbar(drawn, ax=ax, label="$y_n$")
+    figure.colorbar(drawn, ax=ax, label="$|y_n|$" if strain.attrs.get("carried") else "$y_n$")
 
 
 def time_edges(times: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from reports.figures.drawing import CURVES, TEXT_WIDTH, Snapshot
+from reports.figures.drawing import CURVES, TEXT_WIDTH, Snapshot, even_places
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,10 +26,18 @@ ACROSS = 3
 
 
 def lattice_snapshots(
-    run: xr.Dataset, eps: float, half_width: int, places: Iterable[int]
+    run: xr.Dataset,
+    eps: float,
+    half_width: int,
+    places: Iterable[int],
+    speed: float | None = None,
 ) -> list[Snapshot]:
-    """A scene's run at some of its times, ``half_width`` cells to either side of c t."""
-    shown, speed = run.sel(site=slice(-half_width, half_width)), run.attrs["frame_speed"]
+    """A scene's run at some of its times, ``half_width`` cells to either side of c t.
+
+    ``speed`` is the frame's, where the run does not say it.
+    """
+    shown = run.sel(site=slice(-half_width, half_width))
+    speed = run.attrs["frame_speed"] if speed is None else speed
     return [
         Snapshot(
             float(at["time"]),
@@ -44,18 +52,28 @@ def lattice_snapshots(
 
 def even_times(run: xr.Dataset) -> list[int]:
     """The places of ``ACROSS`` times from the first to the last."""
-    count = run.sizes["time"]
-    return sorted({round(place) for place in np.linspace(0, count - 1, min(count, ACROSS))})
+    return even_places(run.sizes["time"], ACROSS)
 
 
 MAP_HEIGHT = 2.2
 """Height of a row of maps, in inches."""
 
 
+def maps_height() -> float:
+    """Height in inches of `map_figure`."""
+    return 2 * MAP_HEIGHT + 0.2
+
+
 def map_figure(run: xr.Dataset) -> Figure:
     """Heat maps of a run on two axes: the lattice's strain, and its difference from the theory."""
+    figure = Figure((TEXT_WIDTH, maps_height()), layout="constrained")
+    draw_maps(figure, run)
+    return figure
+
+
+def draw_maps(figure: FigureBase, run: xr.Dataset) -> None:
+    """Draw the maps of `map_figure` into a figure."""
     places = even_times(run)
-    figure = Figure((TEXT_WIDTH, MAP_HEIGHT * 2 + 0.2), layout="constrained")
     panels = figure.subplots(2, len(places), squeeze=False, sharey=True)
     apart = abs(run["strain"] - run["analytic"])
     for axes, values, words, colours in (
@@ -74,7 +92,6 @@ def map_figure(run: xr.Dataset) -> Figure:
         figure.colorbar(drawn, ax=list(axes), label=words)
     for ax in panels[-1]:
         ax.set_xlabel("$n - c\\,t$  (cells)")
-    return figure
 
 
 RATE_HEIGHT, RATES_ACROSS = 2.3, 2

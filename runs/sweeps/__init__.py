@@ -1,1 +1,1 @@
-"""Scenes on further lattices and waves, as TOML files."""
+"""Sweeps that come with the package, as TOML files."""

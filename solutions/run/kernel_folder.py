@@ -24,8 +24,6 @@ from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
-from derive.atomic_file import write_atomically
-
 __all__ = ["cache_folder", "read_whole", "write_whole"]
 
 KEPT = 8
@@ -58,6 +56,8 @@ def write_whole(path: Path, data: bytes) -> None:
 
     A cache can only save time: a full disk or a folder that is gone is no error.
     """
+    from derive.atomic_file import write_atomically
+
     with suppress(OSError):
         held = hashlib.sha256(data).digest() + data
         write_atomically(path, lambda draft: draft.write_bytes(held), durable=False)

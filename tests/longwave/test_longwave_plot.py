@@ -63,12 +63,13 @@ def test_the_suffix_says_the_format(
 def test_all_kinds_are_drawn_in_order_with_the_runs_own_numbers(made: xr.Dataset) -> None:
     figure = plot(made)
     assert labels(figure) == [
-        "$y_n$", "", "$n - c\\,t$  (sites)", "$y_n$", r"$L^\infty_\epsilon$",
+        "$y_n$", "", "$n - c\\,t$  (sites)", "$y_n$", "amplitude of $y$", "",
+        r"$L^\infty_\epsilon$",
         "crest at $n - c\\,t$  (sites)", "$y$ at the crest",
     ]  # fmt: skip
     axes = figure.get_axes()
-    assert np.array_equal(axes[4].lines[0].get_ydata(), made["error_curve"])
-    assert np.array_equal(axes[6].lines[0].get_ydata(), made["crest_strain"])
+    assert np.array_equal(axes[6].lines[0].get_ydata(), made["error_curve"])
+    assert np.array_equal(axes[8].lines[0].get_ydata(), made["crest_strain"])
     mesh = axes[2].collections[0]
     assert np.array_equal(np.asarray(mesh.get_array()), made["space_time"].values.T)
 
@@ -106,7 +107,7 @@ def test_a_scene_is_run_for_what_is_drawn_alone(monkeypatch: pytest.MonkeyPatch)
     plot(refined, kind="errors")
     assert [scene.observables for scene in asked] == [
         ("strain", "space_time", "crest_track"),
-        ("error_curve",),
+        ("error_curve", "time_step_error"),
     ]
     assert asked[0].look_points is not None
 

@@ -1,0 +1,211 @@
+"""What pictures of a run show and the run itself does not hold, for both kinds of runs.
+
+Errors of the run against the infinite lattice, in the units of what is drawn; spectra of lattice
+and wave; and, of a run on any lattice, which holds its snapshots alone, what a scene's observables
+are on the paper's chain: the space-time map, the error over time and the track of the crest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from lattice.model import State
+from reports.figures.run_figures import SpectrumPanel
+from verify.comparison.observables import amplitudes, cell_width, extremum
+from verify.comparison.scene import scene_of
+from verify.comparison.view import View
+from verify.lattices.lattice_scene import LatticeScene
+
+if TYPE_CHECKING:
+    from verify.comparison import Scene
+
+Array = NDArray[np.float64]
+
+LEAST_LOOKS = 8
+"""Fewest snapshots of which a map or a curve over time is made."""
+
+CARRIED = 8
+"""Fewest sites in a cell of an envelope's map: a few carrier waves, except very long ones."""
+
+UNIT_ROUNDOFF = 2.0**-53
+"""Half a unit in the last place of 1."""
+
+MEASURED = ("time_step_error", "domain_error")
+"""Differences of y/eps to finer runs, at the snapshots; they add up to the run's error."""
+
+
+@dataclass(frozen=True)
+class RunFrame:
+    """What places a run: ``eps``, the ``speed`` of its frame, and the ``unit`` of its errors."""
+
+    scene: Scene | LatticeScene
+    eps: float
+    speed: float
+    unit: float
+
+
+def frame_of(data: xr.Dataset) -> RunFrame:
+    """What places a run, from its scene; ValueError if it has none that can be read."""
+    try:
+        if "lattice_scene" in data.attrs:
+            scene = LatticeScene.from_json(data.attrs["lattice_scene"])
+            power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
+            return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
+        chain = scene_of(data)
+        return RunFrame(chain, chain.eps, chain.constants.sound_speed(), chain.eps)
+    except (KeyError, TypeError, ValueError) as error:
+        reason = "no scene" if isinstance(error, KeyError) else " ".join(str(error).split())
+        raise ValueError(
+            f"source must be a run with the scene that it was made from, got {reason} "
+            "(write it with `longwave run SCENE --output run.nc`)"
+        ) from None
+
+
+def own_error(data: xr.Dataset, frame: RunFrame) -> Array | None:
+    """The run's own error in the strain, at each snapshot; None if the run did not measure it.
+
+    With a tolerance it is the estimate, the same at all times; with a stated step what half the
+    step and twice the sites change.
+    """
+    estimate = data.attrs.get("error_estimate")
+    if estimate is not None:
+        return np.full(data.sizes["time"], frame.unit * float(estimate))
+    measured = [np.asarray(data[name], dtype=float) for name in MEASURED if name in data]
+    return frame.unit * np.sum(measured, axis=0) if measured else None
+
+
+def spectrum_panel(data: xr.Dataset, frame: RunFrame, place: int) -> SpectrumPanel:
+    """Amplitudes of lattice and wave over the compared sites at a snapshot, with what is below
+    trust: a strain whose error is at most e has amplitudes that err by at most 2 e.
+    """
+    at = data.isel(time=place)
+    if "row" in at.dims:
+        at = at.isel(row=_middle(at["row"].values))
+    strain, analytic = (np.asarray(at[name], dtype=float) for name in ("strain", "analytic"))
+    own = own_error(data, frame)
+    rounding = UNIT_ROUNDOFF / np.sqrt(3.0) * float(np.nanmax(np.abs(strain), initial=0.0))
+    return SpectrumPanel(
+        title=f"$t={float(at['time']):g}$",
+        wavenumber=np.asarray(2.0 * np.pi * np.fft.rfftfreq(strain.size), dtype=float),
+        lattice=_amplitudes(strain),
+        wave=_amplitudes(analytic),
+        rounding=2.0 * rounding * np.sqrt(1.5 / strain.size),
+        own=None if own is None else 2.0 * float(own[place]),
+    )
+
+
+def _amplitudes(values: Array) -> Array:
+    with np.errstate(all="ignore"):
+        return amplitudes(values)
+
+
+def own_relative_error(
+    data: xr.Dataset, frame: RunFrame, times: Array, far_field: bool = False
+) -> Array | None:
+    """The run's own error in the units of its error curve at these times; NaN where not measured.
+
+    The unit is the wave's largest deviation from its background, or its far field, at that time.
+    """
+    if "own_error_curve" in data:
+        return np.asarray(data["own_error_curve"], dtype=float)
+    own = own_error(data, frame)
+    if own is None or not own.size:
+        return None
+    found = np.full(times.size, own[0] if "error_estimate" in data.attrs else np.nan)
+    _, here, there = np.intersect1d(times, data["time"].values, return_indices=True)
+    found[here] = own[there]
+    known = np.isfinite(found)
+    found[known] /= [_amplitude(frame, float(t), far_field) for t in times[known]]
+    return found
+
+
+def _amplitude(frame: RunFrame, t: float, far_field: bool) -> float:
+    none = np.zeros(0)
+    view = View(frame.scene.moving_wave, State(t, 0, none, none))  # type: ignore[union-attr]
+    from_what = view.far_field if far_field else view.background
+    size = float(np.max(np.abs(view.analytic - from_what)))
+    return size if size > 0.0 else np.nan
+
+
+def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> xr.Dataset:
+    """A run on any lattice with map, crest and errors over its snapshots, if they are ``least``.
+
+    On two axes map and crest are those of the row nearest to the middle. Of an envelope the map
+    holds the largest modulus in some cells that its carrier moves through, and the crest is one.
+    """
+    if data.sizes.get("time", 0) < least or "space_time" in data:
+        return data
+    line = data.isel(row=_middle(data["row"].values)) if "row" in data.dims else data
+    strain, background, sites = (
+        np.asarray(line[name], dtype=float) for name in ("strain", "background", "n")
+    )
+    carried = getattr(frame.scene, "is_envelope", False)
+    crests = [_crest(*row) for row in zip(strain, background, sites, strict=True)]
+    position, height = np.array(crests).T
+    times = data["time"].values
+    width = max(cell_width((strain.shape[1] - 1) // 2), CARRIED if carried else 1)
+    starts = np.arange(0, strain.shape[1], width)
+    if not carried:
+        strain, background = (
+            _at_offsets(values, sites - frame.speed * times[:, None], data["site"].values)
+            for values in (strain, background)
+        )
+    space_time = _farthest(np.abs(strain) if carried else strain, background, starts)
+    found = {
+        "space_time": (("look_time", "map_site"), space_time, {"carried": int(carried)}),
+        "crest_position": ("look_time", position - frame.speed * times),
+        "crest_strain": ("look_time", np.abs(height) if carried else height),
+        "error_curve": ("curve_time", np.asarray(data["error"], dtype=float)),
+        "own_error_curve": ("curve_time", _own_relative(data)),
+    }
+    axes = {
+        "look_time": times,
+        "curve_time": times,
+        "map_site": np.asarray(data["site"])[starts],
+    }
+    return data.assign(found).assign_coords(axes)
+
+
+def _at_offsets(values: Array, offsets: Array, wanted: NDArray[np.integer]) -> Array:
+    """Values at whole offsets from c t, between the sites, which the frame passes one by one."""
+    rows = zip(offsets, values, strict=True)
+    return np.array([np.interp(wanted, offset, row) for offset, row in rows])
+
+
+def _own_relative(data: xr.Dataset) -> Array:
+    """The estimate in units of the wave's size, which the two errors' ratio is; NaN where both
+    vanish."""
+    relative, apart = (np.asarray(data[name], dtype=float) for name in ("error", "sup_error"))
+    size = np.divide(relative, apart, out=np.full(apart.size, np.nan), where=apart > 0.0)
+    return np.asarray(size * float(data.attrs["error_estimate"]))
+
+
+def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:
+    """The strain farthest from the background in each cell of sites, at each time."""
+    deviation = strain - background
+    high = np.maximum.reduceat(deviation, starts, axis=1)
+    low = np.minimum.reduceat(deviation, starts, axis=1)
+    level = np.add.reduceat(background, starts, axis=1)
+    counts = np.diff([*starts, strain.shape[1]])
+    return np.asarray(level / counts + np.where(high + low >= 0.0, high, low))
+
+
+def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float]:
+    """Site and strain of the largest deviation from the background, between the sites as well."""
+    deviation = strain - background
+    if not np.isfinite(deviation).all():
+        return np.nan, np.nan
+    top = int(np.argmax(np.abs(deviation)))
+    offset, height = 0.0, float(deviation[top])
+    if 2 <= top < deviation.size - 2:
+        offset, height = extremum(deviation[top - 2 : top + 3])
+    return float(sites[top]) + offset, height + float(background[top])
+
+
+def _middle(rows: NDArray[np.integer]) -> int:
+    return int(np.argmin(np.abs(rows)))
