@@ -116,7 +116,7 @@ def converge(
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
 def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
-    """Show lattices, waves, schemes, scenes, sweeps or observables.
+    """Show lattices, waves, schemes, scenes and more.
 
     KIND is one of these words; without it all are shown.
     """

@@ -15,7 +15,6 @@ from runs.run_file import open_run
 from runs.run_pack import DONE
 from runs.run_store import RunStore
 from runs.sweep import SweepState, run_sweep
-from runs.sweep_dataset import sweep_tables, write_sweep
 from runs.sweep_file import Sweep, load_sweep
 from runs.sweep_workers import Workers, sweep_workers
 from verify.cli.console import check_output, plain_console, progress_bar
@@ -44,6 +43,8 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
     goes on with what is missing. More than 10 s are announced.
     """
+    from runs.sweep_dataset import write_sweep
+
     told = SweepState(0)
     try:
         sweep = load_sweep(options.sweep)
@@ -80,7 +81,7 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
             held = str(older.attrs.get("sweep", ""))
     except (ValueError, OSError):
         pass
-    if held != sweep_tables(sweep):
+    if held != sweep.json():
         raise ValueError(
             f"--output must name no file but an earlier result of this sweep, got {output} "
             "(take another name, or --force)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,16 +101,10 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
             (coordinates if is_coordinate else data)[name] = variable
     attributes = {
         "title": sweep.title or sweep.name,
-        "sweep": sweep_tables(sweep),
+        "sweep": sweep.json(),
         "store": str(store.folder),
     }
     return xr.Dataset(data, coordinates, attributes)
-
-
-def sweep_tables(sweep: Sweep) -> str:
-    """The sweep as JSON: its base scene, and what varies."""
-    varied = [asdict(dimension) for dimension in sweep.dimensions]
-    return json.dumps({"scene": sweep.document, "dimensions": varied}, sort_keys=True)
 
 
 def _numbers_told() -> Iterator[tuple[str, dict[str, str]]]:

@@ -28,9 +28,10 @@ others.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -118,6 +119,11 @@ class Sweep:
     def __repr__(self) -> str:
         sizes = " x ".join(f"{d.size} {d.name}" for d in self.dimensions)
         return f"<Sweep of {self.base}: {sizes} = {len(self)} cells>"
+
+    def json(self) -> str:
+        """The tables of the base scene, and what varies, as JSON."""
+        varied = [asdict(dimension) for dimension in self.dimensions]
+        return json.dumps({"scene": self.document, "dimensions": varied}, sort_keys=True)
 
     @cached_property
     def _strides(self) -> tuple[int, ...]:

@@ -12,6 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, Protocol
 
+from solutions.run.cores import usable_cores
 from verify.processes import ignore_interrupt
 
 PATIENCE = 1.0
@@ -159,7 +160,7 @@ def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Work
     workers: Workers = (
         DaskWorkers(scheduler)
         if scheduler is not None
-        else LocalWorkers(processes or len(os.sched_getaffinity(0)))
+        else LocalWorkers(processes or usable_cores())
     )
     try:
         yield workers

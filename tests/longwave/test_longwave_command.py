@@ -27,7 +27,18 @@ from verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
-WORDS = ("derive", "prove", "verify", "run", "plot", "report", "converge", "list", "doctor")
+WORDS = (
+    "derive",
+    "prove",
+    "verify",
+    "run",
+    "sweep",
+    "plot",
+    "report",
+    "converge",
+    "list",
+    "doctor",
+)
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:

@@ -233,9 +233,7 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
     assert killed[1:] == [1] * MOST_LOSSES
 
 
-def test_long_cells_are_runs_of_their_own(
-    store: RunStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
     from runs import sweep_cells
 
     def run(scene: Any, announce: Callable[[float], None]) -> xr.Dataset:

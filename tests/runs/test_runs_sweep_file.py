@@ -49,7 +49,9 @@ def test_samples_follow_the_seed_and_no_other_field() -> None:
     assert one != [row["eps"] for row in drawn(seed=2, eps=eps)]
     assert all(0.01 <= value <= 0.1 for value in one)
     assert 10 < sum(value < math.sqrt(0.001) for value in one) < 40
-    whole = {row["domain.sites"] for row in drawn(seed=1, **{"domain.sites": {"choose": [64, 128]}})}
+    whole = {
+        row["domain.sites"] for row in drawn(seed=1, **{"domain.sites": {"choose": [64, 128]}})
+    }
     assert whole == {64, 128}
     counted = drawn(seed=1, curve_points={"from": 3, "to": 5, "whole": True})
     assert {row["curve_points"] for row in counted} == {3, 4, 5}
