@@ -57,7 +57,7 @@ format: $(STAMP)
 	@$(PY) -m ruff check --fix .
 	@$(PY) -m ruff format .
 
-docs/rogue_wave.png: $(STAMP)
+docs/rogue_wave.png docs/rogue_wave.gif: $(STAMP)
 	@mkdir -p docs
 	@$(PY) -m reports.figures $@
 

@@ -31,6 +31,9 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("words", nargs=-1, metavar="[check] [MODEL|FILE.toml]")
 @click.option("--set", "sets", multiple=True, metavar="NAME=P/Q,...", help="Values of constants.")
 @click.option("--background", metavar="P/Q", help="Uniform strain the waves ride on.")
+@click.option(
+    "--direction", metavar="ANGLE|A,B", help="Of the wave on a square lattice: pi/4, or 3,4."
+)
 @click.option("--amplitude", metavar="N", help="Power of eps of the wave; found unless given.")
 @click.option("--time", metavar="N", help="Power of eps of the slow time; found unless given.")
 @click.option("--order", "--orders", "orders", metavar="N", help="Highest power of eps.")
@@ -52,6 +55,7 @@ def derive(
     carrier: str | None,
     branch: str | None,
     points: str | None,
+    direction: str | None,
     **constants: str | None,
 ) -> int:
     """Derive the long-wave or envelope equation of a lattice.
@@ -85,6 +89,7 @@ def derive(
             carrier=carrier,
             branch=branch,
             points=points,
+            direction=direction,
             form="json" if json_wanted else "latex" if latex else "text",
             check=check,
         )

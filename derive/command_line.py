@@ -5,9 +5,31 @@ A room declares its words with click, next to what they do; `run_words` is the w
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 import click
+
+from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
+from derive.request_limits import USUAL_SECONDS, duration, request_limits
+
+__all__ = [
+    "INTERRUPTED",
+    "LONG",
+    "NO_READER",
+    "WRONG",
+    "Words",
+    "announce",
+    "called_by",
+    "duration",
+    "example",
+    "fail",
+    "interrupted",
+    "json_option",
+    "limit_options",
+    "one_line",
+    "run_words",
+]
 
 LONG = 10.0
 """Seconds from which on a command says beforehand how long it will take."""
@@ -15,8 +37,15 @@ LONG = 10.0
 WRONG = 2
 """Exit status after wrong input."""
 
-INTERRUPTED, NO_READER = 130, 141
-"""Exit status after Ctrl-C, and where the reader of the output has gone: 128 + the signal."""
+NO_READER = 141
+"""Exit status where the reader of the output has gone: 128 + the signal."""
+
+QUOTED, LONGEST = 200, 4000
+"""Most characters of the input that an error quotes, and of an error with all that it lists."""
+
+_WORDS = "longwave.words"
+
+Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
@@ -43,6 +72,32 @@ def example(line: str) -> str:
     return f"\b\nExample:\n  {line}"
 
 
+def _limited(context: click.Context, option: click.Parameter, given: str | None) -> None:
+    """Let the limit hold for the command; the time has one unless the option says otherwise."""
+    key = str(option.name).removeprefix("max_")
+    limit = USUAL_SECONDS if given is None and key == "time" else given
+    try:
+        if key == "time":
+            context.with_resource(request_limits(seconds=limit))
+        else:
+            context.with_resource(request_limits(memory=limit))
+    except ValueError as error:
+        raise click.BadParameter(str(error).partition(" ")[2]) from None
+
+
+def limit_options(command: Wrapped) -> Wrapped:
+    """Give a command `--max-memory` and `--max-time`; both hold while it runs."""
+    for name, metavar, said in (
+        ("--max-memory", "SIZE", "Refuse what takes more, as 4G (default half of the machine's)."),
+        ("--max-time", "TIME", "Refuse what takes longer, as 30min (default 1h)."),
+    ):
+        option = click.option(
+            name, metavar=metavar, help=said, callback=_limited, expose_value=False
+        )
+        command = option(command)
+    return command
+
+
 def called_by() -> str:
     """What the running command was called by, as in `longwave verify mutations`."""
     return click.get_current_context().command_path
@@ -58,14 +113,20 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     words = list(sys.argv[1:] if argv is None else argv)
     known = command.commands if isinstance(command, click.Group) else ()
     called = f"{program} {words[0]}" if words and words[0] in known else program
+    call_it(called)
+    return interruptible(called, lambda: _run(command, program, called, words), argv is None)
+
+
+def _run(command: click.Command, program: str, called: str, words: Sequence[str]) -> int:
     try:
         with command.make_context(program, [*words], help_option_names=["-h", "--help"]) as context:
+            context.meta[_WORDS] = words
             status = command.invoke(context)
         sys.stdout.flush()
     except click.exceptions.Exit as stop:
         return stop.exit_code
     except click.ClickException as error:
-        return _wrong(error, called)
+        return _wrong(error, called, words)
     except (click.Abort, KeyboardInterrupt):
         return interrupted(called)
     except BrokenPipeError:
@@ -74,6 +135,8 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     except OSError as error:
         _drop_output()
         return fail(error)
+    except MemoryError:
+        return fail("the request must fit the memory, got one that does not (make it smaller)")
     return int(status or 0)
 
 
@@ -82,9 +145,9 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _wrong(error: click.ClickException, called: str) -> int:
+def _wrong(error: click.ClickException, called: str, words: Sequence[str]) -> int:
     """Tell a wrong word or option in one line, with the command whose help explains it."""
-    line = " ".join(error.format_message().split()).removesuffix(".")
+    line = " ".join(_quoting_little(error.format_message(), words).split()).removesuffix(".")
     context = error.ctx if isinstance(error, click.UsageError) else None
     if not line.startswith("COMMAND"):
         line = f"{line[0].lower()}{line[1:]}" if line[1:2].islower() else line
@@ -95,21 +158,47 @@ def _wrong(error: click.ClickException, called: str) -> int:
 def fail(message: object) -> int:
     """Print ``error: message`` in one line on stderr; return the exit status 2.
 
-    An error of a file says which file, and what is wrong with it.
+    An error of a file says which file, and what is wrong with it. What the command line holds is
+    quoted in at most ``QUOTED`` characters. After Ctrl-C that is told instead: what it breaks off
+    may raise anything.
     """
+    if was_interrupted():
+        return interrupted()
     if isinstance(message, OSError) and message.strerror:
         message = f"{message.filename or 'output'}: {message.strerror}"
-    print(f"error: {one_line(message)}", file=sys.stderr)
+    context = click.get_current_context(silent=True)
+    words = context.meta.get(_WORDS, ()) if context is not None else ()
+    print(f"error: {one_line(_quoting_little(str(message), words))}", file=sys.stderr)
     return WRONG
 
 
+def _quoting_little(message: str, words: Iterable[str]) -> str:
+    """The message with long words of the command line cut, as they are or as Python writes them."""
+    if len(message) <= QUOTED:
+        return message
+    for part in {part for word in words for part in (word, word.partition("=")[2])}:
+        for text in (part, repr(part)[1:-1]):
+            if len(text) > QUOTED // 2:
+                message = message.replace(text, cut(text, QUOTED // 2))
+    return message
+
+
+def cut(text: str, most: int) -> str:
+    """The text, of at most so many characters: from a longer one the end is left out.
+
+    >>> cut("a long text", 8)
+    'a lon...'
+    """
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
 def one_line(message: object) -> str:
-    r"""The message in one line, what would steer the terminal written out.
+    r"""The message in one line of at most ``LONGEST``, what would steer the terminal written out.
 
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
     """
-    line = " ".join(str(message).split())
+    line = cut(" ".join(str(message).split()), LONGEST)
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
 
 
@@ -120,25 +209,3 @@ def announce(work: str, seconds: float) -> None:
     """
     if seconds >= LONG:
         print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)
-
-
-def duration(seconds: float) -> str:
-    """Seconds in the unit that reads best, to two digits.
-
-    >>> duration(44.4), duration(600), duration(20_000), duration(1e6)
-    ('44 s', '10 min', '5.6 h', '12 days')
-    """
-    for size, unit in ((86_400, "days"), (3600, "h"), (60, "min")):
-        if seconds >= 2 * size:
-            return f"{_two_digits(seconds / size)} {unit}"
-    return f"{_two_digits(seconds)} s"
-
-
-def _two_digits(number: float) -> str:
-    return f"{number:.2g}" if number < 99.5 else f"{number:.0f}"
-
-
-def interrupted(program: str, kept: str = "") -> int:
-    """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status 130."""
-    print(f"{program}: interrupted{f' ({kept})' if kept else ''}", file=sys.stderr)
-    return INTERRUPTED

@@ -2,8 +2,9 @@
 
 A plane wave ``y = ybar + delta exp(i (k n - omega t))`` turns a shift by j cells into
 ``exp(i j k)``; the force enters by its slope at ybar.  Opposite shifts carry equal weights, so
-``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's).  For
-the strain FPUT lattice: the paper's eqs. (5) and (6).
+``omega^2`` is a sum of ``sin^2(j k/2)``, each a polynomial in ``sin^2(k/2)`` (Chebyshev's), and of
+what the weights sum to, where forces tie the field to its place.  For the strain FPUT lattice: the
+paper's eqs. (5) and (6).
 """
 
 from __future__ import annotations
@@ -39,13 +40,14 @@ class Dispersion:
     def long_wave(self, order: int = 5) -> Expr:
         """The expansion of omega_plus in k up to, and without, ``k^order``.
 
-        Written as the sound speed times a series that begins with k; the paper's eq. (6).
+        Written as the sound speed times a series that begins with k, the paper's eq. (6); where
+        forces tie the lattice to its place, as its lowest frequency times one that begins with 1.
 
         >>> dispersion_relation().at(Integer(0)).long_wave()
         sqrt(K2)*(-k**3/24 + k)
         """
-        speed = self.omega_plus.diff(k).subs(k, 0)
-        return speed * expand(series(self.omega_plus / speed, k, 0, order).removeO())
+        unit = self.omega_plus.subs(k, 0) or self.omega_plus.diff(k).subs(k, 0)
+        return unit * expand(series(self.omega_plus / unit, k, 0, order).removeO())
 
     def at(self, strain: Expr) -> Dispersion:
         """The relation about the uniform strain ``strain``."""
@@ -63,6 +65,12 @@ class Dispersion:
 @lru_cache
 def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
     """The relation of a one-field lattice on a line, about the uniform strain ybar.
+
+    One whose field is tied to its place has no such strain: its relation is that about rest.
+
+    >>> from derive import LATTICES
+    >>> dispersion_relation(LATTICES["klein_gordon"]).omega_squared
+    4*K2*sin(k/2)**2 + g1
 
     Raises ValueError for several fields or axes, for a lattice with a constant called ybar, and if
     opposite shifts carry different weights (omega^2 is then not real).
@@ -87,10 +95,14 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
             )
         if shift > 0:
             squared += 4 * weights[shift] * _squared_sine(shift)
+    actual = {HALF_SINE: sin(k / 2)}
+    tied = -expand(sum(weights.values()))
+    if tied != 0:
+        at_rest = (expand(tied + squared) / lattice.masses[0]).subs({**actual, ybar: 0})
+        return Dispersion(at_rest, sqrt(at_rest))
     over_mass = squared / lattice.masses[0]
     stiffness = factor(expand(over_mass / HALF_SINE**2))
     root = sqrt(stiffness) * HALF_SINE
-    actual = {HALF_SINE: sin(k / 2)}
     return Dispersion((stiffness * HALF_SINE**2).subs(actual), root.subs(actual))
 
 

@@ -29,7 +29,6 @@ Two axes are ``u[n, m+1]``.  Formulas are read with a whitelist, never evaluated
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -40,6 +39,7 @@ from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import Vocabulary, read_formula
 from derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from derive.symbols import eps, x
+from derive.user_files import file_stem, read_toml, shown_path
 
 LARGEST = 100_000
 """Bytes of a file."""
@@ -67,22 +67,16 @@ _TERM = re.compile(
 
 
 def read_lattice(path: Path) -> Lattice:
-    """The lattice of a file.
+    """The lattice of a file, or of the standard input for ``-``.
 
     Raises ValueError, with the file and the place, for what is no lattice; OSError where the file
     cannot be read.
     """
-    content = path.read_bytes()
-    if len(content) > LARGEST:
-        raise ValueError(f"{path.name}: a lattice must have at most {LARGEST} bytes, got more")
+    document = read_toml(path, "lattice", LARGEST)
     try:
-        document = tomllib.loads(content.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"{path.name}: no TOML: {' '.join(str(error).split())}") from None
-    try:
-        return lattice_of(document, path.stem)
+        return lattice_of(document, file_stem(path))
     except ValueError as error:
-        raise ValueError(f"{path.name}: {error}") from None
+        raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
 
 def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:

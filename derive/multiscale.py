@@ -10,6 +10,10 @@ the steps are taken in Y = W_X, with the X-derivative of the equation.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from sympy import Symbol
+
 from derive.algebra.elimination import Elimination, TimeElimination, solve_linear, vanishing_factors
 from derive.algebra.exact_numbers import instance, integer
 from derive.algebra.jets import DifferentialPolynomial, Jet, raised
@@ -89,15 +93,27 @@ class _Solver:
             if len(monomial) == 1 and drifts:
                 crossed = DifferentialPolynomial(part.field, {monomial: value})
                 [found] = vanishing_factors([value]) or [value]
-                self._require(order, found, OrderEquation(order, crossed, self.notation))
+                crossing = OrderEquation(order, crossed, self.notation)
+                self._require(order, found, crossing, drifts)
                 return
 
-    def _require(self, order: int, vanishing: RationalFunction, equation: OrderEquation) -> None:
+    def _require(
+        self,
+        order: int,
+        vanishing: RationalFunction,
+        equation: OrderEquation,
+        drifts: Sequence[Symbol] = (),
+    ) -> None:
         self.conditions.append(Condition(order, vanishing.numerator().as_expr(), equation))
-        self._eliminate(order, vanishing)
+        self._eliminate(order, vanishing, drifts)
 
-    def _eliminate(self, order: int, vanishing: RationalFunction) -> None:
-        solved = solve_linear(vanishing, self.constants, self.frame)
+    def _eliminate(
+        self, order: int, vanishing: RationalFunction, drifts: Sequence[Symbol] = ()
+    ) -> None:
+        """Solve for one of the ``drifts``, which have no values of their own, or of the rest."""
+        solved = (drifts and solve_linear(vanishing, drifts)) or solve_linear(
+            vanishing, self.constants, self.frame
+        )
         if solved is None:
             raise self._refusal(
                 order,

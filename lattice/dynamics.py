@@ -42,6 +42,9 @@ class Dynamics(Protocol[Held]):
     def advance(self, scheme: Scheme, f: Array, v: Array, h: float, steps: int) -> None:
         """Advance positions and velocities in place by ``steps`` steps of length ``h``."""
 
+    def threads(self, scheme: Scheme, size: int) -> int:
+        """How many states may be advanced at once: 1 where `advance` holds the interpreter."""
+
     def ranges(self, state: Held) -> Array:
         """The ranges of one state."""
 
@@ -96,6 +99,11 @@ class StrainDynamics:
             pays = blocked.pays(f.size)
             kernel = blocked.advance_on_two_cores if pays else blocked.advance_blocked
         kernel(f, v, scheme.drifts * h, scheme.kicks * h, steps, *constants)
+
+    def threads(self, scheme: Scheme, size: int) -> int:
+        """The blocked kernel leaves the interpreter to others."""
+        is_blocked = isinstance(scheme, DriftKick) and blocked.fits(size, scheme.stages)
+        return 2 if is_blocked else 1
 
     def ranges(self, state: State) -> Array:
         """The smallest and the largest strain."""
@@ -166,6 +174,10 @@ class FieldDynamics:
             advance_plane(self.lattice, f, v, *weights, steps)
         else:
             reference.advance_splitting(self.lattice.acceleration, f, v, *weights, steps)
+
+    def threads(self, scheme: Scheme, size: int) -> int:
+        """The machine code leaves the interpreter to others, NumPy's many small calls do not."""
+        return 2 if isinstance(scheme, DriftKick) and self.lattice.dimension <= 2 else 1
 
     def ranges(self, state: FieldState) -> Array:
         """Those of each bond's stretch, then those of each field."""

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from lattice.dynamics import dynamics_of
 from lattice.field_state import FieldState
-from lattice.kernels import blocked
 from lattice.model import Held, Model, State
 from lattice.numeric_lattice import NumericLattice
 from lattice.refine import TooDearError, refine
@@ -260,7 +259,7 @@ class RingSearch(StepSearch, Generic[Held]):
         self.state: Held = state
         self.dynamics = dynamics_of(model)
         self.fragile = not self.dynamics.is_linear
-        self.threads = 2 if blocked.fits(state.size, scheme.stages) else 1
+        self.threads = self.dynamics.threads(scheme, state.size)
         self._times = times
         ranges = self.dynamics.ranges(state)
         self.first_frequency = self.dynamics.highest_frequency(ranges)

@@ -26,6 +26,7 @@ _NOUNS = {
     "verify.proof.text_prover": "prove",
     "verify.verdict": "Verdict",
     "longwave.plotting": "plot",
+    "longwave.animation": "animate",
     "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "
     "shipped_scenes",
 }

@@ -4,14 +4,20 @@ import os
 import sys
 from collections.abc import Sequence
 
-from click.shell_completion import shell_complete
-
-from derive.command_line import run_words
-from longwave.command_tree import COMPLETION, longwave
+from derive.interruption import interruptible
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status, as `run_words` does."""
+    return interruptible("longwave", lambda: _main(argv), argv is None)
+
+
+def _main(argv: Sequence[str] | None) -> int:
+    from click.shell_completion import shell_complete  # imported where Ctrl-C is told already
+
+    from derive.command_line import run_words
+    from longwave.command_tree import COMPLETION, longwave
+
     if COMPLETION in os.environ:
         return shell_complete(longwave, {}, "longwave", COMPLETION, os.environ[COMPLETION])
     words = list(sys.argv[1:] if argv is None else argv)

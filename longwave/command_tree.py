@@ -4,6 +4,7 @@ Nothing of the rooms is imported before a command runs, so help and completion a
 """
 
 import json
+from typing import Any
 
 import click
 from click.shell_completion import get_completion_class
@@ -88,6 +89,30 @@ def plot(source: str, output: str | None, kind: str) -> int:
     return draw(source, output, kind, called_by())
 
 
+@longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
+@click.argument("source", shell_complete=complete_scenes)
+@click.option(
+    "--output",
+    metavar="FILE",
+    type=click.Path(),
+    help="MP4 or GIF (default SOURCE.mp4; SOURCE.gif without ffmpeg).",
+)
+@click.option("--duration", type=float, default=6.0, show_default=True, help="Seconds.")
+@click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
+@click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
+@click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
+def animate(source: str, output: str | None, **options: Any) -> int:
+    """Make a film of a run, or of a scene.
+
+    SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
+    a scene's TOML file or the name of a shipped scene, which is run for as many as the film has.
+    Lattice and wave are shown in the frame that moves with the sound, with the time and the error.
+    """
+    from longwave.animation import draw_film
+
+    return draw_film(source, output, options, called_by())
+
+
 longwave.add_command(report)
 
 
@@ -109,6 +134,26 @@ def converge(
     from longwave.lattice_plotting import converge_and_draw
 
     return converge_and_draw(scene, eps, tolerance, output, json_wanted, called_by())
+
+
+@longwave.command(epilog=example("longwave explore --no-browser --port 5006"))
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="N",
+    help="Any free one if not given.",
+)
+@click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
+def explore(port: int, no_browser: bool) -> int:
+    """Choose wave, lattice and eps in the browser, and see lattice against wave.
+
+    The page is served to this machine alone, until Ctrl-C. It takes the extra `explore`:
+    pip install 'longwave[explore]'.
+    """
+    from longwave.explore_server import explore as serve
+
+    return serve(port, not no_browser, called_by())
 
 
 @longwave.command("list", epilog=example("longwave list waves --json"))

@@ -145,19 +145,19 @@ def _latex() -> Finding:
 
 
 def _extras() -> Iterator[Finding]:
-    """What only the work on longwave itself needs."""
-    for package, extra, lacks in (
-        ("pytest", "dev", "the tests cannot be run"),
-        ("sphinx", "docs", "the site cannot be built"),
+    """What extras bring: the page, and the work on longwave itself."""
+    for package, extra, lacks, other in (
+        ("pytest", "dev", "the tests cannot be run", ", or make test"),
+        ("sphinx", "docs", "the site cannot be built", ", or make docs"),
+        ("panel", "explore", "`longwave explore` has no page", ""),
     ):
         version = _installed(package)
         if version is not None:
             yield Finding(package, version)
         else:
-            cost = (
-                f"{lacks}: pip install 'longwave[{extra}]', or make {extra.replace('dev', 'test')}"
+            yield Finding(
+                package, "missing", "costs", f"{lacks}: pip install 'longwave[{extra}]'{other}"
             )
-            yield Finding(package, "missing", "costs", cost)
 
 
 def print_findings(findings: Iterable[Finding]) -> None:

@@ -1,5 +1,6 @@
 """Points of space and time as doubles: checked, broadcast, cut into chunks for the cache."""
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from decimal import Decimal
@@ -20,7 +21,8 @@ CHUNK = 4096
 
 
 @lru_cache(maxsize=1)
-def _executor() -> ThreadPoolExecutor:
+def _executor(_: int) -> ThreadPoolExecutor:
+    """Of one process: in a fork of it there are no threads."""
     return ThreadPoolExecutor(usable_cores(), thread_name_prefix="wave")
 
 
@@ -39,7 +41,7 @@ def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
     if len(slices) == 1:
         out = function(*(axis.copy() for axis in flat))
     else:
-        go = map if usable_cores() == 1 else _executor().map
+        go = map if usable_cores() == 1 else _executor(os.getpid()).map
         chunks = go(lambda s: function(*(axis[s].copy() for axis in flat)), slices)
         out = np.concatenate(list(chunks), axis=-1)
     return out.reshape(*out.shape[:-1], *points[0].shape)

@@ -64,7 +64,8 @@ def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> d
         progress(min(1.0, done / sum(weights)))
 
     with ProcessPoolExecutor(workers, context, _begin, (shares,)) as pool, stopping(pool):
-        found = {key: pool.submit(_do, i, jobs[key]) for i, key in enumerate(ordered)}
+        with starting_workers():
+            found = {key: pool.submit(_do, i, jobs[key]) for i, key in enumerate(ordered)}
         _watch(set(found.values()), report)
     progress(1.0)
     return {key: found[key].result() for key in jobs}
@@ -104,6 +105,22 @@ def ignore_interrupt() -> None:
 
 
 @contextmanager
+def starting_workers() -> Iterator[None]:
+    """Block Ctrl-C while processes are started, which inherit that: they end with their command.
+
+    Else one that is still importing would show where it was interrupted.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def stopping(pool: ProcessPoolExecutor) -> Iterator[None]:
     """On Ctrl-C in the body, drop the jobs and end the workers instead of waiting for them."""
     try:
@@ -112,7 +129,7 @@ def stopping(pool: ProcessPoolExecutor) -> Iterator[None]:
         workers = list((pool._processes or {}).values())
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:
-            worker.terminate()
+            worker.kill()
         raise
 
 

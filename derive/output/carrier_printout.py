@@ -38,6 +38,7 @@ def carrier_lines(lattice: Lattice, wanted: Wanted, values: Values) -> Iterator[
         ("--background", wanted.background),
         ("--amplitude", wanted.amplitude),
         ("--time", wanted.time),
+        ("--direction", wanted.direction),
     ):
         if given is not None:
             raise ValueError(f"{option} must be left out with --envelope, got {given!r}")

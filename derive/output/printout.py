@@ -11,6 +11,7 @@ from sympy import S
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
 from derive.balances import best_balance
 from derive.command_line import fail
+from derive.direction import DRIFT, read_direction, slow_variables
 from derive.dispersion import agrees_with_reduction, dispersion_relation
 from derive.lattice import Lattice
 from derive.lattice_file import read_lattice
@@ -20,7 +21,8 @@ from derive.multiscale import FURTHER_ORDERS, reduce
 from derive.normal_form import NORMAL_EQUATIONS
 from derive.output.notation import aligned, text_of
 from derive.reduction import Reduction
-from derive.scaling import Scaling
+from derive.scaling import Scaling, SlowVariable
+from derive.user_files import STANDARD_INPUT
 
 MOST_ORDERS = 13
 
@@ -38,6 +40,7 @@ class Wanted:
     carrier: str | None = None
     branch: str | None = None
     points: str | None = None
+    direction: str | None = None
     form: str = "text"
     check: bool = False
 
@@ -67,7 +70,7 @@ def _lattice(model: str | None) -> Lattice:
         return FPUT_STRAIN
     if model in LATTICES:
         return LATTICES[model]
-    if model.endswith(".toml"):
+    if model.endswith(".toml") or model == STANDARD_INPUT:
         return read_lattice(Path(model))
     raise ValueError(
         f"MODEL must be a lattice or a file of one, got {shown(model)} (one of "
@@ -79,7 +82,9 @@ def _lattice(model: str | None) -> Lattice:
 
 
 def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]) -> Iterator[str]:
-    reduction = _reduction(lattice, wanted)
+    space, along = _space(lattice, wanted, values)
+    values = {**values, **along}
+    reduction = _reduction(lattice, wanted, space)
     if wanted.check:
         from derive.checks import Check, checks_of_reduction
 
@@ -101,7 +106,20 @@ def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]
         yield from numbers
 
 
-def _reduction(lattice: Lattice, wanted: Wanted) -> Reduction:
+def _space(
+    lattice: Lattice, wanted: Wanted, values: Mapping[str, Number]
+) -> tuple[tuple[SlowVariable, ...], Mapping[str, Number]]:
+    """The slow variables of the direction that is asked for, and the values that it has."""
+    if wanted.direction is None:
+        return (), {}
+    space, along = slow_variables(lattice, read_direction(wanted.direction))
+    for name in (*along, *([str(DRIFT)] if along else [])):
+        if name in values:
+            raise ValueError(f"{name} must not be given, got {values[name]} (--direction gives it)")
+    return space, along
+
+
+def _reduction(lattice: Lattice, wanted: Wanted, space: tuple[SlowVariable, ...]) -> Reduction:
     """The reduction that is asked for, or else the first that balances the lattice."""
     orders = None if wanted.orders is None else count("--order", wanted.orders, MOST_ORDERS)
     mean = exact("background", wanted.background or 0)
@@ -111,12 +129,13 @@ def _reduction(lattice: Lattice, wanted: Wanted) -> Reduction:
     if mean and len(lattice.fields) == 1 and lattice.is_displacement:
         lattice, mean = lattice.strained(mean), S.Zero
     if asked == (None, None):
-        found = best_balance(lattice, mean, FURTHER_ORDERS if orders is None else 0)
+        found = best_balance(lattice, mean, FURTHER_ORDERS if orders is None else 0, space)
         if orders is None:
             return found
         usual = found.scaling
     else:
-        usual = best_balance(lattice, mean).scaling if lattice.dimension > 1 else Scaling()
+        is_line = lattice.dimension == 1
+        usual = Scaling() if is_line else best_balance(lattice, mean, space=space).scaling
     amplitude = count("--amplitude", wanted.amplitude or str(usual.amplitude), 8)
     time = count("--time", wanted.time or str(usual.time), 9)
     background = ((0, mean),) if mean else ()

@@ -350,7 +350,8 @@ def pays(size: int) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _other_core() -> ThreadPoolExecutor:
+def _other_core(_: int) -> ThreadPoolExecutor:
+    """Of one process: in a fork of it there are no threads."""
     return ThreadPoolExecutor(1, thread_name_prefix="arc")
 
 
@@ -374,7 +375,9 @@ def advance_on_two_cores(
     while done < steps:
         block = min(MEETING, steps - done)
         work = (joint, kicks, block, *constants)
-        waiting = _other_core().submit(_advance_arc, ring, other, middle, ring_y.size, work)
+        waiting = _other_core(os.getpid()).submit(
+            _advance_arc, ring, other, middle, ring_y.size, work
+        )
         _advance_arc(ring, other, 0, middle, work)
         waiting.result()
         ring, other = other, ring

@@ -79,7 +79,7 @@ def advance_plane(
         for arc in arcs:
             arc.repeat(arcs)
         parts = [np.ascontiguousarray(part[begun : begun + each]) for part in weights]
-        waiting = [_other_core().submit(arc.sweep, *parts) for arc in arcs[1:]]
+        waiting = [_other_core(os.getpid()).submit(arc.sweep, *parts) for arc in arcs[1:]]
         arcs[0].sweep(*parts)
         for one in waiting:
             one.result()
@@ -100,7 +100,8 @@ def _pays(size: int) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _other_core() -> ThreadPoolExecutor:
+def _other_core(_: int) -> ThreadPoolExecutor:
+    """Of one process: in a fork of it there are no threads."""
     return ThreadPoolExecutor(1, thread_name_prefix="rows")
 
 

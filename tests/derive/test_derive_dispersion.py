@@ -16,6 +16,7 @@ from derive import (
 )
 from derive.dispersion import agrees_with_reduction, long_wave_of_reduction
 from derive.symbols import K2, K3, K4, k, x, ybar
+from lattice.numeric_lattice import numeric_lattice
 
 FPUT = LATTICES["fput_strain"]
 STIFFNESS = K2 + 2 * K3 * ybar + 3 * K4 * ybar**2
@@ -81,6 +82,33 @@ def test_what_the_comparison_of_linear_waves_does_not_know_is_refused() -> None:
         agrees_with_reduction(FPUT, gardner)
     with pytest.raises(ValueError, match=r"no linear term but Y_XXX"):
         long_wave_of_reduction(gardner)
+
+
+ONE_FIELD = [name for name, it in LATTICES.items() if len(it.fields) == it.dimension == 1]
+
+
+@pytest.mark.parametrize("name", ONE_FIELD)
+def test_the_relation_is_that_of_the_lattice_with_numbers(name: str) -> None:
+    """On-site forces were left out once: a Klein-Gordon chain got the waves of a free one."""
+    lattice = LATTICES[name]
+    constants = {str(symbol): 1 + i / 8 for i, symbol in enumerate(lattice.constants)}
+    numeric = numeric_lattice(lattice, constants)
+    found = dispersion_relation(lattice)
+    for angle in (0.3, 1.7, 3.1):
+        [expected] = numeric.squared_frequencies([angle], numeric.rest_slopes())
+        at = {**constants, "k": angle, "ybar": 0}
+        exact = {symbol: at[str(symbol)] for symbol in found.omega_squared.free_symbols}
+        assert float(found.omega_squared.subs(exact)) == pytest.approx(expected, rel=1e-12)
+        assert float(found.omega_plus.subs(exact)) == pytest.approx(expected**0.5, rel=1e-12)
+
+
+def test_a_tied_chain_has_a_lowest_frequency() -> None:
+    """Its expansion begins with it; a mean displacement is no state in which it rests."""
+    g1 = Symbol("g1", positive=True)
+    found = dispersion_relation(LATTICES["klein_gordon"])
+    assert found.omega_squared.subs(k, 0) == g1
+    assert expand(found.long_wave(3) - sqrt(g1) * (1 + K2 * k**2 / (2 * g1))) == 0
+    assert ybar not in found.omega_squared.free_symbols
 
 
 def test_several_fields_and_axes_are_refused() -> None:

@@ -15,7 +15,7 @@ from lattice.field_state import FieldState, field_blow_up
 from lattice.force_program import ForceProgram
 from lattice.model import Array, Model, State
 from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
-from lattice.schemes import RK4
+from lattice.schemes import KAHAN_LI_8, RK4
 from tests.lattice.test_numeric_lattice import numbers
 from verify.studies.random_chains import EstimateVerdict, judge
 
@@ -44,6 +44,16 @@ def test_what_has_blown_up_has_no_frequency_and_no_bound() -> None:
     for broken in ((-np.inf, np.inf), (np.nan, np.nan), (-1.5e308, 1.5e308)):
         ranges = np.array([broken, (0.0, 1.0), (0.0, 1.0), broken])
         assert dynamics.highest_frequency(ranges) == np.inf == dynamics.largest(ranges)
+
+
+def test_runs_go_side_by_side_where_the_kernel_lets_them() -> None:
+    """Once every lattice was asked what fits the FPUT kernel alone: one of 24 cells went alone."""
+    fput, chain, plane = Model(1, 0, 1), numbers("dimer"), numbers("square")
+    sizes = (4096, 4100, 24)
+    assert [dynamics_of(fput).threads(KAHAN_LI_8, size) for size in sizes] == [2, 1, 1]
+    assert [dynamics_of(chain).threads(KAHAN_LI_8, size) for size in sizes] == [2, 2, 2]
+    assert dynamics_of(plane).threads(KAHAN_LI_8, 4100) == 2
+    assert {dynamics_of(lattice).threads(RK4, 4096) for lattice in (fput, chain, plane)} == {1}
 
 
 def state(lattice: NumericLattice, size: int = 24) -> FieldState:

@@ -34,6 +34,7 @@ WORDS = (
     "run",
     "sweep",
     "plot",
+    "animate",
     "report",
     "converge",
     "list",

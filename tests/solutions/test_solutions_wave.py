@@ -1,5 +1,7 @@
 """Double-precision evaluation against mpmath at 60 digits."""
 
+import subprocess
+import sys
 import warnings
 from fractions import Fraction
 from typing import Any
@@ -144,3 +146,17 @@ def test_a_wave_shows_itself_in_one_line_and_its_formula_in_notebooks(normal_for
     assert "\n" not in repr(wave)
     assert wave._repr_latex_() == wave.form._repr_latex_()
     assert r"\operatorname{cn}" in wave._repr_latex_()
+
+
+def test_a_fork_evaluates_after_its_parent_has() -> None:
+    """The threads of the parent are not in the fork: to wait for them was to wait for ever."""
+    script = (
+        "import os, signal, numpy as np;"
+        "from solutions.points import evaluate_points as all_of;"
+        "x = np.zeros(9000); all_of(lambda x: x[None], x);"
+        "child = os.fork();"
+        "child or (signal.alarm(20), all_of(lambda x: x[None], x), os._exit(0));"
+        "raise SystemExit(os.waitpid(child, 0)[1])"
+    )
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", script], check=False)
+    assert done.returncode == 0

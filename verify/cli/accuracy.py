@@ -12,9 +12,10 @@ from multiprocessing import get_context
 
 from rich.table import Table
 
+from derive.algebra.exact_numbers import shown
 from derive.command_line import announce, fail, interrupted
 from verify.cli.console import finished, table_console
-from verify.processes import ignore_interrupt, stopping
+from verify.processes import ignore_interrupt, starting_workers, stopping
 from verify.studies.evaluation_accuracy import (
     DRAWN,
     PROMISED_ERROR,
@@ -27,6 +28,9 @@ from verify.studies.evaluation_accuracy import (
 
 CASE_SECONDS = 0.3
 """About the time that one case takes in a process."""
+
+MOST_JOBS, MOST_DRAWN = 1000, 100_000
+"""Beyond them a request is a slip of the pen."""
 
 
 def print_accuracy(
@@ -42,10 +46,13 @@ def print_accuracy(
     if unknown:
         names = ", ".join(wave_names())
         return fail(f"--only must be a wave, got {unknown[0]} (one of {names})")
-    if jobs < 1:
-        return fail(f"--jobs must satisfy --jobs >= 1, got {jobs} (2 is usual)")
-    if drawn < 0:
-        return fail(f"--drawn must satisfy --drawn >= 0, got {drawn} ({DRAWN} is usual)")
+    if not 1 <= jobs <= MOST_JOBS:
+        return fail(
+            f"--jobs must satisfy 1 <= --jobs <= {MOST_JOBS}, got {shown(jobs)} (2 is usual)"
+        )
+    if not 0 <= drawn <= MOST_DRAWN:
+        got = f"{shown(drawn)} ({DRAWN} is usual)"
+        return fail(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
     chosen = only or wave_names()
     cases = sum(len(list(all_cases(name, drawn))) for name in chosen)
     announce(f"{len(chosen)} waves to be measured", CASE_SECONDS * cases / jobs)
@@ -63,10 +70,11 @@ def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
     context = get_context("spawn")
     with ProcessPoolExecutor(jobs, context, ignore_interrupt) as pool, stopping(pool):
-        pending = [
-            (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
-            for name in names
-        ]
+        with starting_workers():
+            pending = [
+                (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
+                for name in names
+            ]
         for name, cases in pending:
             print(f"measuring {name}", file=sys.stderr)
             yield worst_of(case.result() for case in cases)

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from derive.command_line import fail, one_line
+from derive.user_files import QUOTED, read_text, shown_path
 from verify.cli.exporting import write_scripts
 from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
@@ -50,10 +51,11 @@ def print_certificates(
         if scripts is not None and error.filename == str(scripts[0]):
             return fail(error)
         return fail(
-            f"FILE must be readable, got {path}: {error.strerror} (one that --certificate wrote)"
+            f"FILE must be readable, got {shown_path(path)}: {error.strerror} "
+            "(one that --certificate wrote)"
         )
     except CertificateError as error:
-        print(f"{one_line(path)}: rejected: {error}", file=sys.stderr)
+        print(f"{shown_path(path)}: rejected: {error}", file=sys.stderr)
         status = 1
     if json_wanted:
         print(json.dumps(accepted, indent=2))
@@ -66,16 +68,14 @@ def read_certificates(path: Path) -> list[Any]:
     Raises CertificateError if the file is too long, its text no JSON or without a certificate,
     OSError as opening does.
     """
-    with path.open("rb") as file:
-        content = file.read(FILE_BYTES + 1)
-    if len(content) > FILE_BYTES:
-        raise CertificateError(f"the file has more than {FILE_BYTES} bytes")
     try:
-        data = json.loads(
-            content.decode("utf-8"), parse_constant=_refused, object_pairs_hook=_distinct
-        )
+        text = read_text(path, "the file", FILE_BYTES)
+    except ValueError as error:
+        raise CertificateError(str(error)) from None
+    try:
+        data = json.loads(text, parse_constant=_refused, object_pairs_hook=_distinct)
     except (ValueError, RecursionError) as error:
-        why = ascii(str(error))[1:-1][:80]
+        why = one_line(error)[:QUOTED]
         raise CertificateError(f"the file is no JSON text ({why})") from error
     certificates = data if isinstance(data, list) else [data]
     if not 0 < len(certificates) <= CERTIFICATES:
@@ -132,9 +132,14 @@ def limited(work: Callable[[], str]) -> str:
         os.close(reading)
         _work_and_exit(work, writing)
     os.close(writing)
-    with os.fdopen(reading, encoding="utf-8") as pipe:
-        text = pipe.read()
-    _, status = os.waitpid(child, 0)
+    try:
+        with os.fdopen(reading, encoding="utf-8") as pipe:
+            text = pipe.read()
+    except KeyboardInterrupt:
+        os.kill(child, signal.SIGKILL)
+        raise
+    finally:
+        _, status = os.waitpid(child, 0)
     if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
         return text
     raise CertificateError(text or f"it took more than {SECONDS} s or {BYTES // 10**6} MB")

@@ -80,7 +80,7 @@ def prove(names: tuple[str, ...], **options: Any) -> int:
     """
     if options["system"] and not options["output"]:
         raise click.UsageError("--export must be given with --output FILE, got no file")
-    files = [name for name in names if name.endswith(".toml")]
+    files = [name for name in names if name.endswith(".toml") or name == "-"]
     if options["equations"] or options["solutions"] or options["library"] or files:
         return _prove_statements(names, files, options)
     for option in STATEMENT_OPTIONS:

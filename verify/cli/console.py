@@ -29,8 +29,9 @@ def table_console() -> Console:
 def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     """``items`` as they come, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
-    off = not console.is_terminal
-    yield from track(items, words, count, console=console, transient=True, disable=off)
+    if console.is_terminal:
+        items = track(items, words, count, console=console, transient=True)
+    yield from items
 
 
 def finished(items: Iterable[T]) -> tuple[list[T], bool]:
@@ -88,9 +89,11 @@ def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell,
 
     Yields what the share done is told to, and what the seconds of long ``work`` are told to.
     """
+    if not console.is_terminal:
+        yield lambda _: None, lambda seconds: announce(work, seconds)
+        return
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
 
         def tell(seconds: float) -> None:

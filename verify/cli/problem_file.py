@@ -20,8 +20,6 @@ expect = "REFUTED"
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,16 +27,11 @@ from typing import Any
 
 from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import FormulaError
+from derive.user_files import file_stem, read_toml, shown_path
 from verify.proof.statement_text import Statement, read_statement
 from verify.verdict import Outcome
 
 FILE_BYTES, PROBLEMS = 5_000_000, 10_000
-
-DEEP_KEY = re.compile(
-    rb"""(?:^|[\[{,])[ \t]*(?:(?:[\w-]{1,99}|"[^"\n]{0,99}"|'[^'\n]{0,99}')[ \t]*\.[ \t]*){20}""",
-    re.MULTILINE,
-)
-"""A key that tomllib takes time and memory for with the square of its dots: 1.2 GB for 50 000."""
 
 NAME_LENGTH = 100
 
@@ -113,28 +106,21 @@ def read_problems(path: Path) -> list[StatedProblem]:
 def problem_texts(path: Path) -> list[ProblemText]:
     """The problems of a TOML file, in order, with their formulas not yet read.
 
-    Raises ValueError with the problem's number, and OSError as opening does.
+    ``-`` is the standard input. Raises ValueError with the problem's number, and OSError as opening
+    does.
     """
-    with path.open("rb") as file:
-        content = file.read(FILE_BYTES + 1)
-    if len(content) > FILE_BYTES:
-        raise ValueError(f"{path} must have at most {FILE_BYTES} bytes, got more (split it)")
-    if DEEP_KEY.search(content):
-        raise ValueError(f"{path} must have plain keys, got one with dots upon dots")
-    try:
-        data = tomllib.loads(content.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} must be a TOML file, got another text ({error})") from None
+    name, stem = shown_path(path), file_stem(path)
+    data = read_toml(path, "problem file", FILE_BYTES)
     tables = data.get("problem")
     if set(data) != {"problem"} or not isinstance(tables, list) or not tables:
         got = ", ".join(map(shown, data)) or "nothing"
-        raise ValueError(f"{path} must hold [[problem]] tables and nothing else, got {got}")
+        raise ValueError(f"{name} must hold [[problem]] tables and nothing else, got {got}")
     if len(tables) > PROBLEMS:
-        raise ValueError(f"{path} must have at most {PROBLEMS} problems, got {len(tables)}")
+        raise ValueError(f"{name} must have at most {PROBLEMS} problems, got {len(tables)}")
     found: list[ProblemText] = []
     for number, table in enumerate(tables, 1):
         earlier = {text.name: text for text in found}
-        found.append(_problem(f"{path}, problem {number}", f"{path.stem} {number}", table, earlier))
+        found.append(_problem(f"{name}, problem {number}", f"{stem} {number}", table, earlier))
     return found
 
 

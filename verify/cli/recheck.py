@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -21,7 +22,15 @@ from verify.cli.published import chosen
 from verify.cli.statements import decided
 from verify.proof import CertificateError
 from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.proof.export.systems import ACCEPTED, NO_ANSWER, REJECTED, SYSTEMS, answer, exported
+from verify.proof.export.systems import (
+    ACCEPTED,
+    NO_ANSWER,
+    REJECTED,
+    SYSTEMS,
+    answer,
+    exported,
+    stop_answers,
+)
 from verify.verdict import Outcome
 
 LIMIT = 120.0
@@ -111,17 +120,25 @@ def proofs_of(names: Sequence[str] = ()) -> Proofs:
 
 def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
     """What each system says of each statement, on all cores, in the order of the proofs."""
+    stopped = threading.Event()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         try:
-            jobs = [pool.submit(_recheck, name, parts, limit) for name, parts in proofs]
+            jobs = [pool.submit(_recheck, name, parts, limit, stopped) for name, parts in proofs]
             for job in jobs:
                 yield job.result()
         finally:
+            stopped.set()
+            stop_answers()
             pool.shutdown(cancel_futures=True)
 
 
-def _recheck(name: str, certificates: Sequence[Mapping[str, Any]], limit: float) -> Rechecked:
-    found = {system: _answers(certificates, system, limit) for system in SYSTEMS}
+def _recheck(
+    name: str, certificates: Sequence[Mapping[str, Any]], limit: float, stopped: threading.Event
+) -> Rechecked:
+    found = {
+        system: [(NO_ANSWER, 0.0)] if stopped.is_set() else _answers(certificates, system, limit)
+        for system in SYSTEMS
+    }
     worst = {system: worst_of([word for word, _ in said]) for system, said in found.items()}
     return Rechecked(name, worst, sum(taken for said in found.values() for _, taken in said))
 

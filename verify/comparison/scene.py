@@ -12,6 +12,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from derive.user_files import STANDARD_INPUT, file_stem, shown_path
 from lattice.model import Model
 from lattice.schemes import Scheme, scheme_named
 from verify.comparison import scene_fields as check
@@ -146,15 +147,15 @@ class Scene:
     @classmethod
     def from_toml(cls, path: str | Path) -> "Scene":
         """Read a scene file (`scene_fields.py` says what may stand in it)."""
-        return cls.of_document(read_document(Path(path)), Path(path))
+        return cls.of_document(read_document(path), Path(path))
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], path: Path) -> "Scene":
         """The scene that the tables of a file at ``path`` describe."""
         try:
-            return cls.of(**{"name": path.stem} | scene_fields(document))
+            return cls.of(**{"name": file_stem(path)} | scene_fields(document))
         except ValueError as error:
-            raise ValueError(f"{path.name}: {error}") from None
+            raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
     @classmethod
     def from_json(cls, text: str) -> "Scene":
@@ -373,7 +374,9 @@ def load_scene(name: str) -> Scene:
             with as_file(folder / f"{name}.toml") as path:
                 return Scene.from_toml(path)
     known = ", ".join((*shipped_scenes(), *further_scenes()))
-    raise ValueError(f"scene must be a TOML file or a shipped scene, got {name!r} (one of {known})")
+    raise ValueError(
+        f"scene must be a TOML file or a shipped scene, got {check.shown(name)} (one of {known})"
+    )
 
 
 def _names(folder: Traversable) -> tuple[str, ...]:
@@ -433,7 +436,7 @@ def find_scene(text: str) -> Scene:
 
     Raises ValueError for a file that cannot be read and a name that is none.
     """
-    if text.endswith(".toml") or Path(text).is_file():
+    if text == STANDARD_INPUT or text.endswith(".toml") or Path(text).is_file():
         return Scene.from_toml(text)
     family = rational_family_scenes()
     return family[text] if text in family else load_scene(text)

@@ -13,11 +13,12 @@ A scene with a tolerance states no step, kind and sites; one without a name has 
 """
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
+
+from derive.user_files import parse_toml, read_toml, shown_path
 
 MOST_STEPS = 1e10
 
@@ -111,7 +112,9 @@ def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
     """Refuse keywords that a scene does not have."""
     for key in given:
         if key not in known:
-            raise ValueError(f"keywords must be known ones, got {key} (one of {', '.join(known)})")
+            raise ValueError(
+                f"keywords must be known ones, got {plain(key)} (one of {', '.join(known)})"
+            )
 
 
 def closed_form(value: object) -> None:
@@ -145,7 +148,7 @@ def times(values: object, t0: float) -> tuple[float, ...]:
             f"snapshots must satisfy t >= t0 = {t0:g}, got {min(checked):g} (start earlier)"
         )
     if list(checked) != sorted(set(checked)):
-        raise ValueError(f"snapshots must increase, got {list(checked)} (sort them)")
+        raise ValueError(f"snapshots must increase, got {shown(list(checked))} (sort them)")
     return checked
 
 
@@ -198,7 +201,16 @@ def shown(value: object) -> str:
     """
     if isinstance(value, int) and value.bit_length() > 100:
         return f"an integer of {value.bit_length()} bits"
-    found = repr(value)
+    try:
+        found = repr(value)
+    except RecursionError:
+        return f"a {type(value).__name__} that is nested too deep"
+    return found if len(found) <= 60 else f"{found[:57]}..."
+
+
+def plain(key: object) -> str:
+    """A key as it is put into a message: short, without quotes."""
+    found = str(key)
     return found if len(found) <= 60 else f"{found[:57]}..."
 
 
@@ -233,27 +245,23 @@ LARGEST_FILE = 100_000
 """Bytes of a scene's file."""
 
 
-def read_document(path: Path) -> Mapping[str, Any]:
-    """The tables of a TOML file; ValueError, in one line, for what is none."""
+def read_document(path: str | Path) -> Mapping[str, Any]:
+    """The tables of a TOML file, or of the standard input for ``-``.
+
+    Raises ValueError, in one line, for what is none.
+    """
     try:
-        content = path.read_bytes()
+        return read_toml(path, "scene", LARGEST_FILE)
     except OSError as error:
         raise ValueError(
-            f"scene must be a file that can be read, got {path}: {error.strerror} "
+            f"scene must be a file that can be read, got {shown_path(path)}: {error.strerror} "
             "(or the name of a shipped scene)"
         ) from None
-    if len(content) > LARGEST_FILE:
-        raise ValueError(f"scene must have at most {LARGEST_FILE} bytes, got {path} with more")
-    return parse_document(content, str(path))
 
 
 def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
     """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
-    try:
-        return tomllib.loads(content.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"scene must be a TOML file, got {source}: {reason} (mend it)") from None
+    return parse_toml(content, source, "scene")
 
 
 def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -315,5 +323,5 @@ def refuse_unknown(entries: Mapping[str, Any], known: tuple[str, ...], where: st
     for key in entries:
         if key not in known:
             raise ValueError(
-                f"keys{where} must be known ones, got {key} (one of {', '.join(known)})"
+                f"keys{where} must be known ones, got {plain(key)} (one of {', '.join(known)})"
             )

@@ -14,6 +14,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from derive.user_files import STANDARD_INPUT, file_stem, shown_path
 from verify.comparison import scene_fields as check
 from verify.comparison.scene import (
     Scene,
@@ -105,9 +106,9 @@ class LatticeScene:
     def of_document(cls, document: Mapping[str, Any], path: Path) -> LatticeScene:
         """The scene that the tables of a file at ``path`` describe."""
         try:
-            return cls.of(**{"name": path.stem} | lattice_scene_fields(document, path.parent))
+            return cls.of(**{"name": file_stem(path)} | lattice_scene_fields(document, path.parent))
         except ValueError as error:
-            raise ValueError(f"{path.name}: {error}") from None
+            raise ValueError(f"{shown_path(path.name)}: {error}") from None
 
     @classmethod
     def from_json(cls, text: str) -> LatticeScene:
@@ -305,11 +306,13 @@ def load_lattice_scene(name: str) -> LatticeScene:
 def find_any_scene(text: str) -> Scene | LatticeScene:
     """The scene in a TOML file, of either kind, or the shipped one of that name.
 
+    ``-`` is the standard input, a file of a lattice being looked for in the working folder.
+
     Raises ValueError for a file that cannot be read and a name that is none.
     """
     path = Path(text)
-    if text.endswith(".toml") or path.is_file():
-        return _scene_of_document(read_document(path), path)
+    if text == STANDARD_INPUT or text.endswith(".toml") or path.is_file():
+        return _scene_of_document(read_document(text), path)
     if text in shipped_lattice_scenes():
         return load_lattice_scene(text)
     names = (*shipped_scenes(), *further_scenes())

@@ -183,7 +183,7 @@ def test_a_long_file_is_not_read(tmp_path: Path, capsys: Output) -> None:
     with path.open("wb") as file:
         file.truncate(2**32)
     assert main(["check-certificate", str(path)]) == 1
-    assert "more than 8000000 bytes" in capsys.readouterr().err
+    assert "at most 8000000 bytes" in capsys.readouterr().err
 
 
 def test_work_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -74,6 +74,16 @@ def exported(certificate: Mapping[str, Any], system: str) -> str:
     return SYSTEMS[system].write(written_out(certificate))
 
 
+_running: set[subprocess.Popen[bytes]] = set()
+
+
+def stop_answers() -> None:
+    """End the systems that are at work, in whatever thread they are waited for: no answer."""
+    for process in tuple(_running):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
 def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
     """What a system says of a script within a limit, and the seconds that it took.
 
@@ -92,11 +102,13 @@ def answer(text: str, system: str, seconds: float) -> tuple[str, float]:
             stderr=subprocess.STDOUT,
             start_new_session=True,
         ) as process:
+            _running.add(process)
             try:
                 output, _ = process.communicate(timeout=seconds)
             except subprocess.TimeoutExpired:
                 return NO_ANSWER, seconds
             finally:
+                _running.discard(process)
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(process.pid, signal.SIGKILL)
         taken = time.monotonic() - begun

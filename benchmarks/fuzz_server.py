@@ -1,0 +1,390 @@
+"""Inputs run in warm processes: everything is imported once, and each input has a fork of its own.
+
+What is watched: the processor time of the fork and of what it starts, its memory beyond the start,
+files opened for writing, what is printed, and the exit status.  Times are the processor's, so that
+other work on the machine makes no fault; what waits for nothing is told by its standing still.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import multiprocessing.util
+import os
+import re
+import resource
+import select
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from benchmarks.fuzz_inputs import FuzzCase
+
+SECONDS, MEGABYTES = 5.0, 1000.0
+"""What an input may take: of the processor unless it is announced, of memory beyond the start."""
+
+AFTER_ANNOUNCEMENT = 0.5
+"""Seconds of the processor until an announced input is stopped by Ctrl-C."""
+
+END_SECONDS = 2.0
+"""Seconds of the processor until a command ends after Ctrl-C."""
+
+STILL = 5.0
+"""Seconds of the clock without any of the processor after which an input hangs."""
+
+PATIENCE = 120.0
+"""Seconds of the clock after which an input is given up whatever it does."""
+
+LONGEST_LINE = 700
+"""Characters of an error; the longest good one lists all shipped scenes."""
+
+ANNOUNCED = re.compile(rb"\(Ctrl-C stops it\)")
+FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "pty.spawn", "ftplib.connect")
+"""Events of what no input may bring about."""
+
+WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+STARTED_HERE = ("report", "recheck", "doctor", "animate", "explore")
+"""Commands that start programs of others: LaTeX, PARI/GP, ffmpeg."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an input ended; ``status`` is negative for a signal, None for what had to be killed."""
+
+    status: int | None
+    out: str
+    errors: str
+    seconds: float
+    megabytes: float
+    announced: bool
+    stopped: bool
+    faults: tuple[str, ...]
+
+    @property
+    def kinds(self) -> set[str]:
+        """The first words of the faults."""
+        return {fault.partition(":")[0] for fault in self.faults}
+
+
+def warm_up() -> None:
+    """Import what commands import, so that a fork begins with it."""
+    caches = str(Path(tempfile.gettempdir()) / "longwave-fuzz-caches")
+    os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    os.environ |= {"NUMBA_CACHE_DIR": caches, "MPLCONFIGDIR": caches}
+    from longwave.__main__ import main
+
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        from benchmarks.fuzz_inputs import LATTICES, NAMED
+
+        for name, text in {**NAMED, "lattice.toml": LATTICES[0]}.items():
+            Path(name).write_text(text, encoding="utf-8")
+        for line in (
+            *("list", "derive lattice.toml", "derive mass_dimer --envelope k=pi", "derive toda"),
+            *("run small.toml", "run toda_soliton --output run.nc", "run rogue_cn_k_0.5"),
+            *("prove kink --output c.json", "verify check-certificate c.json"),
+            *("prove problems.toml --limit 5", "plot small.toml --output picture.png"),
+            *("verify --only kink --method residual", "list waves", "doctor"),
+        ):
+            words = io.StringIO()
+            with contextlib.redirect_stdout(words), contextlib.redirect_stderr(words):
+                main(line.split())
+
+
+class FuzzServer:
+    """Runs inputs in a folder of its own; use it in a ``with`` after `warm_up`.
+
+    ``command`` takes the words and returns the exit status: that of longwave, unless it is given.
+    """
+
+    def __init__(self, command: Callable[[list[str]], int] | None = None) -> None:
+        self.command = command
+
+    def __enter__(self) -> FuzzServer:
+        self.folder = Path(tempfile.mkdtemp(prefix="longwave-fuzz-"))
+        self.anonymous = _kilobytes(os.getpid())
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def ending(self, case: FuzzCase) -> Ending:
+        """Run an input and say how it ended."""
+        place = self.folder / "case"
+        shutil.rmtree(place, ignore_errors=True)
+        work = place / "work"
+        work.mkdir(parents=True)
+        for name, content in case.files.items():
+            (work / name).write_bytes(content)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # threads here; the fork has one
+            child = os.fork()
+        if child == 0:
+            _run_and_exit(self.command or _longwave, case, place)
+        watched = _watch(child, place / "err", self.anonymous)
+        out, errors = (_text(place / name) for name in ("out", "err"))
+        faults = [*watched.faults, *_said(watched, out, errors), *_files(case, place)]
+        return Ending(
+            watched.status, out, errors, watched.seconds, watched.megabytes, watched.announced,
+            watched.stopped, tuple(dict.fromkeys(faults)),
+        )  # fmt: skip
+
+
+# --- in the fork ----------------------------------------------------------------------------------
+
+
+def _run_and_exit(command: Callable[[list[str]], int], case: FuzzCase, place: Path) -> NoReturn:
+    """The command in its own session and folder; ends this process."""
+    status = 1
+    try:
+        os.setsid()
+        os.chdir(place / "work")
+        for number, name in ((1, "out"), (2, "err")):
+            os.dup2(os.open(place / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        sys.stdin, sys.stdout, sys.stderr = (
+            open(number, mode, encoding="utf-8", closefd=False, errors="backslashreplace")  # noqa: SIM115
+            for number, mode in ((0, "r"), (1, "w"), (2, "w"))
+        )
+        sys.argv = ["longwave", *case.words]
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2 * 10**9, 2 * 10**9))
+        sys.addaudithook(_Watcher(case, place))
+        status = command(list(case.words))
+        sys.stdout.flush()
+        multiprocessing.util._exit_function()  # type: ignore[attr-defined]
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(BaseException):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status & 255)
+
+
+def _longwave(words: list[str]) -> int:
+    from longwave.__main__ import main
+
+    try:
+        return main(words)
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+
+
+class _Watcher:
+    """Notes files that are written outside the folder, and programs that are started."""
+
+    def __init__(self, case: FuzzCase, place: Path) -> None:
+        self.report = os.open(place / "watched", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        self.process = os.getpid()
+        named = {os.path.realpath(word) for word in case.words if 0 < len(word) < 200}
+        parents = {os.path.dirname(path) for path in named if not os.path.isdir(path)}
+        self.place = os.path.realpath(place.parent)
+        self.allowed = (str(place / "work"), *named, *parents)
+        self.elsewhere = (os.path.realpath(tempfile.gettempdir()), "/dev/null", "/dev/shm")
+        self.may_start = bool(set(case.words) & set(STARTED_HERE))
+
+    def __call__(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if event in FORBIDDEN or (event == "subprocess.Popen" and not self.may_start):
+            self.note(f"started a program: {event} {str(arguments)[:100]}")
+        path = _written(event, arguments)
+        if path is not None and not self._is_allowed(path):
+            self.note(f"wrote elsewhere: {event} {path}")
+
+    def _is_allowed(self, path: str) -> bool:
+        full = os.path.realpath(path)
+        allowed = self.allowed if _within(full, self.place) else self.allowed + self.elsewhere
+        return any(_within(full, one) for one in allowed)
+
+    def note(self, line: str) -> None:
+        """Keep a line for the parent."""
+        os.write(self.report, line.encode("utf-8", "backslashreplace") + b"\n")
+
+
+def _within(path: str, folder: str) -> bool:
+    return path == folder or path.startswith(folder.rstrip("/") + "/")
+
+
+def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
+    """The path that an event changes, if it is one of those."""
+    if event == "open":
+        path, _, flags = arguments
+        writes = isinstance(flags, int) and flags & WRITES
+        if not isinstance(path, str | bytes | os.PathLike) or not writes:
+            return None
+        return os.fsdecode(path)
+    if event in ("os.mkdir", "os.remove", "os.rmdir", "os.truncate", "shutil.rmtree"):
+        return os.fsdecode(arguments[0]) if not isinstance(arguments[0], int) else None
+    if event in ("os.rename", "os.link", "os.symlink"):
+        return os.fsdecode(arguments[1])
+    return None
+
+
+# --- in the parent --------------------------------------------------------------------------------
+
+
+@dataclass
+class _Watched:
+    status: int | None = None
+    seconds: float = 0.0
+    megabytes: float = 0.0
+    announced: bool = False
+    stopped: bool = False
+    faults: tuple[str, ...] = ()
+
+
+def _watch(child: int, errors: Path, start: float) -> _Watched:
+    """Look at a fork until it ends or has to be killed."""
+    found = _Watched()
+    begun = moved = time.monotonic()
+    stopped_at = announced_at = 0.0
+    handle = os.pidfd_open(child)
+    poller = select.poll()
+    poller.register(handle, select.POLLIN)
+    try:
+        while not poller.poll(25):
+            now, used = time.monotonic(), _seconds(child)
+            if used > found.seconds or _runs(child):
+                found.seconds, moved = used, now
+            found.megabytes = max(found.megabytes, _megabytes(child, start))
+            if not found.announced and _announced(errors):
+                found.announced, announced_at = True, used
+            fault = _excess(found, now - begun, now - moved, used - stopped_at)
+            if fault:
+                found.faults = (fault,)
+                return found
+            if found.announced and not found.stopped and used > announced_at + AFTER_ANNOUNCEMENT:
+                found.stopped, stopped_at = True, used
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(child, signal.SIGINT)
+    finally:
+        found.announced = found.announced or _announced(errors)
+        os.close(handle)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child, signal.SIGKILL)
+        _, status, usage = os.wait4(child, 0)
+    found.status = os.waitstatus_to_exitcode(status)
+    found.seconds = usage.ru_utime + usage.ru_stime
+    if found.seconds > SECONDS and not found.announced:
+        found.faults = (f"slow: {found.seconds:.1f} s of the processor",)
+    return found
+
+
+def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> str:
+    """What is too much, in words."""
+    if found.megabytes > MEGABYTES:
+        return f"memory: more than {MEGABYTES:g} MB"
+    if found.stopped and since_stop > END_SECONDS:
+        return f"Ctrl-C: no end {END_SECONDS:g} s after it"
+    if found.seconds > SECONDS and not found.announced:
+        return f"slow: more than {SECONDS:g} s of the processor"
+    if still > STILL or passed > PATIENCE:
+        return f"hangs: {passed:.0f} s of the clock, {found.seconds:.1f} s of the processor"
+    return ""
+
+
+def _tree(process: int) -> Iterator[int]:
+    yield process
+    with contextlib.suppress(OSError):
+        for task in os.listdir(f"/proc/{process}/task"):
+            text = Path(f"/proc/{process}/task/{task}/children").read_text(encoding="ascii")
+            for child in text.split():
+                yield from _tree(int(child))
+
+
+def _seconds(process: int) -> float:
+    """Processor time of a process and of all that it has started."""
+    ticks = 0
+    for one in _tree(process):
+        with contextlib.suppress(OSError, IndexError):
+            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            ticks += sum(map(int, told.rpartition(")")[2].split()[11:15]))
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _runs(process: int) -> bool:
+    """Whether a process, or one that it has started, waits for nothing but the processor."""
+    for one in _tree(process):
+        with contextlib.suppress(OSError, IndexError):
+            told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
+            if told.rpartition(")")[2].split()[0] in "RD":
+                return True
+    return False
+
+
+def _megabytes(process: int, start: float) -> float:
+    """Memory beyond the start; of a process that was not forked from here, some is overlooked."""
+    return sum(max(0.0, _kilobytes(one) - start) for one in _tree(process)) / 1000
+
+
+def _kilobytes(process: int) -> float:
+    with contextlib.suppress(OSError):
+        text = Path(f"/proc/{process}/status").read_text(encoding="utf-8", errors="replace")
+        return float(sum(map(int, re.findall(r"Rss(?:Anon|Shmem):\s*(\d+)", text))))
+    return 0.0
+
+
+def _announced(errors: Path) -> bool:
+    with contextlib.suppress(OSError):
+        return bool(ANNOUNCED.search(errors.read_bytes()[:100_000]))
+    return False
+
+
+def _text(path: Path) -> str:
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        return file.read(3_000_000).decode("utf-8", "backslashreplace")
+    return ""
+
+
+def _said(watched: _Watched, out: str, errors: str) -> Iterator[str]:
+    """Faults of status and words."""
+    status = watched.status
+    if status is not None and status < 0:
+        yield f"died: signal {-status}"
+    elif status is not None and status not in (0, 1, 2) and not (status == 130 and watched.stopped):
+        yield f"status: {status}"
+    if "Traceback (most recent call last)" in errors + out:
+        yield f"traceback: {errors.strip().splitlines()[-1][:200]}"
+        return
+    if "Warning" in errors:
+        yield f"warning: {errors[errors.index('Warning') - 30 :][:100]!r}"
+    lines = errors.splitlines()
+    pictures = watched.status == 2  # the part of a formula that is meant, below the error
+    told = [line for line in lines if "(Ctrl-C stops it)" not in line]
+    told = [line for line in told if not (pictures and line.startswith("    "))]
+    if status == 2 and not (len(told) == 1 and told[0].startswith("error: ")):
+        yield f"lines: {len(told)} for status 2: {told[:2]}"
+    if status == 130 and not (told and told[-1].count("interrupted")):
+        yield f"lines: no word of the interruption: {told[-2:]}"
+    if any(len(line) > LONGEST_LINE for line in lines):
+        yield f"long: a line of {max(map(len, lines))} characters"
+    strange = sorted({sign for sign in out + errors if not sign.isprintable() and sign != "\n"})
+    if strange:
+        yield f"signs: {strange[:5]}"
+
+
+def _files(case: FuzzCase, place: Path) -> Iterator[str]:
+    """Faults of files: what was written elsewhere, over an input, or half."""
+    yield from sorted(set(_text(place / "watched").splitlines()))
+    for name, content in case.files.items():
+        path = place / "work" / name
+        if not path.is_file() or path.read_bytes() != content:
+            yield f"overwritten: {name}"
+    named = {word.strip("/") for word in case.words}
+    for path in (place / "work").rglob("*"):
+        top = path.relative_to(place / "work").parts[0]
+        known = top in case.files or top == "longwave-report"
+        if not known and not any(word.split("/")[0] == top for word in named):
+            stem = top.partition(".")[0].rpartition("_")[0]
+            if not stem or not any(word.startswith(stem) for word in named):
+                yield f"left behind: {path.relative_to(place / 'work')}"

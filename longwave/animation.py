@@ -1,0 +1,237 @@
+"""Films of a run: the lattice against the wave in the moving frame, with the time and the error.
+
+`animate` makes a film of a run, or of a scene that is run first; `draw_film` is the work of
+``longwave animate``.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from derive.command_line import fail, interrupted, one_line
+from lattice.refine import Announce
+from lattice.trial import Progress
+from longwave.plotting import Source, read_source, shown_half_width
+from longwave.run_quantities import RunFrame, frame_of
+from reports.figures.drawing import Snapshot, styled
+from reports.figures.film import ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
+from reports.figures.film_files import film_path, has_ffmpeg, save_film
+from reports.figures.lattice_figures import lattice_snapshots
+from verify.cli.console import check_output, plain_console, progress_bar
+from verify.comparison import Scene, run
+from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
+
+Array = NDArray[np.float64]
+
+BOUNDS = {"duration": (0.2, 600.0), "fps": (1.0, 50.0), "dpi": (30.0, 400.0)}
+"""Seconds, frames a second (a GIF's are a whole number of 1/100 s) and pixels an inch."""
+
+MOST_FRAMES, MOST_NUMBERS = 3000, 2e7
+"""Frames of a film, and strains in all of them: a run holds four numbers for each."""
+
+FEW = 25
+"""Frames of a run below which the film is said to have few."""
+
+LONGEST_TITLE = 100
+"""Characters of a film's title: it has one line."""
+
+
+@dataclass(frozen=True)
+class FilmOptions:
+    """How long a film is (seconds), its frames a second, pixels an inch, and which times it shows.
+
+    Raises ValueError in one line for what is out of bounds.
+    """
+
+    duration: float = 6.0
+    fps: float = 25.0
+    dpi: float = 110.0
+    times: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in BOUNDS.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise ValueError(
+                    f"{name} must satisfy {least:g} <= {name} <= {most:g}, got {value:g}"
+                )
+        if self.count > MOST_FRAMES:
+            raise ValueError(
+                f"a film must have at most {MOST_FRAMES} frames, got {self.count} "
+                "(take a shorter duration or fewer fps)"
+            )
+        if self.times is not None and not self.times[0] < self.times[1]:
+            first, last = self.times
+            raise ValueError(f"times must satisfy first < last, got {first:g} and {last:g}")
+
+    @property
+    def count(self) -> int:
+        """Frames of a scene that is run for the film."""
+        return max(2, round(self.duration * self.fps))
+
+
+def animate(
+    source: Source,
+    output: str | Path,
+    duration: float = 6.0,
+    fps: float = 25.0,
+    dpi: float = 110.0,
+    times: tuple[float, float] | None = None,
+    progress: Progress | None = None,
+    announce: Announce | None = None,
+) -> int:
+    """Write a film of a run to ``output``, MP4 or GIF by its suffix; return its number of frames.
+
+    ``source`` is a run, the path of a file that holds one, or a scene, its TOML file or its name. A
+    run is shown at its snapshots, ``duration`` being shared among them; a scene is run for
+    ``duration * fps`` of them, from its start to its end, or between two ``times``. ``progress``
+    and ``announce`` are told the share and the seconds of the run and then of the film.
+
+    Raises ValueError in one line: source, suffix, numbers out of bounds, a run without snapshots.
+    OSError if ``output`` cannot be written; no part of it is left then.
+    """
+    path = film_path(output)
+    options = FilmOptions(duration, fps, dpi, times)
+    data = _run_for_film(read_source(source), options, progress, announce)
+    shown = _within(data, options.times)
+    with styled():
+        film = film_of(shown, options.dpi)
+        begun = perf_counter()
+        film.frame(len(film) - 1)
+        if announce is not None:
+            announce(FRAME_COST * (perf_counter() - begun) * len(film))
+        rate = min(options.fps, len(film) / options.duration)
+        save_film(film, path, rate, progress or (lambda _: None))
+    return len(film)
+
+
+FRAME_COST = 2.0
+"""Work on a frame, encoded, by that on drawing it."""
+
+
+def _run_for_film(
+    found: xr.Dataset | Scene | LatticeScene,
+    options: FilmOptions,
+    progress: Progress | None,
+    announce: Announce | None,
+) -> xr.Dataset:
+    """The run that was given, or that of the scene at the times of the film's frames."""
+    if isinstance(found, xr.Dataset):
+        return found
+    if isinstance(found, LatticeScene):
+        from verify.lattices.lattice_run import run_lattice_scene
+
+        return run_lattice_scene(_lattice_frames(found, options), progress, announce).dataset
+    first, last = options.times or (found.t0, found.end)
+    if first < found.t0:
+        raise ValueError(f"times must begin at t0 = {found.t0:g} or later, got {first:g}")
+    sites = 2 * found.compared + 1
+    if sites * options.count > MOST_NUMBERS:
+        raise ValueError(
+            f"compared sites in all frames must be at most {MOST_NUMBERS:.0e}, got "
+            f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
+        )
+    moments = _distinct(np.linspace(first, last, options.count))
+    return run(found.changed(snapshots=moments, observables=("strain",)), progress, announce)
+
+
+def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
+    """The scene at the times of the film's frames, as many as such a scene may have."""
+    named = "times" if scene.times else "slow_times"
+    own = getattr(scene, named)
+    count = min(options.count, MOST_TIMES)
+    return scene.changed(**{named: _distinct(np.linspace(own[0], own[-1], count))})
+
+
+def _distinct(times: Array) -> tuple[float, ...]:
+    return tuple(np.unique(times).tolist())
+
+
+def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
+    """The snapshots between two times that hold finite strains; ValueError if there are none."""
+    for name in ("strain", "analytic", "n", "error"):
+        if name not in data:
+            raise ValueError(
+                f"source must hold snapshots of the strain, got none of {name} "
+                "(the scene must ask for strain)"
+            )
+    first, last = times or (-np.inf, np.inf)
+    at = data["time"].values
+    kept = np.flatnonzero((at >= first) & (at <= last))
+    for name in ("strain", "analytic"):
+        rows = np.asarray(data[name], dtype=float).reshape(at.size, -1)
+        kept = kept[np.isfinite(rows[kept]).all(axis=1)]
+    if not kept.size:
+        raise ValueError(
+            f"source must hold a finite snapshot between {first:g} and {last:g}, got "
+            f"{data.sizes['time']} snapshots of which none is (run it with others)"
+        )
+    return data.isel(time=kept)
+
+
+def film_of(data: xr.Dataset, dpi: float = 110.0) -> Film:
+    """The film of a run's snapshots: a chain's as lines, on two axes as maps."""
+    frame = frame_of(data)
+    errors = np.asarray(data["error"], dtype=float)
+    times = np.asarray(data["time"], dtype=float)
+    words = FilmWords(
+        one_line(data.attrs.get("title", ""))[:LONGEST_TITLE],
+        "wave" if "sup_error" in data else "mKdV wave",
+        _clock(times, errors),
+    )
+    if "row" in data.dims:
+        return PlaneFilm(_plane_frames(data, times), errors, words, dpi)
+    level = float(data["background"].mean()) if "background" in data else 0.0
+    return ChainFilm(_chain_frames(data, frame), errors, words, dpi, level)
+
+
+def _chain_frames(data: xr.Dataset, frame: RunFrame) -> list[Snapshot]:
+    half_width, places = shown_half_width(data), range(data.sizes["time"])
+    return lattice_snapshots(data, frame.eps, half_width, places, frame.speed)
+
+
+def _plane_frames(data: xr.Dataset, times: Array) -> PlaneFrames:
+    along, across, lattice, wave = (
+        np.asarray(data[name], dtype=float) for name in ("site", "row", "strain", "analytic")
+    )
+    return PlaneFrames(times, along, across, lattice, wave)
+
+
+def _clock(times: Array, errors: Array) -> list[str]:
+    """The time and the error of each frame, the time to the digits that the frames need."""
+    step = float(np.min(np.diff(times))) if times.size > 1 else 1.0
+    digits = max(0, min(6, 1 - int(np.floor(np.log10(step))))) if step < 10.0 else 0
+    told = [f"error {error:.3f}" if np.isfinite(error) else "no error" for error in errors]
+    return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
+
+
+def draw_film(source: str, output: str | None, options: dict[str, Any], program: str) -> int:
+    """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
+
+    Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
+    """
+    stem = Path(source).name.removesuffix(".nc").removesuffix(".toml")
+    path = output or f"{stem}{'.mp4' if has_ffmpeg() else '.gif'}"
+    errors = plain_console(stderr=True, soft_wrap=True)
+    try:
+        check_output(path, "run.gif")
+        with progress_bar(Path(source).name, f"film of {Path(source).name}", errors) as (bar, tell):
+            count = animate(source, path, **options, progress=bar, announce=tell)
+    except KeyboardInterrupt:
+        return interrupted(program, f"{path} was not written")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    except MemoryError as error:
+        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+    if count < FEW:
+        print(f"{source} has {count} snapshots: so many frames (a scene has more)", file=sys.stderr)
+    print(path)
+    return 0

@@ -1,0 +1,174 @@
+"""Films: frames show the snapshots, files hold all frames, and nothing half-written stays."""
+
+import shutil
+import stat
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from reports.figures.drawing import Snapshot, styled
+from reports.figures.film import ChainFilm, FilmWords, PlaneFilm, PlaneFrames
+from reports.figures.film_files import film_path, has_ffmpeg, save_film
+
+OFFSET = np.arange(-20.0, 21.0)
+ERRORS = np.array([0.0, 0.1, np.nan, 0.3])
+NEED_FFMPEG = pytest.mark.skipif(not has_ffmpeg(), reason="there is no ffmpeg")
+
+
+@pytest.fixture(autouse=True)
+def _style() -> Iterator[None]:
+    with styled():
+        yield
+
+
+def bump(height: float) -> np.ndarray:
+    return height * np.exp(-((OFFSET / 4.0) ** 2))
+
+
+def words(count: int, title: str = "A bump") -> FilmWords:
+    return FilmWords(title, "wave", [f"$t = {place}$" for place in range(count)])
+
+
+def chain(count: int = 4, title: str = "A bump", dpi: float = 40.0) -> ChainFilm:
+    frames = [Snapshot(float(t), 0.1, OFFSET, bump(t + 1.0), bump(t + 0.5)) for t in range(count)]
+    return ChainFilm(frames, ERRORS[:count], words(count, title), dpi)
+
+
+def plane() -> PlaneFilm:
+    times = np.arange(3.0)
+    values = np.array([np.outer(bump(t + 1.0), bump(1.0)) for t in times])
+    frames = PlaneFrames(times, OFFSET, OFFSET, values, 0.9 * values)
+    return PlaneFilm(frames, ERRORS[:3], words(3), 40.0)
+
+
+def test_a_frame_shows_the_lattice_the_wave_and_the_time_of_its_place() -> None:
+    film = chain()
+    film.frame(3)
+    upper = film._ax
+    lattice, wave = upper.lines
+    assert np.array_equal(lattice.get_ydata(), bump(4.0))
+    assert np.array_equal(wave.get_ydata(), bump(3.5))
+    assert upper.texts[0].get_text() == "$t = 3$"
+    assert upper.get_ylim()[1] > 4.0
+    assert film._track._past.get_xydata().tolist()[:2] == [[0.0, 0.0], [1.0, 0.1]]
+    assert film._track._now.get_xydata().tolist() == [[3.0, 0.3]]
+
+
+def test_frames_do_not_depend_on_those_shown_before() -> None:
+    film, again = chain(), chain()
+    for place in (0, 3, 1):
+        film.frame(place)
+    assert np.array_equal(film.frame(2), again.frame(2))
+    assert not np.array_equal(film.frame(2), film.frame(3))
+
+
+def test_a_frame_is_what_the_figure_is_when_drawn_at_once() -> None:
+    film = chain()
+    quick = film.frame(2).astype(int)
+    for artist in film._canvas._moving:
+        artist.set_animated(False)
+    film._canvas._agg.draw()
+    whole = np.asarray(film._canvas._agg.buffer_rgba())[:, :, :3].astype(int)
+    assert np.mean(np.abs(quick - whole).max(axis=2) > 64) < 2e-3
+
+
+def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
+    film = plane()
+    film.frame(2)
+    assert np.array_equal(film._mesh.get_array(), film._frames.lattice[2].T)
+    top = max(path.vertices[:, 0].max() for path in film._lines.get_paths() if len(path.vertices))
+    film.frame(0)
+    assert max(p.vertices[:, 0].max() for p in film._lines.get_paths() if len(p.vertices)) < top
+
+
+@pytest.mark.parametrize("values", [np.zeros(41), np.full(41, 1e300), np.full(41, -3.0)])
+def test_constant_fields_and_one_snapshot_make_a_film(values: np.ndarray) -> None:
+    shown = [Snapshot(0.0, 0.1, OFFSET, values, values)]
+    film = ChainFilm(shown, np.array([np.nan]), words(1, "50 % of $x_ [/nope] \\frac{"), 40.0)
+    assert film.frame(0).ndim == 3
+
+
+def test_a_gif_holds_all_frames_with_white_paper_for_the_whole_time(tmp_path: Path) -> None:
+    path, told = tmp_path / "film.gif", []
+    save_film(chain(), path, 30.0, told.append)
+    with Image.open(path) as image:
+        assert image.n_frames == 4
+        shown = []
+        for place in range(4):
+            image.seek(place)
+            shown.append(image.info["duration"])
+            assert image.convert("RGB").getpixel((1, 1)) == (255, 255, 255)
+    assert shown == [30, 40, 30, 30]
+    assert told == [0.25, 0.5, 0.75, 1.0]
+    first = path.read_bytes()
+    save_film(chain(), path, 30.0)
+    assert path.read_bytes() == first
+
+
+@NEED_FFMPEG
+def test_an_mp4_holds_all_frames(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp4"
+    save_film(chain(dpi=41.0), path, 10.0)
+    said = subprocess.run(
+        ["ffprobe", "-v", "error", "-count_frames", "-show_entries",
+         "stream=nb_read_frames,r_frame_rate", "-of", "csv=p=0", str(path)],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert said.stdout.strip() == "10/1,4"
+
+
+class Interrupted(ChainFilm):
+    """A film that Ctrl-C ends."""
+
+    def frame(self, place: int) -> np.ndarray:
+        if place == 2 and getattr(self, "begun", False):
+            raise KeyboardInterrupt
+        self.begun = True
+        return super().frame(place)
+
+
+@pytest.mark.parametrize("suffix", [".gif", pytest.param(".mp4", marks=NEED_FFMPEG)])
+def test_ctrl_c_leaves_the_older_file_and_nothing_else(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"film{suffix}"
+    path.write_bytes(b"older")
+    film = chain()
+    film.__class__ = Interrupted
+    with pytest.raises(KeyboardInterrupt):
+        save_film(film, path, 10.0)
+    assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [
+        (path.name, b"older")
+    ]
+
+
+def test_what_a_failing_ffmpeg_says_is_one_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "bin" / "ffmpeg"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\necho 'No such codec' >&2\nexit 1\n")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", f"{program.parent}:/usr/bin:/bin")
+    assert shutil.which("ffmpeg") == str(program)
+    with pytest.raises(OSError, match=r"film\.mp4: .*No such codec$"):
+        save_film(chain(), tmp_path / "film.mp4", 10.0)
+    assert not list(tmp_path.glob("*.mp4"))
+
+
+def test_without_ffmpeg_a_gif_is_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(ValueError, match=r"got 'run\.mp4' \(take 'run\.gif', or install ffmpeg\)$"):
+        film_path("run.mp4")
+    assert film_path("run.GIF") == Path("run.GIF")
+
+
+def test_a_gif_that_does_not_fit_the_memory_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("reports.figures.film_files.MOST_GIF_PIXELS", 1e4)
+    with pytest.raises(ValueError, match=r"^a GIF must have at most 1e\+04 pixels"):
+        save_film(chain(), tmp_path / "film.gif", 10.0)
+    assert not list(tmp_path.iterdir())
