@@ -9,6 +9,7 @@ rows on each; what is computed twice is computed alike.
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
