@@ -12,13 +12,13 @@ from click.shell_completion import get_completion_class
 from derive.__main__ import derive
 from derive.command_line import Words, called_by, example, json_option
 from reports.__main__ import report
-from runs.run_words import complete_scenes, run
+from runs.run_words import complete_scenes, run, sweep
 from verify.cli.commands import prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "observables")
+KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
 PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
 SWEEP_PICTURES = ("values", "work_precision")
 SHELLS = ("bash", "zsh", "fish")
@@ -68,7 +68,7 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, verify, run):
+for word in (derive, prove, verify, run, sweep):
     longwave.add_command(word)
 
 
@@ -168,7 +168,7 @@ def explore(port: int, no_browser: bool) -> int:
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
 def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
-    """Show lattices, waves, schemes, scenes or observables.
+    """Show lattices, waves, schemes, scenes and more.
 
     KIND is one of these words; without it all are shown.
     """
