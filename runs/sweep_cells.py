@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runs.run_file import load_run, run_any_scene
+from runs import load_run, run_any_scene
 from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
 from runs.run_store import RunStore
 from solutions.run.cores import keep_to_one_core
