@@ -32,6 +32,7 @@ from lattice.trial import (
     Trial,
     difference,
 )
+from solutions.run.cores import usable_cores
 
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -277,11 +278,12 @@ class _Search:
         def run(choices: Choices) -> Trial:
             return self._engine.run(choices, wanted[choices], self._share)
 
-        if self._engine.threads == 1:
+        threads = min(self._engine.threads, usable_cores())
+        if threads == 1:
             for choices in missing:
                 self._keep(choices, run(choices))
             return
-        with ThreadPoolExecutor(self._engine.threads) as pool:
+        with ThreadPoolExecutor(threads) as pool:
             places = zip(missing, branches(len(missing)), strict=True)
             begun = {one: pool.submit(place.run, run, one) for one, place in places}
             try:
