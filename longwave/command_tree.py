@@ -10,7 +10,7 @@ import click
 from click.shell_completion import get_completion_class
 
 from derive.__main__ import derive
-from derive.command_line import Words, called_by, example, json_option
+from derive.command_line import Words, called_by, example, json_option, limit_options
 from reports.__main__ import report
 from runs.run_words import complete_scenes, run
 from verify.cli.commands import prove, verify
@@ -77,6 +77,7 @@ for word in (derive, prove, verify, run):
     "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
 )
 @click.option("--kind", type=click.Choice(PICTURES), default="all", help="Which picture.")
+@limit_options
 def plot(source: str, output: str | None, kind: str) -> int:
     """Draw a run, or run a scene and draw it.
 
@@ -122,6 +123,7 @@ longwave.add_command(report)
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
 @click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
 @json_option
+@limit_options
 def converge(
     scene: str, eps: str | None, tolerance: float | None, output: str | None, json_wanted: bool
 ) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from derive.command_line import called_by, example
+from derive.command_line import called_by, example, limit_options
 
 ENGINES = ("stencil", "spectral")
 SCENES = tuple(Path(__file__).parents[1] / "verify" / room for room in ("comparison", "lattices"))
@@ -38,6 +38,7 @@ def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[C
 )
 @click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
 @click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as netCDF.")
+@limit_options
 def run(**options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 

@@ -9,8 +9,10 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
+from derive.interruption import keeping
 from runs.run_file import save_run
 from verify.cli.console import check_output, plain_console, progress_bar
+from verify.comparison.expected_cost import check_cost
 from verify.comparison.scene import Scene, with_tolerance
 from verify.comparison.scene_run import record_scene
 from verify.comparison.stated_run import RunRecord, UnfinishedRun
@@ -47,6 +49,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
         return run_lattice_and_print(found, options, program)
     try:
         scene = _changed(found, options.tolerance, options.engine)
+        check_cost(scene)
         trust = trust_attributes(scene)
         run = _run_with_bar(scene, errors)
         run.attrs |= trust
@@ -54,7 +57,8 @@ def run_and_print(options: RunOptions, program: str) -> int:
     except UnfinishedRun as stop:
         stop.record.attrs |= trust
         try:
-            _give(stop.record, scene, options.output)
+            with keeping():
+                _give(stop.record, scene, options.output)
         except OSError as error:
             return fail(error)
         where = f" in {options.output}" if options.output else ""

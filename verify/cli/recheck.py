@@ -16,7 +16,7 @@ from typing import Any
 
 from rich.table import Table
 
-from derive.command_line import fail, interrupted
+from derive.command_line import check_and_announce, fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.published import chosen
 from verify.cli.statements import decided
@@ -36,6 +36,9 @@ from verify.verdict import Outcome
 LIMIT = 120.0
 """Seconds for a system and a proof unless told. Most proofs take Coq 2 s of processor time, most of
 them for the part that all scripts have in common; PARI and Maxima take less than 1 s."""
+
+PROOF_SECONDS = 4.0
+"""About what a statement takes: its own proof, and the three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
 MISSING, NO_SCRIPT = "not installed", "no script"
@@ -62,6 +65,10 @@ def print_rechecks(
     try:
         if not 0 < seconds < 1e6:
             raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
+        work = f"{len(names)} statements" if names else "all statements"
+        cores = os.cpu_count() or 1
+        expected = PROOF_SECONDS * (len(names) or len(NAMES) + len(chosen())) / cores
+        check_and_announce(f"{work} to be repeated", expected, cheaper="name fewer with --only")
         install_systems()
         proofs = proofs_of(names)
     except ValueError as error:
