@@ -321,20 +321,32 @@ def write_report(output: Path, full: bool, workers: int, program: str) -> int:
     try:
         if workers < 1:
             raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
-        ensure_engine(console.print)
+        missing = _missing_engine(console)
         output.mkdir(parents=True, exist_ok=True)
         will_keep(f"what was written is in {shown(output)}")
         tex, sound = build(output, full, workers, console)
+        if missing:
+            return 1
         pdf = compile_pdf(tex)
     except KeyboardInterrupt:
         return interrupted(program, f"what was written is in {shown(output)}")
     except (ValueError, OSError) as error:
         return fail(error)
-    except (EngineMissingError, CompileError) as error:
+    except CompileError as error:
         fail(error)
         return 1
     console.print(shown(pdf), soft_wrap=True)
     return 0 if sound else 1
+
+
+def _missing_engine(console: Console) -> bool:
+    """Whether there is no LaTeX engine, which is said: the source is then all that is written."""
+    try:
+        ensure_engine(console.print)
+    except EngineMissingError as error:
+        fail(f"{error}; the source alone is written")
+        return True
+    return False
 
 
 def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Path, bool]:
