@@ -37,8 +37,8 @@ LIMIT = 120.0
 """Seconds for a system and a proof unless told. Most proofs take Coq 2 s of processor time, most of
 them for the part that all scripts have in common; PARI and Maxima take less than 1 s."""
 
-PROOF_SECONDS = 4.0
-"""About what a statement takes: its own proof, and the three systems."""
+PROVING, REPEATING = 0.5, 3.5
+"""About the seconds that a proof takes, and its repetition by all three systems."""
 
 NO_APT = "LONGWAVE_NO_APT"
 MISSING, NO_SCRIPT = "not installed", "no script"
@@ -65,11 +65,11 @@ def print_rechecks(
     try:
         if not 0 < seconds < 1e6:
             raise ValueError(f"--limit must be more than 0 and less than 1e6, got {seconds:g}")
-        work = f"{len(names)} statements" if names else "all statements"
-        cores = os.cpu_count() or 1
-        expected = PROOF_SECONDS * (len(names) or len(NAMES) + len(chosen())) / cores
-        check_and_announce(f"{work} to be repeated", expected, cheaper="name fewer with --only")
         install_systems()
+        count = len(names) or len(NAMES) + len(chosen([]))
+        each = PROVING + min(REPEATING, len(SYSTEMS) * seconds) / (os.cpu_count() or 1)
+        work = f"the proofs of {count} statements, repeated"
+        check_and_announce(work, count * each, cheaper="name fewer with --only")
         proofs = proofs_of(names)
     except ValueError as error:
         return fail(error)
