@@ -56,14 +56,14 @@ def test_a_stated_run_has_bars_where_its_errors_were_measured(stated: xr.Dataset
     own = own_error(stated, frame_of(stated))
     measured = stated.time_step_error.values + stated.domain_error.values
     assert own is not None
-    assert np.allclose(own, 0.2 * measured)
+    assert np.allclose(own, 0.2 * measured, atol=0.0)
     ax = plot(stated, kind="errors").get_axes()[0]
     (container,) = ax.containers
     line, _, (columns,) = container
     size = np.abs(stated.analytic - stated.background).max("site").values
     lengths = [np.ptp(segment[:, 1]) for segment in columns.get_segments()]
     assert line.get_xdata().tolist() == [0.0, 10.0, 20.0]
-    assert np.allclose(lengths, 2.0 * own / size, atol=1e-15)
+    assert np.allclose(lengths, 2.0 * own / size, rtol=1e-3, atol=1e-15)
 
 
 def test_a_run_to_a_tolerance_has_a_band(to_tolerance: xr.Dataset) -> None:
@@ -73,7 +73,7 @@ def test_a_run_to_a_tolerance_has_a_band(to_tolerance: xr.Dataset) -> None:
     vertices = band.get_paths()[0].vertices
     at_start = vertices[vertices[:, 0] == 0.0][:, 1]
     estimate = 0.2 * to_tolerance.attrs["error_estimate"]
-    assert np.isclose(np.ptp(at_start), 2.0 * estimate / size[0])
+    assert np.isclose(np.ptp(at_start), 2.0 * estimate / size[0], atol=0.0)
     assert "own error" in ax.get_legend().get_texts()[1].get_text()
 
 
@@ -96,7 +96,7 @@ def test_spectra_are_those_of_lattice_and_wave_with_what_is_below_trust(
     assert np.array_equal(wave.get_ydata(), amplitudes(stated.analytic.values[2]))
     assert lattice.get_xdata()[-1] <= np.pi
     own = 0.2 * (stated.time_step_error.values + stated.domain_error.values)[2]
-    assert np.isclose(ax.patches[0].get_height(), 2.0 * own)
+    assert np.isclose(ax.patches[0].get_height(), 2.0 * own, atol=0.0)
     assert 0.0 < rounding.get_ydata()[0] < 2.0**-52 * float(abs(stated.strain).max())
 
 
@@ -106,7 +106,7 @@ def test_rounding_is_as_large_as_its_line_says(stated: xr.Dataset) -> None:
     size = 2.0**-53 * float(abs(stated.strain[0]).max())
     noise = np.random.default_rng(1).uniform(-size, size, (400, 121))
     found = np.sqrt(np.mean([amplitudes(row)[5:-5] ** 2 for row in noise]))
-    assert np.isclose(found, panel.rounding, rtol=0.1)
+    assert np.isclose(found, panel.rounding, rtol=0.1, atol=0.0)
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf, 1e300])
@@ -132,7 +132,7 @@ def test_a_lattices_snapshots_make_map_crest_and_errors(toda: xr.Dataset) -> Non
     assert np.allclose(looked.space_time.values[4], wanted)
     apart = frame.unit * toda.sup_error.values[1:] / toda.error.values[1:]
     own = frame.unit * toda.attrs["error_estimate"] / apart
-    assert np.allclose(looked.own_error_curve.values[1:], own)
+    assert np.allclose(looked.own_error_curve.values[1:], own, atol=0.0)
 
 
 def test_few_snapshots_are_no_curve_unless_it_is_asked_for(toda: xr.Dataset) -> None:
