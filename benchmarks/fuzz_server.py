@@ -51,8 +51,8 @@ FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "pty.spawn", "ftplib.conn
 """Events of what no input may bring about."""
 
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-STARTED_HERE = ("report", "recheck", "doctor", "animate", "explore")
-"""Commands that start programs of others: LaTeX, PARI/GP, ffmpeg."""
+STARTED_HERE = ("--completion", "report", "recheck", "doctor", "animate", "explore")
+"""Commands that start programs of others: bash, LaTeX, PARI/GP, ffmpeg."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def warm_up() -> None:
     """Import what commands import, so that a fork begins with it."""
     caches = str(Path(tempfile.gettempdir()) / "longwave-fuzz-caches")
     os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    os.environ |= {"NUMBA_CACHE_DIR": caches, "MPLCONFIGDIR": caches}
+    os.environ |= {"LONGWAVE_NO_APT": "1", "NUMBA_CACHE_DIR": caches, "MPLCONFIGDIR": caches}
     from longwave.__main__ import main
 
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
@@ -383,7 +383,10 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):
         top = path.relative_to(place / "work").parts[0]
-        known = top in case.files or top == "longwave-report"
+        drawn = {
+            f"{name.rpartition('.')[0]}.png" for name in case.files if case.words[:1] == ("plot",)
+        }
+        known = top in {*case.files, *drawn, "longwave-report"}
         if not known and not any(word.split("/")[0] == top for word in named):
             stem = top.partition(".")[0].rpartition("_")[0]
             if not stem or not any(word.startswith(stem) for word in named):

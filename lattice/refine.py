@@ -21,6 +21,7 @@ from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
+from lattice.checkpoint import branches
 from lattice.trial import (
     SAFETY,
     Choices,
@@ -283,7 +284,8 @@ class _Search:
                 self._keep(choices, run(choices))
             return
         with ThreadPoolExecutor(threads) as pool:
-            begun = {choices: pool.submit(run, choices) for choices in missing}
+            places = zip(missing, branches(len(missing)), strict=True)
+            begun = {one: pool.submit(place.run, run, one) for one, place in places}
             try:
                 wait(begun.values())
             except KeyboardInterrupt:

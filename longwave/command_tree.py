@@ -146,7 +146,7 @@ def converge(
 )
 @click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
 def explore(port: int, no_browser: bool) -> int:
-    """Choose wave, lattice and eps in the browser, and see lattice against wave.
+    """See lattice against wave in the browser, as you choose them.
 
     The page is served to this machine alone, until Ctrl-C. It takes the extra `explore`:
     pip install 'longwave[explore]'.

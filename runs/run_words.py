@@ -40,12 +40,22 @@ def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[C
     help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
 )
 @click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
-@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as netCDF.")
+@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as NetCDF-4.")
+@click.option(
+    "--store",
+    metavar="FOLDER",
+    type=click.Path(),
+    help="Keep the run in this folder; one that is there is not run again, one that was broken off "
+    "is gone on with.",
+)
+@click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
 def run(**options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
-    lattice-scenes`); one that names a lattice has its equation derived first.
+    lattice-scenes`); one that names a lattice has its equation derived first. Or it is the file of
+    a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
+    or what differs (1).
     """
     from runs.scene_command import RunOptions, run_and_print
 

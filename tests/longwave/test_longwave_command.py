@@ -27,7 +27,7 @@ from verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
-WORDS = (
+WORDS = [
     "derive",
     "prove",
     "verify",
@@ -35,11 +35,12 @@ WORDS = (
     "sweep",
     "plot",
     "animate",
+    "explore",
     "report",
     "converge",
     "list",
     "doctor",
-)
+]
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:

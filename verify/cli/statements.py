@@ -7,11 +7,12 @@ where processes cannot be forked, it is decided here without limits.
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import get_context
@@ -21,7 +22,7 @@ from types import TracebackType
 from typing import Any
 
 from derive.algebra.formula_text import FormulaError
-from derive.command_line import fail, interrupted
+from derive.command_line import duration, fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.exporting import write_scripts
 from verify.cli.problem_file import StatedProblem, read_problems
@@ -45,6 +46,9 @@ LIMIT = 60.0
 """Seconds for a statement unless told."""
 
 LEAST, LONGEST = 0.01, 1e6
+
+QUIET = 3.0
+"""Seconds after which what is left is announced: how long a proof takes nobody knows before."""
 
 GRACE = 1.0
 """Seconds after the limit in which a process may say how far it came."""
@@ -97,7 +101,7 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         if path is not None:
             path.touch()
         hinting = 0.0 if options.library == () else HINT_SECONDS
-        verdicts = decided(problems, limit, hinting=hinting)
+        verdicts = decided(problems, limit, hinting=hinting, late=_say_late)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
             _write_certificates(path, [verdict for _, verdict in found])
@@ -147,6 +151,11 @@ def _limit(options: Options) -> float:
     return limit
 
 
+def _say_late(count: int, seconds: float) -> None:
+    words = f"{count} statement{'' if count == 1 else 's'} to be decided: at most"
+    print(f"{words} {duration(seconds)} more (Ctrl-C stops it)", file=sys.stderr, flush=True)
+
+
 # processes
 
 
@@ -166,11 +175,13 @@ def decided(
     limit: float = LIMIT,
     processes: int | None = None,
     hinting: float = HINT_SECONDS,
+    late: Callable[[int, float], None] = lambda count, seconds: None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
     Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
-    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one.
+    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one. After
+    `QUIET` seconds ``late`` is told how many statements are left, and their seconds at most.
     """
     if not hasattr(os, "fork"):
         for place, problem in enumerate(problems):
@@ -180,6 +191,7 @@ def decided(
     waiting = iter(enumerate(problems))
     running: dict[Connection, _Running] = {}
     count = processes or os.cpu_count() or 1
+    left, patience = len(problems), time.monotonic() + QUIET
     try:
         while True:
             for place, problem in islice(waiting, count - len(running)):
@@ -187,7 +199,12 @@ def decided(
                 running[connection] = started
             if not running:
                 return
-            for connection in _told(running):
+            told = _told(running, patience)
+            if time.monotonic() > patience:
+                patience = math.inf
+                late(left, math.ceil(left / count) * limit)
+            for connection in told:
+                left -= 1
                 job = running.pop(connection)
                 connection.close()
                 job.process.join()
@@ -211,9 +228,12 @@ def _start(
     return reading, _Running(place, process, time.monotonic() + limit + GRACE)
 
 
-def _told(running: dict[Connection, _Running]) -> list[Connection]:
-    """Read what comes next; the connections of processes that are at their end, or put to it."""
-    nearest = min(job.end for job in running.values())
+def _told(running: dict[Connection, _Running], patience: float) -> list[Connection]:
+    """Read what comes next; the connections of processes that are at their end, or put to it.
+
+    None if nothing comes until the time ``patience``.
+    """
+    nearest = min(patience, *(job.end for job in running.values()))
     over = []
     for ready in wait(list(running), max(0.0, nearest - time.monotonic())):
         assert isinstance(ready, Connection)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.command_line import duration
+from lattice.checkpoint import Loop, Memory, begin_loop
 from lattice.dynamics import dynamics_of
 from lattice.model import GROWTH
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
@@ -196,7 +197,7 @@ class RingRuns(StepSearch):
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
-        begun = perf_counter()
+        loop = begin_loop(f"ring {choices}")
         wider = WIDER if choices.size > self._first.size else 0
         ends = self.compared.ring(self.times, self.signals, wider)
         ring = self.wave.ring(_grid(ends), self.times[0])
@@ -204,15 +205,16 @@ class RingRuns(StepSearch):
             f, v = nudged(ring.f, ring.v)
             ring = replace(ring, f=f, v=v)
         energy = _energy(ring, ring.f, ring.v)
-        measured, steps, last = [], 0, (ring.f, ring.v)
-        for t, f, v, taken in march(ring, self.times, choices.step):
-            found = self.wave.measured(f, ring.mean_strain)
-            measured.append(found[(slice(None), *self.compared.places(ends, t))] / self.wave.scale)
-            steps, last = steps + taken, (f, v)
+        march = March(ring, self.times, choices.step, loop)
+        for t in march.through():
+            found = self.wave.measured(march.f, ring.mean_strain)
+            places = (slice(None), *self.compared.places(ends, t))
+            march.measured.append(found[places] / self.wave.scale)
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
+        measured, steps = march.measured, march.steps
         record = RingRecord(
             measured,
-            (energy, _energy(ring, *last)),
+            (energy, _energy(ring, march.f, march.v)),
             sites_of(ends),
             choices.step,
             steps,
@@ -226,7 +228,7 @@ class RingRuns(StepSearch):
             choices,
             values if sound else None,
             self.work(choices),
-            perf_counter() - begun,
+            perf_counter() - loop.begun,
             rounding_error(largest, evaluations),
             record,
         )
@@ -264,21 +266,56 @@ def _stiffest(ring: CellRing) -> list[float]:
     return found
 
 
-def march(
-    ring: CellRing, times: Sequence[float], step: float
-) -> Iterator[tuple[float, Array, Array, int]]:
-    """Each of the times with the state then, and the steps since the one before; none after one
-    that is not finite."""
-    dynamics = dynamics_of(ring.lattice)
-    f, v = ring.f.copy(), ring.v.copy()
-    yield times[0], f, v, 0
-    most = max(1, int(UPDATES / (SCHEME.stages * f.size)))
-    for begin, end in pairwise(times):
-        steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
-        h = (end - begin) / steps
-        for done in range(0, steps, most):
-            with np.errstate(all="ignore"):
-                dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
-            if not np.all(np.isfinite(f)):
+REMEMBERED = ("f", "v", "measured", "steps", "_done")
+"""What a march is gone on with."""
+
+
+class March:
+    """A ring on its way: ``f`` and ``v`` when the last of the times passed that was still finite.
+
+    ``measured`` is its user's, a row for each of the times that was come to; ``steps`` lead there.
+    """
+
+    def __init__(
+        self, ring: CellRing, times: Sequence[float], step: float, loop: Loop | None = None
+    ) -> None:
+        self.f, self.v = ring.f.copy(), ring.v.copy()
+        self.measured: list[Array] = []
+        self.steps = 0
+        self._times, self._step, self._loop = times, step, loop or Loop()
+        self._done = 0
+        self._dynamics = dynamics_of(ring.lattice)
+        if self._loop.memory is not None:
+            for name in REMEMBERED:
+                setattr(self, name, self._loop.memory[name])
+
+    def through(self) -> Iterator[float]:
+        """Each of the times still to come, and none after one that is not finite.
+
+        What was not finite by then is not shown.
+        """
+        if not self.measured:
+            yield self._times[0]
+        for begin, end in list(pairwise(self._times))[len(self.measured) - 1 :]:
+            if not self._advance(begin, end):
                 return
-        yield end, f, v, steps
+            yield end
+        self._loop.end(self._memory)
+
+    def _advance(self, begin: float, end: float) -> bool:
+        """Go from one of the times to the next; whether the ring is still finite there."""
+        steps = max(1, math.ceil((end - begin) / self._step * (1.0 - 1e-12)))
+        most = max(1, int(UPDATES / (SCHEME.stages * self.f.size)))
+        h = (end - begin) / steps
+        while self._done < steps:
+            with np.errstate(all="ignore"):
+                self._dynamics.advance(SCHEME, self.f, self.v, h, min(most, steps - self._done))
+            if not np.all(np.isfinite(self.f)):
+                return False
+            self._done = min(steps, self._done + most)
+            self._loop.offer(self._memory)
+        self.steps, self._done = self.steps + steps, 0
+        return True
+
+    def _memory(self) -> Memory:
+        return {name: getattr(self, name) for name in REMEMBERED}

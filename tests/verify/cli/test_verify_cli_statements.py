@@ -363,3 +363,13 @@ def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
     problems = read_problems(Path(written(tmp_path, FILE)))
     assert [p.expect for p in problems] == ["PROVED", "REFUTED", ""]
     assert [p.statement.name for p in problems] == ["soliton", "misprint", "mine 3"]
+
+
+def test_what_takes_long_is_announced_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command, "QUIET", 0.0)
+    words = ["prove", "--equation", "u_t + u_x", "--solution", "u = sin(x - t)", "--limit", "30"]
+    assert main(words) == 0
+    announced = "1 statement to be decided: at most 30 s more (Ctrl-C stops it)\n"
+    assert capsys.readouterr().err == announced
