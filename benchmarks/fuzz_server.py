@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from benchmarks.fuzz_inputs import FuzzCase
+from benchmarks.fuzz_inputs import LATTICES, NAMED, FuzzCase
 
 SECONDS, MEGABYTES = 5.0, 1000.0
 """What an input may take: of the processor unless it is announced, of memory beyond the start."""
@@ -82,8 +82,6 @@ def warm_up() -> None:
     from longwave.__main__ import main
 
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        from benchmarks.fuzz_inputs import LATTICES, NAMED
-
         for name, text in {**NAMED, "lattice.toml": LATTICES[0]}.items():
             Path(name).write_text(text, encoding="utf-8")
         for line in (

@@ -20,6 +20,7 @@ COMPLETION = "_LONGWAVE_COMPLETE"
 
 KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
 PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
+SWEEP_PICTURES = ("values", "work_precision")
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -76,17 +77,23 @@ for word in (derive, prove, verify, run, sweep):
 @click.option(
     "--output", metavar="FILE", type=click.Path(), help="PNG, PDF or SVG (default SOURCE.png)."
 )
-@click.option("--kind", type=click.Choice(PICTURES), default="all", help="Which picture.")
-def plot(source: str, output: str | None, kind: str) -> int:
-    """Draw a run, or run a scene and draw it.
+@click.option(
+    "--kind", type=click.Choice(PICTURES + SWEEP_PICTURES), default="all", help="Which picture."
+)
+@click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
+@click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[str, ...]) -> int:
+    """Draw a run or a sweep, or run a scene and draw it.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
     of a shipped scene. The pictures are the snapshots against the wave, the space-time map, the
     spectra, the error curves and the track of the crest: all that the run holds, or one kind.
+    Of a sweep's file they are a number of its cells over what is swept, curves or heat maps, and
+    the errors against the work.
     """
-    from longwave.plotting import draw
+    from longwave.plotting import PlotWords, draw
 
-    return draw(source, output, kind, called_by())
+    return draw(source, output, PlotWords(kind, variable, at), called_by())
 
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))

@@ -24,7 +24,7 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     """The records of each kind, made of numbers, text and lists alone.
 
     >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
-    ['fput_strain', 'next_nearest', 'fput']
+    ['fput_strain', 'next_nearest', 'next_nearest_degenerate']
     """
     from solutions import kept_data
 

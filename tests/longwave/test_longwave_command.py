@@ -27,20 +27,7 @@ from verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
-WORDS = [
-    "derive",
-    "prove",
-    "verify",
-    "run",
-    "sweep",
-    "plot",
-    "animate",
-    "explore",
-    "report",
-    "converge",
-    "list",
-    "doctor",
-]
+WORDS = tuple(tree.longwave.commands)
 
 
 def commands(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:

@@ -33,7 +33,9 @@ SCENES: dict[str, Scene | LatticeScene] = {
     "stencil, ring": chain("ring_to", engine="stencil", observables=ALL_LOOKS, **ROGUE),
     "spectral": chain("spectral", tolerance=1e-4, engine="spectral", observables=ALL_LOOKS),
     "spectral, periodic": chain("spectral_periodic", engine="spectral", **ROGUE),
-    "chain": load_lattice_scene("toda_soliton"),
+    "chain": load_lattice_scene("toda_soliton").changed(
+        name="chain", slow_times=[0, 0.5, 1], tolerance=1e-3
+    ),
     "dimer": load_lattice_scene("dimer_peregrine"),
     "plane": load_lattice_scene("square_lump").changed(
         name="plane", slow_times=[0, 0.02, 0.04], half_width=3, tolerance=1e-2

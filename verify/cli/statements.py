@@ -25,7 +25,7 @@ from derive.algebra.formula_text import FormulaError
 from derive.command_line import duration, fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.exporting import write_scripts
-from verify.cli.problem_file import StatedProblem, read_problems
+from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
 from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
@@ -130,10 +130,11 @@ def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
 
 
 def _problems(options: Options) -> list[StatedProblem]:
+    texts = [text for path in options.files for text in problem_texts(Path(path))]
     if options.library is not None:
-        return [text.problem() for text in chosen(options.library)]
-    if options.files:
-        return [problem for path in options.files for problem in read_problems(Path(path))]
+        texts = chosen(options.library)
+    if texts:
+        return [text.problem() for text in tracked(texts, len(texts), "reading")]
     statement = read_statement(
         options.equations,
         options.solutions,

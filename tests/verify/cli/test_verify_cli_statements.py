@@ -3,6 +3,7 @@
 import json
 import os
 import time
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -357,6 +358,19 @@ def test_ctrl_c_prints_what_is_decided(
     output = capsys.readouterr()
     assert output.out.startswith("PROVED soliton: ")
     assert output.err == "longwave prove: interrupted (after 1 of 3 statements)\n"
+
+
+def test_reading_is_shown_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The library's formulas take seconds to read: once nothing was to be seen of that."""
+    shown: list[tuple[str, int]] = []
+
+    def tracked(items: Iterable[Any], count: int, words: str) -> Iterator[Any]:
+        shown.append((words, count))
+        yield from items
+
+    monkeypatch.setattr(command, "tracked", tracked)
+    assert main(["prove", written(tmp_path, FILE)]) == 0
+    assert shown == [("reading", 3), ("deciding", 3)]
 
 
 def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
