@@ -25,8 +25,9 @@ from reports.figures.drawing import Snapshot, styled
 from reports.figures.film import ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
 from reports.figures.film_files import film_path, has_ffmpeg, save_film
 from reports.figures.lattice_figures import lattice_snapshots
+from runs import run_any_scene
 from verify.cli.console import check_output, plain_console, progress_bar
-from verify.comparison import Scene, run
+from verify.comparison import Scene
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
 
 Array = NDArray[np.float64]
@@ -127,9 +128,7 @@ def _run_for_film(
     if isinstance(found, xr.Dataset):
         return found
     if isinstance(found, LatticeScene):
-        from verify.lattices.lattice_run import run_lattice_scene
-
-        return run_lattice_scene(_lattice_frames(found, options), progress, announce).dataset
+        return run_any_scene(_lattice_frames(found, options), progress, announce)
     first, last = options.times or (found.t0, found.end)
     if first < found.t0:
         raise ValueError(f"times must begin at t0 = {found.t0:g} or later, got {first:g}")
@@ -140,7 +139,8 @@ def _run_for_film(
             f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
         )
     moments = _distinct(np.linspace(first, last, options.count))
-    return run(found.changed(snapshots=moments, observables=("strain",)), progress, announce)
+    looked = found.changed(snapshots=moments, observables=("strain",))
+    return run_any_scene(looked, progress, announce)
 
 
 def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:

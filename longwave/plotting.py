@@ -28,6 +28,7 @@ from longwave.run_quantities import (
     spectrum_panel,
     with_looks,
 )
+from longwave.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
 from reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
@@ -87,6 +88,8 @@ def plot(
     kind: str = ALL,
     progress: Progress | None = None,
     announce: Announce | None = None,
+    at: Choice | None = None,
+    variable: str = "error",
 ) -> Figure:
     """Draw a run; write the figure to ``output`` (PNG, PDF or SVG by its suffix) if it is given.
 
@@ -95,14 +98,20 @@ def plot(
     and ``announce`` being told as `run` tells them. ``kind`` is one of `PICTURES`, or "all": what
     the run holds of them, one below the other.
 
+    It may be a sweep's data set or file as well: a ``variable`` of its cells is drawn over the
+    swept dimensions, and work against precision (`SWEEP_PICTURES`), where the fields of ``at`` have
+    these values.
+
     Raises ValueError in one line: source, kind and suffix; a run without the variables. OSError
     if ``output`` cannot be written.
     """
     path = None if output is None else picture_path(output)
-    if kind not in (ALL, *PICTURES):
-        known = ", ".join((ALL, *PICTURES))
+    if kind not in (ALL, *PICTURES, *SWEEP_PICTURES):
+        known = ", ".join((ALL, *PICTURES, *SWEEP_PICTURES))
         raise ValueError(f"kind must be a known one, got {kind!r} (one of {known})")
     found = read_source(source)
+    of_sweep = isinstance(found, xr.Dataset) and is_sweep(found)
+    _check_words(of_sweep, kind, at or {}, variable)
     if isinstance(found, Scene):
         data = run(_for_pictures(found, kind), progress, announce)
     elif isinstance(found, LatticeScene):
@@ -111,10 +120,26 @@ def plot(
         data = found
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure = _draw(data, kind)
+        figure = _draw_sweep(data, kind, at or {}, variable) if of_sweep else _draw(data, kind)
         if path is not None:
             save(figure, path)
     return figure
+
+
+def _check_words(of_sweep: bool, kind: str, at: Choice, variable: str) -> None:
+    """Refuse, before anything is run, what belongs to sweeps alone or to all but them."""
+    given = {"at": at, "variable": variable != "error", "kind": kind in SWEEP_PICTURES}
+    wrong = [name for name, value in given.items() if value and not of_sweep]
+    if wrong:
+        raise ValueError(
+            f"{wrong[0]} must not be given for a run or a scene, got it (it belongs to sweeps: "
+            "`longwave sweep` writes one)"
+        )
+    if of_sweep and kind in PICTURES:
+        raise ValueError(
+            f"kind must be {', '.join((ALL, *SWEEP_PICTURES))} for a sweep, got {kind!r} "
+            "(a cell's run has the others)"
+        )
 
 
 def _run_of_lattice(
@@ -181,15 +206,30 @@ def _draw(data: xr.Dataset, kind: str) -> Figure:
     if "lattice_scene" in data.attrs:
         data = with_looks(data, frame, LEAST_LOOKS if kind == ALL else 2)
     drawn = _pictures(data, kind)
-    heights = [picture.height(data) for picture in drawn]
-    title = _title(data)
-    head = 0.25 * (1 + title.count("\n"))
-    figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
-    parts = figure.subfigures(len(drawn), 1, height_ratios=heights, squeeze=False)[:, 0]
+    figure, parts = _stacked(_title(data), [picture.height(data) for picture in drawn])
     for part, picture in zip(parts, drawn, strict=True):
         picture.draw(part, data, frame)
-    figure.suptitle(title, parse_math=False, fontsize="medium")
     return figure
+
+
+def _draw_sweep(data: xr.Dataset, kind: str, at: Choice, variable: str) -> Figure:
+    """Draw the pictures of a sweep, what was chosen of it in the title."""
+    drawn = sweep_parts(data, None if kind == ALL else kind, at, variable)
+    where = ", ".join(f"{name} = {value}" for name, value in at.items())
+    title = "\n".join(line for line in (_title(data), one_line(where)[:WIDTH]) if line)
+    figure, parts = _stacked(title, [part.height for part in drawn])
+    for part, picture in zip(parts, drawn, strict=True):
+        picture.draw(part)
+    return figure
+
+
+def _stacked(title: str, heights: Sequence[float]) -> tuple[Figure, Sequence[FigureBase]]:
+    """A figure with a title and a part of each height below it."""
+    head = 0.25 * (1 + title.count("\n"))
+    figure = Figure((TEXT_WIDTH, sum(heights) + head), layout="constrained")
+    figure.suptitle(title, parse_math=False, fontsize="medium")
+    parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+    return figure, list(parts)
 
 
 def _title(data: xr.Dataset) -> str:
@@ -315,7 +355,27 @@ PICTURES: Mapping[str, Picture] = {
 """The kinds of pictures, in the order in which they are drawn."""
 
 
-def draw(source: str, output: str | None, kind: str, program: str) -> int:
+@dataclass(frozen=True)
+class PlotWords:
+    """What the command line says of a picture."""
+
+    kind: str = ALL
+    variable: str = "error"
+    at: Sequence[str] = ()
+
+    @property
+    def choice(self) -> Choice:
+        """The values of ``at`` by name; ValueError for what is no NAME=VALUE."""
+        found: dict[str, str] = {}
+        for text in self.at:
+            name, sign, value = text.partition("=")
+            if not (name and sign and value):
+                raise ValueError(f"--at must be NAME=VALUE, got {shown(text)} (such as eps=0.1)")
+            found[name.strip()] = value.strip()
+        return found
+
+
+def draw(source: str, output: str | None, words: PlotWords, program: str) -> int:
     """Draw and print the picture's path; return the exit status.
 
     0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
@@ -324,11 +384,12 @@ def draw(source: str, output: str | None, kind: str, program: str) -> int:
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.png")
+        chosen = words.choice
         with progress_bar(Path(source).name, source, errors) as (advance, tell):
-            plot(source, path, kind, advance, tell)
+            plot(source, path, words.kind, advance, tell, chosen, words.variable)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
-            plot(stop.run, path, kind)
+            plot(stop.run, path, words.kind)
             return interrupted(program, f"what was run until then is in {path}")
         return interrupted(program, "too little was run to be drawn")
     except KeyboardInterrupt:

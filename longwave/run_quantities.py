@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from lattice.model import State
 from reports.figures.run_figures import SpectrumPanel
-from runs.run_file import scene_of_run
+from runs import scene_of_run
 from verify.comparison.observables import amplitudes, cell_width, extremum
-from verify.comparison.scene import scene_of
 from verify.comparison.view import View
 from verify.lattices.lattice_scene import LatticeScene
 
@@ -53,14 +52,13 @@ class RunFrame:
 def frame_of(data: xr.Dataset) -> RunFrame:
     """What places a run, from its scene; ValueError if it has none that can be read."""
     try:
-        if "lattice_scene" in data.attrs:
-            scene = scene_of_run(data)
+        scene = scene_of_run(data)
+        if isinstance(scene, LatticeScene):
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
             return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
-        chain = scene_of(data)
-        return RunFrame(chain, chain.eps, chain.constants.sound_speed(), chain.eps)
+        return RunFrame(scene, scene.eps, scene.constants.sound_speed(), scene.eps)
     except (KeyError, TypeError, ValueError) as error:
-        reason = "no scene" if isinstance(error, KeyError) else " ".join(str(error).split())
+        reason = " ".join(str(error).split())[:150]
         raise ValueError(
             f"source must be a run with the scene that it was made from, got {reason} "
             "(write it with `longwave run SCENE --output run.nc`)"

@@ -3,6 +3,7 @@
 Colours can be told apart by colour-blind readers.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
+
+from derive.atomic_file import write_atomically
 
 Sites = NDArray[np.float64]
 
@@ -74,9 +77,24 @@ def styled() -> Iterator[None]:
 def save(figure: Figure, path: Path) -> Path:
     """Write the figure to the path, the same bytes for the same content; return the path."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    undated = {_CHANGING.get(path.suffix.lower(), "Software"): None}
-    figure.savefig(path, metadata=undated)
+    write_atomically(path, lambda draft: _write(figure, draft), durable=False)
     return path
+
+
+def _write(figure: Figure, path: Path) -> None:
+    suffix = path.suffix.lower()
+    figure.savefig(path, metadata={_CHANGING.get(suffix, "Software"): None})
+    if suffix == ".svg":
+        text = path.read_text(encoding="utf-8")
+        path.write_text(_with_numbered_clips(text), encoding="utf-8")
+
+
+def _with_numbered_clips(text: str) -> str:
+    """A picture whose clipping paths are numbered: Matplotlib names them after the last bits of a
+    layout, which differ from one drawing to the next."""
+    for place, name in enumerate(re.findall(r'<clipPath id="(p[0-9a-f]{10})">', text)):
+        text = text.replace(name, f"clip{place}")
+    return text
 
 
 PANEL_HEIGHT = 1.55

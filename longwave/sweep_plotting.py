@@ -1,0 +1,290 @@
+"""Pictures of a sweep: a number of each cell over the swept dimensions, and work against precision.
+
+Of one dimension curves are drawn, of two a heat map, of three several; of more, and of what has too
+many values to be told apart, some are to be chosen: ``at`` says where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import FigureBase
+from numpy.typing import NDArray
+
+from derive.algebra.exact_numbers import shown
+from reports.figures.swept_figures import (
+    CURVE_HEIGHT,
+    WORK_HEIGHT,
+    HeatMap,
+    SweptAxis,
+    SweptCurve,
+    WorkCurve,
+    draw_heat_maps,
+    draw_swept_curves,
+    draw_work_precision,
+    heat_height,
+)
+
+Array = NDArray[np.float64]
+
+SAMPLE = "sample"
+"""The dimension of a random sample."""
+
+MOST_CURVES, MOST_MAPS = 8, 12
+"""Curves that colours tell apart, and heat maps on one page."""
+
+LONGEST_LABEL = 50
+"""Characters of a long name that an axis has room for."""
+
+BARS = {"error": "own_error"}
+"""Numbers that have an error of their own, in their own units."""
+
+WORK = ("tolerance", "order", "scheme", "step", "lattice.order", "scheme.name", "scheme.step")
+"""Dimensions along which a run takes more work for less error."""
+
+ENDED = ("done", "blown up")
+"""Cells whose numbers are drawn."""
+
+Choice = Mapping[str, str | float]
+
+
+def is_sweep(data: xr.Dataset) -> bool:
+    """Whether a data set is the result of a sweep."""
+    return "sweep" in data.attrs and "status" in data
+
+
+def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
+    """The cells where swept fields have these values, dimensions of one value left out.
+
+    Raises ValueError in one line for a field that is not swept and a value that is not there.
+    """
+    for name, value in at.items():
+        known = [str(field) for field in data.coords if data[field].ndim == 1]
+        if name not in known:
+            raise ValueError(
+                f"at must name a swept field, got {shown(name)} (one of {', '.join(known)})"
+            )
+        column = data[name]
+        places = [place for place, held in enumerate(column.values) if _same(held, value)]
+        if not places:
+            held = ", ".join(dict.fromkeys(_text(one) for one in column.values[:20]))
+            raise ValueError(
+                f"{name} must be one of its values, got {shown(value)} (one of {held})"
+            )
+        data = data.isel({column.dims[0]: places})
+    return data.squeeze(drop=True)
+
+
+def _same(held: object, value: str | float) -> bool:
+    try:
+        return bool(np.isclose(float(held), float(value), rtol=1e-9, atol=0.0))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return str(held) == str(value)
+
+
+def _text(value: object) -> str:
+    return f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
+
+
+@dataclass(frozen=True)
+class SweepPart:
+    """A part of a figure: its height in inches, and what draws it."""
+
+    height: float
+    draw: Callable[[FigureBase], None]
+
+
+VALUES, WORK_PRECISION = "values", "work_precision"
+SWEEP_PICTURES = (VALUES, WORK_PRECISION)
+"""The kinds of pictures of a sweep."""
+
+
+def sweep_parts(
+    data: xr.Dataset, kind: str | None, at: Choice, variable: str
+) -> Sequence[SweepPart]:
+    """The pictures of that kind, or all, of the cells that are ``at`` these values.
+
+    Raises ValueError in one line: what was chosen, what there is nothing of, and what is too much
+    for a picture.
+    """
+    data = chosen(data, at)
+    if kind == VALUES:
+        return [values_part(data, variable)]
+    if kind == WORK_PRECISION:
+        return [work_part(data)]
+    found = [] if data["status"].ndim == 0 else [values_part(data, variable)]
+    if work_dimension(data) is not None:
+        with suppress(ValueError):
+            found.append(work_part(data))
+    return found or [values_part(data, variable)]
+
+
+def values_part(data: xr.Dataset, variable: str) -> SweepPart:
+    """A number of each cell over the dimensions that are left."""
+    values = _numbers(data, variable)
+    samples = [name for name in values.dims if name == SAMPLE]
+    if len(values.dims) == 1:
+        return _curves(data, values, [])
+    if len(values.dims) == 2 and (samples or _families(data, values)):
+        return _curves(data, values, _families(data, values))
+    if len(values.dims) in (2, 3) and not samples:
+        return _maps(data, values)
+    sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items()) or "one cell"
+    remedy = "choose with --at NAME=VALUE" if values.dims else "choose less"
+    raise ValueError(f"a picture must be of one to three dimensions, got {sizes} ({remedy})")
+
+
+def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
+    """A number of each cell that came to an end, NaN of the others."""
+    known = [
+        str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == data.status.dims
+    ]
+    if variable not in known:
+        raise ValueError(
+            f"variable must be a number of each cell, got {shown(variable)} (one of "
+            f"{', '.join(known)})"
+        )
+    ended = np.isin(data["status"].values, ENDED)
+    values = data[variable].astype(float)
+    values = values.where(ended & np.isfinite(values))
+    if not np.isfinite(values).any():
+        raise ValueError(
+            f"{variable} must be a number in some cell, got none in {values.size} cells "
+            "(see their status and message)"
+        )
+    return values
+
+
+def _families(data: xr.Dataset, values: xr.DataArray) -> list[str]:
+    """The dimension whose values are texts, if they are few: one curve for each."""
+    texts = [str(name) for name in values.dims if axis_of(data, str(name)).is_text]
+    return texts[:1] if texts and values.sizes[texts[0]] <= MOST_CURVES else []
+
+
+def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
+    """A dimension as an axis; that of a list or sample by the field that tells its cells apart."""
+    fields = [data[name]] if name in data.coords else []
+    fields += [data[c] for c in data.coords if data[c].dims == (name,) and c != name]
+    for field in fields:
+        held = field.values
+        if len({str(one) for one in held}) == held.size:
+            if held.dtype.kind in "fiu":
+                return SweptAxis(str(field.name), [float(one) for one in held])
+            return SweptAxis(str(field.name), [str(one) for one in held])
+    return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
+
+
+def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> SweepPart:
+    """Curves along one dimension: one, one for each value of another, or of all samples."""
+    rest = [str(name) for name in values.dims if name not in families]
+    along = min(rest, key=lambda name: name == SAMPLE)
+    what = _label(data, values)
+    own = BARS.get(str(values.name))
+    bars = data[own].astype(float) if own in data else xr.full_like(values, np.nan)
+    if families:
+        labels = [str(one) for one in axis_of(data, families[0]).values]
+        places = [{families[0]: place} for place in range(len(labels))]
+        curves = [
+            _curve(label, values.isel(where), bars.isel(where))
+            for label, where in zip(labels, places, strict=True)
+        ]
+    elif len(rest) == 2:
+        curves = [_ensemble(values, along)]
+        what = f"{what}, median of {values.sizes[SAMPLE]} with quartiles"
+    else:
+        curves = [_curve("", values, bars)]
+    axis, joined = axis_of(data, along), along != SAMPLE
+    return SweepPart(
+        CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined)
+    )
+
+
+def _curve(label: str, values: xr.DataArray, bars: xr.DataArray) -> SweptCurve:
+    return SweptCurve(label, values.values, np.array([bars.values, bars.values]))
+
+
+def _ensemble(values: xr.DataArray, along: str) -> SweptCurve:
+    """The median over samples, with bars to the quartiles."""
+    found = np.nanquantile(values.transpose(SAMPLE, along).values, (0.25, 0.5, 0.75), axis=0)
+    low, middle, high = found
+    return SweptCurve("", middle, np.array([middle - low, high - middle]))
+
+
+def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
+    """A heat map over two dimensions, or one for each value of the third."""
+    names = [str(name) for name in values.dims]
+    texts = [name for name in names if axis_of(data, name).is_text]
+    over = (
+        (texts or sorted(names, key=lambda name: values.sizes[name]))[:1] if len(names) == 3 else []
+    )
+    if over and values.sizes[over[0]] > MOST_MAPS:
+        raise ValueError(
+            f"{over[0]} must have at most {MOST_MAPS} values for as many maps, got "
+            f"{values.sizes[over[0]]} (choose with --at {over[0]}=VALUE)"
+        )
+    x, y = (name for name in names if name not in over)
+    ended = xr.DataArray(np.isin(data["status"].values, (*ENDED, "missing")), dims=values.dims)
+    faulty = (~ended).transpose(*over, x, y)
+    values = values.transpose(*over, x, y)
+    if over:
+        titles = [
+            f"{axis_of(data, over[0]).name} = {_text(v)}" for v in axis_of(data, over[0]).values
+        ]
+        maps = [HeatMap(*each) for each in zip(titles, values.values, faulty.values, strict=True)]
+    else:
+        maps = [HeatMap("", values.values, faulty.values)]
+    axes, what = (axis_of(data, x), axis_of(data, y)), _label(data, values)
+    return SweepPart(
+        heat_height(len(maps)), lambda figure: draw_heat_maps(figure, axes, maps, what)
+    )
+
+
+def _label(data: xr.Dataset, values: xr.DataArray) -> str:
+    name = str(values.name)
+    told, units = data[name].attrs.get("long_name", ""), data[name].attrs.get("units", "1")
+    words = told if 0 < len(told) <= LONGEST_LABEL else name.replace("_", " ")
+    return words if units in ("1", "") else f"{words}  ({units})"
+
+
+def work_dimension(data: xr.Dataset) -> str | None:
+    """The dimension along which more work is done, None if there is none."""
+    return next((name for name in WORK if name in data["status"].dims), None)
+
+
+def work_part(data: xr.Dataset) -> SweepPart:
+    """Errors against work along the tolerance or the order, a curve for each other cell."""
+    along = work_dimension(data)
+    if along is None:
+        raise ValueError(
+            f"work_precision must have a sweep over one of {', '.join(WORK[:4])}, got "
+            f"{', '.join(map(str, data['status'].dims)) or 'one cell'} (sweep the tolerance)"
+        )
+    others = [str(name) for name in data["status"].dims if name != along]
+    count = int(np.prod([data.sizes[name] for name in others], dtype=int))
+    if count > MOST_CURVES:
+        raise ValueError(
+            f"work_precision must have at most {MOST_CURVES} curves, got {count} "
+            f"(choose with --at {others[0]}=VALUE)"
+        )
+    curves = list(_work_curves(data, others))
+    height = WORK_HEIGHT + 0.2 * len(curves)
+    return SweepPart(height, lambda figure: draw_work_precision(figure, curves))
+
+
+def _work_curves(data: xr.Dataset, others: Sequence[str]) -> Iterator[WorkCurve]:
+    seconds, evaluations, sites, estimated, achieved = (
+        _numbers(data, name)
+        for name in ("seconds", "force_evaluations", "sites", "error_estimate", "error")
+    )
+    axes = {name: axis_of(data, name) for name in others}
+    for places in product(*(range(data.sizes[name]) for name in others)):
+        where = dict(zip(others, places, strict=True))
+        label = ", ".join(f"{axes[n].name} = {_text(axes[n].values[p])}" for n, p in where.items())
+        updates = (evaluations * sites).isel(where)
+        parts = [found.isel(where).values for found in (seconds, estimated, achieved)]
+        yield WorkCurve(label, parts[0], updates.values, parts[1], parts[2])

@@ -1,0 +1,249 @@
+"""Pictures of a sweep: curves with error bars, heat maps, and work against precision.
+
+An axis is a swept dimension: numbers in their places, evenly spaced ones in the logarithm on a
+logarithmic axis, or texts side by side. Cells without a value are grey; those that were run and
+came to no end bear a cross.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import FigureBase
+from matplotlib.ticker import NullFormatter
+from numpy.typing import NDArray
+
+from reports.figures.drawing import CURVES, time_edges
+
+Array = NDArray[np.float64]
+
+CURVE_HEIGHT, HEAT_HEIGHT = 3.2, 2.7
+"""Height of a panel of curves, and of a row of heat maps, in inches."""
+
+HEAT_ACROSS = 3
+"""Heat maps side by side."""
+
+WIDE = 30.0
+"""Ratio of the largest to the smallest of positive values from which colours are logarithmic."""
+
+EMPTY = "#d9d9d9"
+"""The colour of a cell without a value."""
+
+LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "beta": r"$\beta$"}
+"""How names of fields are written where they are Greek."""
+
+LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
+"""Names that are one letter, with or without an index."""
+
+LONGEST_TICK = 14
+"""Characters of a text beside a tick."""
+
+
+@dataclass(frozen=True)
+class SweptAxis:
+    """A swept dimension: its name, and its numbers or texts in the order of the cells."""
+
+    name: str
+    values: Sequence[float] | Sequence[str]
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are texts, which have no distance."""
+        return any(isinstance(value, str) for value in self.values)
+
+    @property
+    def places(self) -> Array:
+        """Where the values are on the axis."""
+        if self.is_text:
+            return np.arange(len(self.values), dtype=float)
+        return np.asarray(self.values, dtype=float)
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the values are more evenly spaced in their logarithms than themselves."""
+        places = np.sort(self.places)
+        if self.is_text or places.size < 3 or places[0] <= 0.0 or places[-1] < 4.0 * places[0]:
+            return False
+        plain, logs = np.diff(places), np.diff(np.log(places))
+        return bool(np.std(logs) / np.mean(logs) < np.std(plain) / np.mean(plain))
+
+    @property
+    def edges(self) -> Array:
+        """Edges half way between the places, which must be in order."""
+        if self.is_logarithmic:
+            return np.exp(time_edges(np.log(self.places)))
+        return time_edges(self.places)
+
+
+@dataclass(frozen=True)
+class SweptCurve:
+    """Values along an axis, and their ``bars``, (2, values): how far down and up; NaN for none."""
+
+    label: str
+    values: Array
+    bars: Array
+
+
+def draw_swept_curves(
+    figure: FigureBase,
+    axis: SweptAxis,
+    curves: Sequence[SweptCurve],
+    what: str,
+    joined: bool = True,
+) -> None:
+    """Draw curves over a swept dimension, in logarithms where their values are wide.
+
+    Points are ``joined`` by lines where the axis has numbers.
+    """
+    ax = figure.subplots()
+    places, order = axis.places, np.argsort(axis.places, kind="stable")
+    logarithmic = _is_wide(np.concatenate([curve.values for curve in curves]))
+    for number, curve in enumerate(curves):
+        look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        if axis.is_text or not joined:
+            look["linestyle"] = ""
+        values, bars = curve.values[order], np.nan_to_num(curve.bars[:, order])
+        if logarithmic:
+            bars[0] = np.minimum(bars[0], 0.99 * np.nan_to_num(values))
+        ax.errorbar(places[order], values, bars, label=curve.label, capsize=3.0, **look)
+    if logarithmic:
+        ax.set_yscale("log")
+    _set_axis(ax, axis, "x")
+    ax.set_ylabel(what)
+    ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+    if len(curves) > 1:
+        _plain_legend(ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5)))
+
+
+@dataclass(frozen=True)
+class HeatMap:
+    """Values over two axes, (x, y), NaN where there is none; ``faulty`` cells came to no end."""
+
+    title: str
+    values: Array
+    faulty: NDArray[np.bool_]
+
+
+def heat_height(count: int) -> float:
+    """Height in inches of that many heat maps."""
+    return HEAT_HEIGHT * -(-count // HEAT_ACROSS) + (0.6 if count == 1 else 0.0)
+
+
+def draw_heat_maps(
+    figure: FigureBase, axes: tuple[SweptAxis, SweptAxis], maps: Sequence[HeatMap], what: str
+) -> None:
+    """Draw maps with the same axes and the same colours."""
+    across = min(HEAT_ACROSS, len(maps))
+    grid = figure.subplots(-(-len(maps) // across), across, squeeze=False, sharex=True, sharey=True)
+    norm = _colours(np.concatenate([found.values.ravel() for found in maps]))
+    orders = [np.argsort(axis.places, kind="stable") for axis in axes]
+    x, y = (
+        SweptAxis(axis.name, [axis.values[place] for place in order])
+        for axis, order in zip(axes, orders, strict=True)
+    )
+    for ax, found in zip(grid.flat, maps, strict=False):
+        values, faulty = (part[np.ix_(*orders)].T for part in (found.values, found.faulty))
+        ax.set_facecolor(EMPTY)
+        shown = np.ma.masked_invalid(values)
+        drawn = ax.pcolormesh(x.edges, y.edges, shown, cmap="viridis", norm=norm, rasterized=True)
+        rows, columns = np.nonzero(faulty)
+        ax.plot(x.places[columns], y.places[rows], "x", color="black", markersize=4.0)
+        ax.set_title(found.title, loc="left", parse_math=False)
+        _set_axis(ax, x, "x")
+        _set_axis(ax, y, "y")
+    for ax in list(grid.flat)[len(maps) :]:
+        ax.set_visible(False)
+    for ax in list(grid.flat)[: max(0, len(maps) - across)]:
+        ax.set_xlabel("")
+    for ax in list(grid.flat)[max(0, len(maps) - across) : len(maps)]:
+        ax.tick_params(labelbottom=True)
+    for ax in grid[:, 1:].flat:
+        ax.set_ylabel("")
+    figure.colorbar(drawn, ax=list(grid.flat), label=what)
+
+
+@dataclass(frozen=True)
+class WorkCurve:
+    """Errors at growing work: estimated ones, and achieved ones against the wave, of one family."""
+
+    label: str
+    seconds: Array
+    updates: Array
+    estimated: Array
+    achieved: Array
+
+
+WORK_HEIGHT = 3.0
+"""Height of the panels of work against precision, in inches."""
+
+
+def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None:
+    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly."""
+    panels = figure.subplots(1, 2, sharey=True)
+    for number, curve in enumerate(curves):
+        look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        for ax, work in zip(panels, (curve.seconds, curve.updates), strict=True):
+            name = f"{curve.label}: " if curve.label else ""
+            ax.loglog(work, _positive(curve.estimated), label=f"{name}estimated", **look)
+            achieved = look | {"linestyle": "", "markerfacecolor": "none"}
+            ax.loglog(
+                work, _positive(curve.achieved), label=f"{name}relative to the wave", **achieved
+            )
+    for ax, words in zip(panels, ("seconds of the run", "site updates"), strict=True):
+        ax.set_xlabel(words)
+        ax.xaxis.set_minor_formatter(NullFormatter())
+        ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
+    panels[0].set_ylabel("error")
+    handles, labels = panels[0].get_legend_handles_labels()
+    _plain_legend(figure.legend(handles, labels, loc="outside upper center", ncols=2))
+
+
+def _positive(values: Array) -> Array:
+    return np.where(values > 0.0, values, np.nan)
+
+
+def _plain_legend(legend: Any) -> None:
+    """Show texts of a file as they are."""
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+
+
+def _is_wide(values: Array) -> bool:
+    known = values[np.isfinite(values)]
+    return known.size > 1 and known.min() > 0.0 and known.max() >= WIDE * known.min()
+
+
+def _colours(values: Array) -> Normalize:
+    """Logarithmic colours for wide positive values; some range where all are equal."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return Normalize(0.0, 1.0)
+    low, high = float(known.min()), float(known.max())
+    if _is_wide(values):
+        return LogNorm(low, high)
+    return Normalize(low, high) if low < high else Normalize(low - 0.5, low + 0.5)
+
+
+def _set_axis(ax: Axes, axis: SweptAxis, letter: str) -> None:
+    """Name an axis, and put its ticks at the values where they are few or texts."""
+    label = LETTERS.get(axis.name, f"${axis.name}$" if LETTER.fullmatch(axis.name) else axis.name)
+    getattr(ax, f"set_{letter}label")(label, parse_math=label.startswith("$"))
+    set_ticks = getattr(ax, f"set_{letter}ticks")
+    if axis.is_text:
+        texts = [str(value)[:LONGEST_TICK] for value in axis.values]
+        set_ticks(axis.places, texts, parse_math=False, rotation=30 if letter == "x" else 0)
+    elif axis.is_logarithmic:
+        getattr(ax, f"set_{letter}scale")("log")
+        ticks = axis.places[:: -(-len(axis.places) // MOST_TICKS)]
+        set_ticks(ticks, [f"{tick:.3g}" for tick in ticks])
+        set_ticks([], minor=True)
+
+
+MOST_TICKS = 6
+"""Ticks of a logarithmic axis, which has them at its values."""

@@ -1,0 +1,197 @@
+"""Pictures of sweeps: what is drawn are the cells' numbers, and what cannot be drawn is said."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import LogNorm
+
+from longwave.__main__ import main
+from longwave.command_tree import SWEEP_PICTURES as WORDS
+from longwave.plotting import plot
+from longwave.sweep_plotting import SWEEP_PICTURES, axis_of
+from reports.figures.swept_figures import SweptAxis
+from runs import save_run
+
+EPS = [0.2, 0.05, 0.1, 0.4]
+K = [0.1, 0.5, 0.9]
+WAVES = ["rogue_cn", "wave_dn"]
+
+
+def swept(shape: dict[str, int], coords: dict[str, Any]) -> xr.Dataset:
+    dims, sizes = tuple(shape), tuple(shape.values())
+    error = 0.01 * np.arange(1.0, 1.0 + np.prod(sizes)).reshape(sizes)
+    numbers = {
+        "error": error,
+        "own_error": 0.1 * error,
+        "error_estimate": 1e-3 * error,
+        "seconds": 1.0 / error,
+        "force_evaluations": 2.0 / error,
+        "sites": np.full(sizes, 100.0),
+    }
+    data: dict[str, Any] = {name: (dims, values) for name, values in numbers.items()}
+    data["status"] = (dims, np.full(sizes, "done", dtype=object))
+    return xr.Dataset(data, coords, {"sweep": "{}", "title": "50 % of $x_ [/b] \\frac{"})
+
+
+def cube() -> xr.Dataset:
+    coords = {"eps": EPS, "k": K, "wave": ("case", np.array(WAVES, dtype=object))}
+    return swept({"case": 2, "eps": 4, "k": 3}, coords)
+
+
+def meshes(figure: Any) -> list[Any]:
+    return [
+        ax.collections[0] for ax in figure.get_axes() if ax.collections and ax.get_title("left")
+    ]
+
+
+def bars(ax: Any) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The points of an axis with one curve, and the ends of their bars."""
+    (container,) = ax.containers
+    line, _, (columns,) = container
+    return line.get_xydata(), [segment[:, 1] for segment in columns.get_segments()]
+
+
+def test_the_kinds_are_those_of_the_command_line() -> None:
+    assert SWEEP_PICTURES == WORDS
+
+
+def test_one_dimension_is_a_curve_in_order_with_its_own_errors() -> None:
+    ax = plot(cube(), at={"wave": "wave_dn", "k": 0.5}).get_axes()[0]
+    points, ends = bars(ax)
+    values = cube()["error"].values[1, :, 1][[1, 2, 0, 3]]
+    assert np.allclose(points, np.transpose([sorted(EPS), values]))
+    assert np.allclose(ends, np.transpose([0.9 * values, 1.1 * values]))
+    assert ax.get_xscale() == "log"
+    assert ax.get_xlabel() == r"$\epsilon$"
+
+
+def test_two_dimensions_are_a_heat_map_in_order() -> None:
+    figure = plot(cube(), at={"wave": "rogue_cn"})
+    ax = figure.get_axes()[0]
+    held = np.asarray(ax.collections[0].get_array())
+    assert np.allclose(held, cube()["error"].values[0][[1, 2, 0, 3]].T)
+    left, right = ax.get_xlim()
+    assert left < min(EPS) < max(EPS) < right
+    assert figure.get_suptitle() == "50 % of $x_ [/b] \\frac{\nwave = rogue_cn"
+
+
+def test_three_dimensions_are_maps_with_the_same_colours() -> None:
+    figure = plot(cube())
+    drawn = meshes(figure)
+    titles = [ax.get_title("left") for ax in figure.get_axes() if ax.get_title("left")]
+    assert titles == ["wave = rogue_cn", "wave = wave_dn"]
+    assert [mesh.get_clim() for mesh in drawn] == [(0.01, 0.24)] * 2
+    assert not isinstance(drawn[0].norm, LogNorm)
+    assert isinstance(meshes(plot(cube().assign(error=cube()["error"] ** 3)))[0].norm, LogNorm)
+
+
+def test_texts_make_a_curve_each() -> None:
+    ax = plot(cube(), at={"k": "0.1"}).get_axes()[0]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == WAVES
+    heights = [container[0].get_ydata() for container in ax.containers]
+    assert np.allclose(heights, cube()["error"].values[:, [1, 2, 0, 3], 0])
+
+
+def test_cells_that_came_to_no_end_are_no_numbers_and_bear_a_cross() -> None:
+    data = cube()
+    data["status"].values[0, 0, 0] = "failed"
+    data["status"].values[0, 3, 2] = "missing"
+    ax = plot(data, at={"wave": "rogue_cn"}).get_axes()[0]
+    held = np.ma.asarray(ax.collections[0].get_array())
+    assert np.ma.getmaskarray(held).sum() == 2
+    assert ax.lines[0].get_xydata().tolist() == [[0.2, 0.1]]
+
+
+def test_samples_are_told_by_median_and_quartiles() -> None:
+    data = swept({"eps": 4, "sample": 5}, {"eps": EPS, "K3": ("sample", np.arange(5.0))})
+    points, ends = bars(plot(data).get_axes()[0])
+    held = data["error"].values[[1, 2, 0, 3]]
+    assert np.allclose(points[:, 1], np.median(held, axis=1))
+    assert np.allclose(ends, np.quantile(held, (0.25, 0.75), axis=1).T)
+    (ax,) = plot(data, at={"eps": 0.05}).get_axes()
+    assert ax.containers[0][0].get_linestyle() == "None"
+    assert ax.get_xlabel() == "$K3$"
+
+
+def test_work_precision_is_drawn_along_the_tolerance() -> None:
+    data = swept({"order": 2, "tolerance": 3}, {"order": WAVES, "tolerance": [1e-2, 1e-3, 1e-4]})
+    seconds, updates = plot(data, kind="work_precision").get_axes()
+    assert [line.get_label() for line in seconds.lines] == [
+        "order = rogue_cn: estimated", "order = rogue_cn: relative to the wave",
+        "order = wave_dn: estimated", "order = wave_dn: relative to the wave",
+    ]  # fmt: skip
+    assert np.allclose(seconds.lines[2].get_ydata(), data["error_estimate"].values[1])
+    assert np.allclose(seconds.lines[3].get_ydata(), data["error"].values[1])
+    assert np.allclose(seconds.lines[2].get_xdata(), data["seconds"].values[1])
+    assert np.allclose(updates.lines[2].get_xdata(), 200.0 / data["error"].values[1])
+    assert len(plot(data).get_axes()) == 3
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+def test_a_file_of_a_sweep_is_drawn(tmp_path: Path, suffix: str, capsys: Any) -> None:
+    save_run(cube(), tmp_path / "sweep.nc")
+    path = tmp_path / f"sweep{suffix}"
+    words = ["--at", "wave=wave_dn", "--variable", "seconds", "--output", str(path)]
+    assert main(["plot", str(tmp_path / "sweep.nc"), *words]) == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    first = path.read_bytes()
+    assert main(["plot", str(tmp_path / "sweep.nc"), *words]) == 0
+    assert path.read_bytes() == first
+
+
+@pytest.mark.parametrize("value", [0.0, -3.0, 1e300, 5e-324])
+def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
+    data = cube().assign(error=xr.full_like(cube()["error"], value))
+    for at in ({}, {"wave": "wave_dn"}, {"wave": "wave_dn", "k": 0.1}):
+        plot(data, tmp_path / "x.png", at=at)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            {"at": {"colour": 1}},
+            r"at must name a swept field, got 'colour' \(one of eps, k, wave\)",
+        ),
+        ({"at": {"k": 0.3}}, r"k must be one of its values, got 0\.3 \(one of 0\.1, 0\.5, 0\.9\)"),
+        ({"variable": "charm"}, r"variable must be a number of each cell, got 'charm' \(one of er"),
+        ({"kind": "snapshots"}, "kind must be all, values, work_precision for a sweep, got 'snap"),
+        ({"kind": "work_precision"}, "work_precision must have a sweep over one of tolerance, or"),
+        ({"at": {"k": 0.1, "eps": 0.1, "wave": "wave_dn"}}, "a picture must be .* got one cell"),
+    ],
+)
+def test_what_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=rf"^{said}[^\n]*$") as raised:
+        plot(cube(), **words)
+    assert len(str(raised.value)) < 300
+
+
+def test_no_numbers_and_too_many_maps_are_one_line() -> None:
+    empty = cube().assign(error=xr.full_like(cube()["error"], np.nan))
+    with pytest.raises(ValueError, match=r"^error must be a number in some cell, got none in 24"):
+        plot(empty)
+    wide = swept({"a": 13, "b": 14, "eps": 15}, {})
+    with pytest.raises(
+        ValueError, match=r"^a must have at most 12 .* \(choose with --at a=VALUE\)"
+    ):
+        plot(wide)
+    four = swept({"a": 2, "b": 2, "d": 2, "eps": 2}, {})
+    with pytest.raises(ValueError, match=r"got 2 a, 2 b, 2 d, 2 eps \(choose with --at NAME=VALUE"):
+        plot(four)
+
+
+def test_words_of_sweeps_are_refused_for_scenes_before_a_run() -> None:
+    for words in ({"at": {"k": 1}}, {"variable": "steps"}, {"kind": "values"}):
+        with pytest.raises(ValueError, match=r"must not be given for a run or a scene"):
+            plot("rogue_cn_k_0.5", **words)  # type: ignore[arg-type]
+
+
+def test_an_axis_is_logarithmic_where_its_values_are() -> None:
+    assert SweptAxis("eps", [0.1, 0.2, 0.4, 0.8]).is_logarithmic
+    assert not SweptAxis("k", [0.1, 0.3, 0.5, 0.7, 0.9]).is_logarithmic
+    assert not SweptAxis("k", [-1.0, 1.0, 10.0]).is_logarithmic
+    assert axis_of(cube(), "case").values == WAVES
+    assert axis_of(swept({"case": 2}, {}), "case").values == [0.0, 1.0]
