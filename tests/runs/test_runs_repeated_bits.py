@@ -89,7 +89,7 @@ def chain_scenes(draw: st.DrawFn) -> Scene:
         "eps": draw(st.floats(1e-9, 1.0)),
         "t0": times[0],
         "snapshots": times[1:],
-        "K2": draw(NUMBERS.filter(bool)),
+        "K2": draw(st.floats(0.01, 100.0) | st.integers(1, 99)),
         "K3": draw(st.just(0) | NUMBERS),
         "K4": draw(NUMBERS),
         "compared": draw(st.integers(1, 10**9)),
