@@ -37,7 +37,7 @@ SCENE = {
 
 
 def sweep_of_solitons(count: int, end: float) -> Sweep:
-    """So many cells over the soliton's height: 0.05 s of a processor each to t = 50, 0.2 s to 200."""
+    """So many cells over the soliton's height; each takes 0.05 s of a processor to t = 50."""
     heights = {"from": 0.5, "to": 1, "count": count}
     scene = SCENE | {"snapshots": [0, end]}
     return sweep_of({"scene": scene, "grid": {"parameters.A": heights}})

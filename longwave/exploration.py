@@ -134,7 +134,9 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
         elif not _alike(form, closed_form(scene.wave)):
             continue
         if scene.wave != wave:
-            scene = scene.changed(wave=wave, parameters=_usual_parameters(form), title="")
+            scene = scene.changed(
+                wave=wave, parameters=_usual_parameters(form), order="slaved", title=""
+            )
         found.append(WaveSetting(name, _lattice_title(scene), scene))
     return tuple(found)
 
