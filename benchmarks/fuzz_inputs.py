@@ -1,23 +1,26 @@
-"""Hostile inputs: files made from shipped ones by mutations, and command lines from the grammar.
-
-Everything is drawn from a `random.Random`: one that is seeded, one of hypothesis
-(``st.randoms(use_true_random=False)``, which shrinks), or one that reads a fuzzer's bytes.
-"""
+"""Hostile inputs: files made from shipped ones by mutations, and command lines from the grammar."""
 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
+from io import BytesIO
 from random import Random
 from typing import Any
 
 import click
 
-HOUSE = Path(__file__).resolve().parents[1]
+from benchmarks.fuzz_mutations import (
+    NUMBERS,
+    TEXTS,
+    changed_bytes,
+    changed_json,
+    changed_toml,
+    few,
+)
+from benchmarks.fuzz_seeds import LATTICES, PROBLEMS, SMALL_SCENE, certificates, run_files, seeds
 
 
 @dataclass(frozen=True)
@@ -27,389 +30,6 @@ class FuzzCase:
     kind: str
     words: tuple[str, ...]
     files: Mapping[str, bytes] = field(default_factory=dict)
-
-
-NUMBERS = (
-    *("0", "-0.0", "-1", "1e-300", "5e-324", "1e-51", "1e-12", "1e12", "1e49", "1e50", "1e300"),
-    *("1.7976931348623157e308", "1e999", "-1e999", "nan", "-nan", "inf", "-inf", "2147483647"),
-    *("2147483648", "4294967296", "9223372036854775807", "9223372036854775808", "0x7f", "1_000"),
-    *("1" + "0" * 400, "0." + "0" * 400 + "1", "1e-7", "100000000", "1000000000", "0.1", "1", "2"),
-    *("0.5", "3", "10", "1e-3", "1e-11", "1e3", "-1e9", "99"),
-)
-"""Of TOML, JSON and options alike, where these have them."""
-
-TEXTS = (
-    *("", " ", "x", "..", "/", "/dev/zero", "/nope/x", "-", "--", "-1", "1/0", "9**9**9", "0/0"),
-    *("sqrt(-1)", "eps/2", "pi/2", "K/2", "1e999", "nan", "inf", "x**1e9", "exp(exp(exp(exp(9))))"),
-    *("(" * 200, "x" * 200, "A" * 100_000, "-" * 3000, "__import__('os')", "().__class__", "\x00"),
-    *("\x1b[31m", "\x07", "\u202e", "\ufeff", "\ud7ff", "\U0001f30a", "хx", "²", "∞", "[/nope]"),
-    *("[bold]", "{x}", "%s", "${HOME}", "$(touch x)", "\\", "\n", "a\nb", "\t", "'", '"', "\x7f"),
-    *(
-        "\x85",
-        "\u2028",
-        "kink",
-        "rational_2",
-        "rational_99",
-        "rational_-1",
-        "nls_peregrine",
-        "toda",
-    ),
-    *("mass_dimer", "square", "acoustic", "optical", "K2", "eps", "n", "I", "oo", "zoo", "u[n+1]"),
-    *("u[n+999999]", "F[n+1] - 2*F[n]", "F[n+1] + F[n+1]", "x**3", "log(x)", "1/x", "sqrt(x)"),
-    *("tan(pi/2 + x)", "abs(x)", "2**0.5", "0.1", "1e5"),
-)
-
-
-def toml_values() -> tuple[str, ...]:
-    """Values as they stand in a TOML file, right or wrong."""
-    texts = tuple(_toml_text(text) for text in TEXTS)
-    others = (
-        *("true", "false", "1979-05-27", "07:32:00", "[]", "{}", "[[]]", "[1, 'a']", "[nan]"),
-        *("[0, 0]", "[1, 0]", "[-1e9, 1e9]", "[0, 1e-300]", "[" * 200 + "]" * 200, "{a = {b = 1}}"),
-        *("[" * 2000 + "]" * 2000, "[" + "0," * 3000 + "]", "'''x\ny'''", '"""', "'", "="),
-        "[" + ", ".join(str(n) for n in range(1000)) + "]",
-        *('{name = "x"}', "[{}]", '["u", "u"]', '["u", "v", "w"]', '"\\u0000"', '"\\ud800"'),
-        "a.b.c.d", "{" + "a." * 300 + "b = 1}", "1.", ".5", "+1", "1e", "0b11", "0o7",
-    )  # fmt: skip
-    return NUMBERS + texts + others
-
-
-def _toml_text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=True)
-
-
-SMALL_SCENE = """\
-title = "small"
-wave = "soliton_sech"
-eps = 0.1
-t0 = -10
-snapshots = [0, 10]
-observables = ["strain", "error_curve"]
-curve_points = 11
-tolerance = 1e-3
-
-[lattice]
-K2 = 1
-K3 = 0
-K4 = 1
-
-[parameters]
-A = 1
-
-[domain]
-compared = 40
-"""
-
-STATED_SCENE = """\
-title = "stated"
-wave = "rogue_cn"
-eps = 0.1
-t0 = -5
-snapshots = [-5, 0, 5]
-observables = ["strain", "error_curve", "time_step_error", "domain_error"]
-curve_points = 11
-look_points = 5
-
-[lattice]
-K2 = 1
-K4 = 1
-
-[parameters]
-k = 0.5
-
-[scheme]
-name = "kahan_li_8"
-step = 0.5
-
-[domain]
-kind = "ring"
-sites = 256
-compared = 50
-"""
-
-LATTICES = (
-    """\
-name = "mass_in_mass"
-title = "Mass in mass"
-fields = ["u", "v"]
-masses = ["m1", "m2"]
-positive = ["K2", "g", "m1", "m2"]
-
-[[spring]]
-between = ["u[n]", "u[n+1]"]
-force = "K2*x + K4*x**3"
-
-[[spring]]
-between = ["u[n]", "v[n]"]
-force = "g*x"
-""",
-    """\
-name = "strain"
-fields = ["y"]
-positive = ["K2"]
-
-[[bond]]
-stretch = "y[n]"
-action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
-force = "K2*x + K3*x**2 + eps*K4*x**3"
-""",
-    """\
-name = "site"
-fields = ["u"]
-masses = ["1"]
-positive = ["K", "h"]
-
-[[spring]]
-between = ["u[n]", "u[n+2]"]
-force = "K*tanh(x)"
-
-[[site]]
-field = "u"
-force = "h*sin(x)"
-""",
-    """\
-name = "plane"
-fields = ["u"]
-positive = ["a", "b"]
-
-[[spring]]
-between = ["u[n, m]", "u[n+1, m]"]
-force = "a*x + a*x**2"
-
-[[spring]]
-between = ["u[n, m]", "u[n, m+1]"]
-force = "b*x"
-""",
-)
-
-PROBLEMS = """\
-[[problem]]
-name = "KdV soliton"
-equation = "u_t + 6*u*u_x + u_xxx"
-solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
-parameters = "k: k>0"
-domain = "t > 0"
-source = "free text"
-expect = "PROVED"
-
-[[problem]]
-name = "wrong speed"
-variant_of = "KdV soliton"
-solution = "u = 2*k**2*sech(k*(x - 2*k**2*t))**2"
-note = "the speed"
-expect = "REFUTED"
-
-[[problem]]
-name = "for which c"
-equation = ["u_t + c*u_x"]
-solution = "u = sin(x - b*t)"
-solve = "c"
-"""
-
-
-@cache
-def seeds(kind: str) -> tuple[str, ...]:
-    """The files that are changed; what is shipped takes longer than what is made to be small."""
-    folders = {"scene": "verify/comparison/scenes", "lattice scene": "verify/lattices/scenes"}
-    if kind == "lattice":
-        return LATTICES
-    if kind == "problem":
-        return PROBLEMS, *(text for file in _library() for text in file)
-    found = sorted((HOUSE / folders[kind]).glob("*.toml"))
-    texts = [path.read_text(encoding="utf-8") for path in found]
-    small = [SMALL_SCENE, STATED_SCENE] if kind == "scene" else []
-    return *(small * 6), *texts
-
-
-def _library() -> Iterator[list[str]]:
-    """The published problems, three a text."""
-    for path in sorted((HOUSE / "solutions" / "library").glob("*.toml")):
-        tables = re.split(r"^(?=\[\[problem\]\])", path.read_text(encoding="utf-8"), flags=re.M)
-        yield ["".join(tables[i : i + 3]) for i in range(1, len(tables), 3)]
-
-
-PROVED = (
-    "kink",
-    "soliton_sech",
-    "rational_2",
-    "kdv_soliton",
-    "rogue_cn",
-    "wave_cn",
-    "nls_peregrine",
-)
-"""Closed forms whose certificates are changed; so are those of `STATED`, all within a second."""
-
-STATED = (
-    ("u_t + 6*u*u_x + u_xxx", "u = 2*k**2*sech(k*(x - 4*k**2*t))**2", "k: k>0"),
-    ("diff(u, t, t) = u_xx - sin(u)", "u = 4*atan(exp((x - v*t)/sqrt(1 - v**2)))", "v: -1<v<1"),
-    ("I*psi_t + psi_xx + 2*abs(psi)**2*psi", "psi = a*sech(a*x)*exp(I*a**2*t)", "a: a>0"),
-    ("diff(u[n], t, t) = u[n+1] - 2*u[n] + u[n-1]", "u[n] = cos(k*n - 2*sin(k/2)*t)", "k: 0<k<1"),
-)
-
-
-@cache
-def certificates() -> tuple[str, ...]:
-    """Certificates of closed forms and of statements in text, as JSON."""
-    from longwave import prove
-    from verify.proof.catalogue_proofs import prove_named
-
-    named = [[prove_named(name).certificate] for name in PROVED]
-    stated = [list(prove(*texts[:2], parameters=texts[2]).certificates) for texts in STATED]
-    return tuple(json.dumps(one) for one in named + stated if one)
-
-
-# --- changes of texts -----------------------------------------------------------------------------
-
-
-def changed_toml(draw: Random, text: str, count: int | None = None) -> bytes:
-    """A TOML text after some changes of its lines, and sometimes of its bytes."""
-    lines = text.splitlines()
-    for _ in range(_few(draw) if count is None else count):
-        draw.choice(LINE_CHANGES)(draw, lines)
-    found = "\n".join(lines).encode("utf-8", "surrogatepass")
-    return changed_bytes(draw, found) if draw.random() < 0.1 else found
-
-
-def _few(draw: Random) -> int:
-    return draw.choice([1, 1, 1, 2, 2, 3, 5])
-
-
-def _pairs(lines: list[str]) -> list[int]:
-    return [i for i, line in enumerate(lines) if re.match(r"\s*[\w\"'.-]+\s*=", line)] or [0]
-
-
-def _place(draw: Random, lines: list[str]) -> int:
-    if not lines:
-        lines.append("")
-    return draw.randrange(len(lines))
-
-
-def _other_value(draw: Random, lines: list[str]) -> None:
-    _place(draw, lines)
-    place = draw.choice(_pairs(lines))
-    key = lines[place].partition("=")[0]
-    lines[place] = f"{key}= {draw.choice(toml_values())}"
-
-
-def _other_number(draw: Random, lines: list[str]) -> None:
-    """A number, wherever it stands: within a list, a formula, a key."""
-    place = _place(draw, lines)
-    found = list(re.finditer(r"\d+(?:\.\d+)?(?:e-?\d+)?", lines[place]))
-    if found:
-        one = draw.choice(found)
-        new = draw.choice(NUMBERS) if draw.random() < 0.5 else f"{one[0]}e{draw.randint(-12, 12)}"
-        lines[place] = lines[place][: one.start()] + new + lines[place][one.end() :]
-
-
-def _other_word(draw: Random, lines: list[str]) -> None:
-    """A part of a text, such as a name in a formula."""
-    place = _place(draw, lines)
-    found = list(re.finditer(r"[A-Za-z_]+|[-+*/()\[\]]", lines[place]))
-    if found:
-        one = draw.choice(found)
-        new = draw.choice([*TEXTS, "(", ")", "*", "**", "-", "+", "/", "[", "]"])
-        new = _toml_text(new)[1:-1]
-        lines[place] = lines[place][: one.start()] + new + lines[place][one.end() :]
-
-
-def _other_key(draw: Random, lines: list[str]) -> None:
-    _place(draw, lines)
-    place = draw.choice(_pairs(lines))
-    value = lines[place].partition("=")[2]
-    keys = ("sites", "step", "order", "k", "\u00e9", '""', "a.b", "name", "'\x1b'", "x" * 5000, "1")
-    lines[place] = f"{draw.choice(keys)} ={value}"
-
-
-def _missing(draw: Random, lines: list[str]) -> None:
-    del lines[_place(draw, lines)]
-
-
-def _doubled(draw: Random, lines: list[str]) -> None:
-    place = _place(draw, lines)
-    lines.insert(_place(draw, lines), lines[place])
-
-
-def _swapped(draw: Random, lines: list[str]) -> None:
-    first, second = _place(draw, lines), _place(draw, lines)
-    lines[first], lines[second] = lines[second], lines[first]
-
-
-def _inserted(draw: Random, lines: list[str]) -> None:
-    new = (
-        *("[lattice]", "[constants]", "[[spring]]", "[[problem]]", "[envelope]", "[long_wave]"),
-        *("[sweep]", "[parameters]", "[" + "a." * 100 + "b]", "[[[x]]]", "tolerance = 1e-3", "#"),
-        *('order = "corrected"', "half_width = 3", "times = [0, 1]", 'engine = "spectral"', "["),
-        *('k = "pi/2"', "background = 1", "amplitude = 2", "time = 3", "sites = 200000000", "\x00"),
-        *("look_points = 1000000000", "curve_points = 100000000", "compared = 10000000", "x = 1"),
-        *("t0 = -1e9", 'solve = "k, a, b, c"', 'domain = "x < x"', "step = 1e-7", '[""]'),
-        "snapshots = [" + ", ".join(str(n) for n in range(2000)) + "]",
-    )
-    lines.insert(_place(draw, lines), draw.choice(new))
-
-
-def _truncated(draw: Random, lines: list[str]) -> None:
-    place = _place(draw, lines)
-    lines[place] = lines[place][: draw.randint(0, len(lines[place]))]
-    if draw.random() < 0.5:
-        del lines[place + 1 :]
-
-
-LINE_CHANGES = (
-    *(_other_value,) * 5,
-    *(_other_number,) * 4,
-    *(_other_word,) * 2,
-    *(_other_key, _missing, _doubled, _swapped, _inserted, _truncated),
-)
-
-
-def changed_bytes(draw: Random, content: bytes) -> bytes:
-    """Some bytes flipped, cut off, doubled, or a mark put in front."""
-    kind = draw.randrange(5)
-    place = draw.randint(0, len(content))
-    if kind == 0:
-        return content[:place]
-    if kind == 1:
-        return b"\xef\xbb\xbf" + content
-    if kind == 2:
-        return content[:place] + bytes([draw.randrange(256)]) + content[place + 1 :]
-    if kind == 3:
-        return content[:place] + content[place // 2 :]
-    return (
-        content[:place] + draw.choice([b"\x00", b"\xff", b"\r", b"\xed\xa0\x80"]) + content[place:]
-    )
-
-
-def changed_json(draw: Random, value: Any, depth: int = 0) -> Any:
-    """Plain data with one place changed."""
-    if isinstance(value, dict | list) and value and (depth < 2 or draw.random() < 0.85):
-        copy: Any = value.copy()
-        keys = list(copy) if isinstance(copy, dict) else list(range(len(copy)))
-        key = draw.choice(keys)
-        kind = draw.random()
-        if kind < 0.04:
-            del copy[key]
-        elif kind < 0.08 and isinstance(copy, list):
-            copy.insert(key, copy[key])
-        elif kind < 0.11:
-            copy[key] = copy[draw.choice(keys)]
-        else:
-            copy[key] = changed_json(draw, copy[key], depth + 1)
-        return copy
-    if isinstance(value, int) and draw.random() < 0.7:
-        return value + draw.choice([-1, 1, 2, -1000, 10**6])
-    return draw.choice(JSON_VALUES)
-
-
-JSON_VALUES: tuple[Any, ...] = (
-    *(None, True, 0, -1, 1, 2, 3, 10**6, 2**63, 10**400, 0.5, 1e300, float("inf"), [], {}, [[]]),
-    *("0", "1", "-1", "1/2", "1/0", "9" * 3000, "symbol", "number", "Add", "Mul", "Pow", "exp"),
-    *("log", "sqrt", "tanh", "real", "integer", "<", "<=", "atom", "root", "1e9", "kink"),
-    *(TEXTS[i] for i in range(0, len(TEXTS), 3)),
-    *([0, 0], [0, [0, 0]], ["number", "1"], ["Pow", 0, "1000000"], ["symbol", "x", "real"]),
-)
-
-
-# --- kinds ----------------------------------------------------------------------------------------
 
 
 def scene(draw: Random) -> FuzzCase:
@@ -466,7 +86,7 @@ def certificate(draw: Random) -> FuzzCase:
     from verify.proof.checker.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))
-    for _ in range(_few(draw)):
+    for _ in range(few(draw)):
         data = changed_json(draw, data)
     for one in data if isinstance(data, list) else [data]:
         if isinstance(one, dict) and draw.random() < 0.95:
@@ -487,7 +107,63 @@ def certificate(draw: Random) -> FuzzCase:
     return FuzzCase("certificate", tuple(words), {"hostile.json": content})
 
 
-# --- command lines --------------------------------------------------------------------------------
+def run_file(draw: Random) -> FuzzCase:
+    """The file of a run with other attributes, variables or bytes: run anew, or drawn."""
+    content = draw.choice(run_files())
+    if draw.random() < 0.8:
+        content = _changed_run(draw, content)
+    if draw.random() < 0.3:
+        content = changed_bytes(draw, content)
+    words = draw.choice([["run", "hostile.nc"], ["plot", "hostile.nc", "--output", "out.png"]])
+    return FuzzCase("run file", tuple(words), {"hostile.nc": content})
+
+
+def _changed_run(draw: Random, content: bytes) -> bytes:
+    import h5py
+
+    image = BytesIO(content)
+    with h5py.File(image, "r+") as file:
+        for _ in range(few(draw)):
+            try:
+                draw.choice(RUN_CHANGES)(draw, file)
+            except (ValueError, TypeError, OSError, LookupError, RuntimeError, ArithmeticError):
+                continue  # what the library itself does not write
+    return image.getvalue()
+
+
+def _other_attribute(draw: Random, file: Any) -> None:
+    place = file if draw.random() < 0.7 else file[draw.choice(sorted(file))]
+    name = draw.choice([*sorted(place.attrs), "json_attributes", "_FillValue", "units", "scale"])
+    place.attrs[name] = draw.choice([*RUN_VALUES, *TEXTS])
+
+
+def _other_scene(draw: Random, file: Any) -> None:
+    name = "lattice_scene" if "lattice_scene" in file.attrs else "scene"
+    file.attrs[name] = changed_toml(draw, str(file.attrs[name])).decode("utf-8", "replace")
+
+
+def _without(draw: Random, file: Any) -> None:
+    place = file.attrs if draw.random() < 0.5 else file
+    del place[draw.choice(sorted(place))]
+
+
+def _other_variable(draw: Random, file: Any) -> None:
+    name = draw.choice(sorted(file))
+    if draw.random() < 0.3:
+        file.move(name, draw.choice(["strain", "time", "site", "x", "\u00e9"]))
+        return
+    if draw.random() < 0.4:
+        file[name][...] = draw.choice([float("nan"), float("inf"), 1e300, -1, 0])
+        return
+    del file[name]
+    shape = draw.choice([(), (0,), (1,), (3,), (2, 2), (10**7,)])
+    file.create_dataset(name, shape=shape, dtype=draw.choice(["f4", "f8", "i1", "i8", "c16", "S3"]))
+
+
+RUN_VALUES = (0, -1, 2**63 - 1, 1.5, float("nan"), [], [1, 2], [0.0] * 9000, b"\xff\xfe", True)
+
+RUN_CHANGES = (_other_attribute,) * 4 + (_other_scene,) * 3 + (_without,) + (_other_variable,) * 2
+
 
 NAMED = {"small.toml": SMALL_SCENE, "lattice.toml": LATTICES[0], "problems.toml": PROBLEMS}
 """Files that command lines can name."""
@@ -594,6 +270,7 @@ KINDS: Mapping[str, Callable[[Random], FuzzCase]] = {
     "lattice": lattice,
     "problem": problem,
     "certificate": certificate,
+    "run file": run_file,
     "command line": command_line,
 }
 

@@ -47,6 +47,9 @@ LARGEST = 100_000
 MOST = 50
 """Entries of each kind."""
 
+LONGEST_TITLE = 200
+"""Characters of a name or a title."""
+
 SMOOTH = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.sech),
     *(sp.atan, sp.asinh),
@@ -99,9 +102,17 @@ def lattice_of(document: Mapping[str, Any], name: str = "lattice") -> Lattice:
                 raise ValueError(f"{place}: {error}") from None
     if not bonds:
         raise ValueError("bonds must be there, got none (write a [[spring]])")
-    called = document.get("name", name)
-    title = document.get("title", called)
+    called = _called("name", document.get("name", name))
+    title = _called("title", document.get("title", called))
     return Lattice(called, title, tuple(fields), tuple(masses), tuple(bonds))
+
+
+def _called(label: str, text: object) -> str:
+    """A name or title, if it is one short line."""
+    if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TITLE:
+        words = f"one printable line of {LONGEST_TITLE} characters at most"
+        raise ValueError(f"{label} must be {words}, got {shown(text)} (such as 'my chain')")
+    return text
 
 
 class _Symbols:

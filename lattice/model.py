@@ -270,6 +270,7 @@ class InflowCheck:
 
 
 if TYPE_CHECKING:
+    from lattice.checkpoint import Memory
     from lattice.field_state import FieldState
 
 Held = TypeVar("Held", "State", "FieldState")
@@ -309,3 +310,11 @@ class Domain(Protocol[Held]):
     def locate(self, found: BlowUp, state: Held) -> BlowUp:
         """``found``, with what the domain may have to do with it."""
         return found
+
+    def memory(self) -> "Memory":
+        """What has become of the domain on the way, for `recall`."""
+        return {}
+
+    def recall(self, memory: "Memory", t: float) -> None:
+        """Be what the domain was, at a stop of the march at ``t``."""
+        return

@@ -21,6 +21,7 @@ from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
+from lattice.checkpoint import branches
 from lattice.trial import (
     SAFETY,
     Choices,
@@ -31,6 +32,7 @@ from lattice.trial import (
     Trial,
     difference,
 )
+from solutions.run.cores import usable_cores
 
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""
@@ -276,12 +278,14 @@ class _Search:
         def run(choices: Choices) -> Trial:
             return self._engine.run(choices, wanted[choices], self._share)
 
-        if self._engine.threads == 1:
+        threads = min(self._engine.threads, usable_cores())
+        if threads == 1:
             for choices in missing:
                 self._keep(choices, run(choices))
             return
-        with ThreadPoolExecutor(self._engine.threads) as pool:
-            begun = {choices: pool.submit(run, choices) for choices in missing}
+        with ThreadPoolExecutor(threads) as pool:
+            places = zip(missing, branches(len(missing)), strict=True)
+            begun = {one: pool.submit(place.run, run, one) for one, place in places}
             try:
                 wait(begun.values())
             except KeyboardInterrupt:

@@ -168,11 +168,11 @@ class Fading:
     depth: float
 
     def __post_init__(self) -> None:
-        self._t = self.t0
+        self.faded_until = self.t0
 
     def at(self, state: State) -> None:
         """Fade what no longer matters at ``state.t``, for the time since the last call."""
-        passed, self._t = state.t - self._t, state.t
+        passed, self.faded_until = state.t - self.faded_until, state.t
         gone = min(math.floor(self.speed * (state.t - self.t0)), (state.size + 1) // 2)
         if gone <= 0 or passed <= 0.0:
             return

@@ -8,6 +8,7 @@ from typing import Generic
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory
 from lattice.dynamics import dynamics_of
 from lattice.model import BlowUp, Domain, Held, Model
 from lattice.numeric_lattice import NumericLattice
@@ -71,6 +72,7 @@ class Stepper(Generic[Held]):
         self.step = step
         self.steps = 0
         self._amplitude = amplitude
+        self._between: tuple[float, int] | None = None
         self._chunk = max(1, min(CHUNK, int(UPDATES / (scheme.stages * state.size))))
         self.ranges = self.dynamics.ranges(state)
         self.blow_up: BlowUp | None = self._find_blow_up()
@@ -87,8 +89,25 @@ class Stepper(Generic[Held]):
             if self.blow_up is not None:
                 return
 
+    def memory(self, arrays: bool = True) -> Memory:
+        """What `recall` needs at a stop; without ``arrays`` where the march is at its end."""
+        state = {"t": self.state.t} if not arrays else vars(self.state)
+        kept = {name: getattr(self, name) for name in ("steps", "ranges", "_between")}
+        return kept | {"state": state, "domain": self.domain.memory()}
+
+    def recall(self, memory: Memory) -> None:
+        """Be at the stop at which another stepper, made alike, had that `memory`.
+
+        The times still wanted are those after it.
+        """
+        for name in ("steps", "ranges", "_between"):
+            setattr(self, name, memory[name])
+        for name, value in memory["state"].items():
+            setattr(self.state, name, value)
+        self.domain.recall(memory["domain"], self.state.t)
+
     def _stops_until(self, t: float) -> Iterator[Held]:
-        begin, done = self.state.t, 0
+        begin, done = self._between or (self.state.t, 0)
         steps = math.ceil((t - begin) / self.step * (1.0 - 1e-12))
         if steps == 0 and self.blow_up is None:
             yield self.state
@@ -97,6 +116,7 @@ class Stepper(Generic[Held]):
             chunk = min(steps - done, self._chunk)
             self._advance(h, chunk, t if done + chunk == steps else begin + (done + chunk) * h)
             done += chunk
+            self._between = (begin, done) if done < steps else None
             if self.blow_up is None:
                 yield self.state
 

@@ -10,15 +10,15 @@ import click
 from click.shell_completion import get_completion_class
 
 from derive.__main__ import derive
-from derive.command_line import Words, called_by, example, json_option
+from derive.command_line import Words, called_by, example, json_option, limit_options
 from reports.__main__ import report
-from runs.run_words import complete_scenes, run
+from runs.run_words import complete_scenes, run, sweep
 from verify.cli.commands import prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
-KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "observables")
+KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
 PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
 SWEEP_PICTURES = ("values", "work_precision")
 SHELLS = ("bash", "zsh", "fish")
@@ -68,7 +68,7 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, verify, run):
+for word in (derive, prove, verify, run, sweep):
     longwave.add_command(word)
 
 
@@ -82,6 +82,7 @@ for word in (derive, prove, verify, run):
 )
 @click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
 @click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+@limit_options
 def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[str, ...]) -> int:
     """Draw a run or a sweep, or run a scene and draw it.
 
@@ -129,6 +130,7 @@ longwave.add_command(report)
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
 @click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
 @json_option
+@limit_options
 def converge(
     scene: str, eps: str | None, tolerance: float | None, output: str | None, json_wanted: bool
 ) -> int:
@@ -153,7 +155,7 @@ def converge(
 )
 @click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
 def explore(port: int, no_browser: bool) -> int:
-    """Choose wave, lattice and eps in the browser, and see lattice against wave.
+    """See lattice against wave in the browser, as you choose them.
 
     The page is served to this machine alone, until Ctrl-C. It takes the extra `explore`:
     pip install 'longwave[explore]'.
@@ -168,7 +170,7 @@ def explore(port: int, no_browser: bool) -> int:
 @click.option("--library", is_flag=True, help="Show the published solutions instead.")
 @json_option
 def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
-    """Show lattices, waves, schemes, scenes or observables.
+    """Show lattices, waves, schemes, scenes and more.
 
     KIND is one of these words; without it all are shown.
     """

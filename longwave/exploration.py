@@ -55,7 +55,7 @@ OTHER_CONSTANTS: Mapping[str, tuple[str, Mapping[str, float]]] = {
 
 
 @dataclass(frozen=True)
-class Setting:
+class WaveSetting:
     """A lattice on which a wave is at home, and the scene from which choices begin."""
 
     name: str
@@ -64,7 +64,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Choices:
+class Chosen:
     """What is chosen, as it is typed; ``begin``, ``end`` are slow times T, ``half_width`` is in X.
 
     >>> choices = first_choices("soliton_sech")
@@ -88,7 +88,7 @@ class Choices:
     parameters: Mapping[str, str] = field(default_factory=dict)
     constants: Mapping[str, str] = field(default_factory=dict)
 
-    def changed(self, **changes: Any) -> Choices:
+    def changed(self, **changes: Any) -> Chosen:
         """The choices with other values for some of them."""
         return replace(self, **changes)
 
@@ -114,7 +114,7 @@ def examples() -> dict[str, tuple[str, str]]:
     return {scene.title or scene.name: (scene.wave, scene.name) for scene in scenes}
 
 
-def settings(wave: str) -> tuple[Setting, ...]:
+def settings(wave: str) -> tuple[WaveSetting, ...]:
     """The lattices on which the wave can be put; ValueError if there is no such wave.
 
     >>> [setting.title for setting in settings("kp_lump")]
@@ -123,7 +123,9 @@ def settings(wave: str) -> tuple[Setting, ...]:
     from solutions import closed_form
 
     form = closed_form(wave)
-    found = [Setting(CHAIN, "FPUT chain", _chain(form))] if form.equation.normal == "mKdV" else []
+    found = (
+        [WaveSetting(CHAIN, "FPUT chain", _chain(form))] if form.equation.normal == "mKdV" else []
+    )
     base, constants = OTHER_CONSTANTS.get(wave, ("", {}))
     for name in shipped_lattice_scenes():
         scene = load_lattice_scene(name)
@@ -132,8 +134,10 @@ def settings(wave: str) -> tuple[Setting, ...]:
         elif not _alike(form, closed_form(scene.wave)):
             continue
         if scene.wave != wave:
-            scene = scene.changed(wave=wave, parameters=_usual_parameters(form), title="")
-        found.append(Setting(name, _lattice_title(scene), scene))
+            scene = scene.changed(
+                wave=wave, parameters=_usual_parameters(form), order="slaved", title=""
+            )
+        found.append(WaveSetting(name, _lattice_title(scene), scene))
     return tuple(found)
 
 
@@ -265,7 +269,7 @@ def plain_value(text: str) -> float | None:
     return None
 
 
-def first_choices(wave: str, setting: str | None = None) -> Choices:
+def first_choices(wave: str, setting: str | None = None) -> Chosen:
     """What is chosen at first for a wave on the lattice of a setting (its first one)."""
     scene = _setting(wave, setting).scene
     if isinstance(scene, LatticeScene):
@@ -276,7 +280,7 @@ def first_choices(wave: str, setting: str | None = None) -> Choices:
         constants = {"K2": scene.K2, "K3": scene.K3, "K4": scene.K4}
         times = tuple(t * scene.eps**3 for t in (scene.t0, scene.end))
         half_width = scene.compared * scene.eps
-    return Choices(
+    return Chosen(
         wave=wave,
         setting=_setting(wave, setting).name,
         eps=_typed(scene.eps),
@@ -309,7 +313,7 @@ def _typed(value: Any) -> str:
     return value if isinstance(value, str) else f"{float(value):.12g}"
 
 
-def _setting(wave: str, name: str | None) -> Setting:
+def _setting(wave: str, name: str | None) -> WaveSetting:
     found = settings(wave)
     for setting in found:
         if name in (None, setting.name):
@@ -318,7 +322,7 @@ def _setting(wave: str, name: str | None) -> Setting:
     raise ValueError(f"setting must be one of {wave}, got {shown(name)} (one of {known})")
 
 
-def scene_of_choices(choices: Choices) -> AnyScene:
+def scene_of_choices(choices: Chosen) -> AnyScene:
     """The scene that is chosen. ValueError, in one line, for what no scene can say."""
     base = _setting(choices.wave, choices.setting).scene
     eps = finite("eps", number(choices.eps))

@@ -22,13 +22,14 @@ from numpy.typing import NDArray
 
 from derive.command_line import LONG, duration, one_line
 from lattice.trial import Progress
-from longwave.exploration import AnyScene
 from verify.comparison.scene import Scene
 from verify.lattices.lattice_scene import LatticeScene
 from verify.processes import ignore_interrupt, limit_memory
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from longwave.exploration import AnyScene
 
 Array = NDArray[np.float64]
 

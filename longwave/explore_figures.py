@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -11,8 +11,10 @@ from bokeh.models import ColorBar, ColumnDataSource, LinearColorMapper, Range1d,
 from bokeh.plotting import figure
 from matplotlib.colors import to_hex
 
-from longwave.exploration_run import Array, Comparison
 from longwave.explore_text import unit
+
+if TYPE_CHECKING:
+    from longwave.exploration_run import Array, Comparison
 
 LATTICE, WAVE, TIME = "#0072B2", "#D55E00", "#333333"
 """Colours that are told apart with any colour vision: of the lattice, the wave and the time."""
@@ -42,7 +44,7 @@ class Profile:
     def __init__(self) -> None:
         self.source = ColumnDataSource({"X": [], "lattice": [], "wave": []})
         self.picture = figure(
-            height=330, sizing_mode="stretch_width", tools=TOOLS,
+            height=330, sizing_mode="stretch_width", tools=TOOLS, css_classes=["profile"],
             x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
         )  # fmt: skip
         self.picture.line(
@@ -119,7 +121,7 @@ class SpaceTimeMap:
         self.now.location = T
 
 
-class ErrorCurve:
+class ErrorPicture:
     """The largest difference against slow time, with the band of the run's own error."""
 
     def __init__(self) -> None:

@@ -15,7 +15,7 @@ from longwave import explore_text as text
 from longwave.exploration import (
     FRAMES,
     AnyScene,
-    Choices,
+    Chosen,
     bounds,
     examples,
     first_choices,
@@ -26,7 +26,7 @@ from longwave.exploration import (
     waves_by_equation,
 )
 from longwave.exploration_run import Comparison, Explorer, Refusal
-from longwave.explore_figures import ErrorCurve, Profile, SpaceTimeMap
+from longwave.explore_figures import ErrorPicture, Profile, SpaceTimeMap
 from longwave.explore_style import STYLE, TEXTS_STYLE
 
 LOOK = 100
@@ -55,7 +55,7 @@ class PlainTemplate(pn.template.VanillaTemplate):
     _resources: ClassVar[dict[str, dict[str, str]]] = {}
 
 
-class Entry:
+class NumberEntry:
     """A number that is typed, or drawn with a slider; the text is what counts."""
 
     def __init__(self, name: str, label: str, value: str, changed: Callable[[], None]) -> None:
@@ -68,7 +68,7 @@ class Entry:
         self._follows = False
         self.box.param.watch(self._typed, "value")
 
-    def with_slider(self, low: float, high: float) -> Entry:
+    def with_slider(self, low: float, high: float) -> NumberEntry:
         """Add a slider from ``low`` to ``high``."""
         self.slider = pn.widgets.FloatSlider(
             start=low, end=high, step=(high - low) / 200.0, value=self._within(low, high),
@@ -125,7 +125,7 @@ class ExplorePage:
         self.scene: AnyScene | None = None
         self.found: Comparison | None = None
         self._quiet = False
-        self.entries: dict[str, Entry] = {}
+        self.entries: dict[str, NumberEntry] = {}
         self._make_choosers()
         self._make_results()
         self._choose(FIRST_WAVE, None)
@@ -162,7 +162,7 @@ class ExplorePage:
             words("refused"), words("equation"), words("lines")
         )  # fmt: skip
         self.formula = words("formula")
-        self.profile, self.errors = Profile(), ErrorCurve()
+        self.profile, self.errors = Profile(), ErrorPicture()
         self.lattice_map = SpaceTimeMap("the lattice", "viridis", symmetric=False)
         self.difference_map = SpaceTimeMap("lattice less wave", "RdBu_r", symmetric=True)
         self.player = pn.widgets.Player(
@@ -216,7 +216,7 @@ class ExplorePage:
             self._fill_controls(choices)
         self._ask()
 
-    def _fill_controls(self, choices: Choices) -> None:
+    def _fill_controls(self, choices: Chosen) -> None:
         from solutions import closed_form
 
         self.entries = {}
@@ -243,12 +243,12 @@ class ExplorePage:
             _group("time and accuracy", _pairs(one.view() for one in others)),
         ]
 
-    def _entry(self, group: str, name: str, value: str, label: str) -> Entry:
-        entry = Entry(name, label, value, self._changed)
+    def _entry(self, group: str, name: str, value: str, label: str) -> NumberEntry:
+        entry = NumberEntry(name, label, value, self._changed)
         self.entries[f"{group}.{name}"] = entry
         return entry
 
-    def _reach_parameters(self, choices: Choices) -> None:
+    def _reach_parameters(self, choices: Chosen) -> None:
         """Let the parameters' sliders go where the catalogue admits values, given the others."""
         from solutions import closed_form
 
@@ -262,13 +262,13 @@ class ExplorePage:
             else:
                 entry.reach(*ends)
 
-    def choices(self) -> Choices:
+    def choices(self) -> Chosen:
         """What is chosen now."""
         typed: dict[str, dict[str, str]] = {"parameters": {}, "constants": {}, "": {}}
         for key, entry in self.entries.items():
             group, _, name = key.partition(".")
             typed[group][name] = entry.box.value_input or entry.box.value
-        return Choices(
+        return Chosen(
             wave=self.wave.value, setting=self.setting.value, parameters=typed["parameters"],
             constants=typed["constants"], **typed[""],
         )  # fmt: skip

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from longwave.exploration_run import Comparison, Refusal
+if TYPE_CHECKING:
+    from longwave.exploration_run import Comparison, Refusal
 
 INTRODUCTION = (
     "A lattice of masses and springs is started from a <b>closed-form wave</b> of its own "

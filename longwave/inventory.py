@@ -24,7 +24,7 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     """The records of each kind, made of numbers, text and lists alone.
 
     >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
-    ['fput_strain', 'next_nearest', 'fput']
+    ['fput_strain', 'next_nearest', 'next_nearest_degenerate']
     """
     from solutions import kept_data
 
@@ -148,6 +148,23 @@ def lattice_scenes() -> list[Record]:
     ]
 
 
+def sweeps() -> list[Record]:
+    """The shipped sweeps: name, title, base scene, swept fields, number of cells."""
+    from runs.sweep_file import load_sweep, shipped_sweeps
+
+    return [
+        {
+            "name": sweep.name,
+            "title": sweep.title,
+            "scene": sweep.base,
+            "fields": [field for dimension in sweep.dimensions for field in dimension.fields],
+            "shape": list(sweep.shape),
+            "cells": len(sweep),
+        }
+        for sweep in map(load_sweep, shipped_sweeps())
+    ]
+
+
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
     from verify.comparison.observables import OBSERVABLES
@@ -169,6 +186,7 @@ _RECORDS: Mapping[str, Callable[[], list[Record]]] = {
     "schemes": schemes,
     "scenes": scenes,
     "lattice-scenes": lattice_scenes,
+    "sweeps": sweeps,
     "observables": observables,
 }
 
@@ -223,6 +241,16 @@ def _lattice_scene_row(record: Record) -> Record:
     }
 
 
+def _sweep_row(record: Record) -> Record:
+    return {
+        "name": record["name"],
+        "title": record["title"],
+        "scene": record["scene"],
+        "varied": ", ".join(record["fields"]),
+        "cells": record["cells"],
+    }
+
+
 def _observable_row(record: Record) -> Record:
     what = record["what"] + (" (on a ring only)" if record["needs_ring"] else "")
     return {"name": record["name"], "what": what, "arrays": ", ".join(record["arrays"])}
@@ -234,6 +262,7 @@ _ROWS: Mapping[str, Callable[[Record], Record]] = {
     "schemes": _scheme_row,
     "scenes": _scene_row,
     "lattice-scenes": _lattice_scene_row,
+    "sweeps": _sweep_row,
     "observables": _observable_row,
 }
 
@@ -241,6 +270,7 @@ _NOTES: Mapping[str, str] = {
     "waves": "rational_<j> is there for every order j: to be run up to 12, to be proved up to 99",
     "scenes": "a scene of your own is a TOML file: longwave run FILE.toml",
     "lattice-scenes": "each is derived anew when it is run; longwave converge NAME fits its rate",
+    "sweeps": "a sweep of your own is a TOML file: longwave sweep FILE.toml",
 }
 
 

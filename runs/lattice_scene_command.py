@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
-from runs.run_file import save_run
+from runs.rescue import fail_or_rescue, save_or_rescue
+from runs.run_file import load_run
+from runs.run_store import RunStore
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_run import Announcer
-from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
+from verify.lattices.lattice_run import run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from runs.scene_command import RunOptions
 
 
 def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str) -> int:
     """Run the scene, print its errors and its cost, and write it if asked.
 
-    Exit status 0, 2 for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells.
-    More than 10 s are announced.
+    Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
+    Ctrl-C, which ``program`` tells. More than 10 s are announced.
     """
     try:
         if options.engine is not None:
@@ -33,49 +37,46 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
             )
         if options.tolerance is not None:
             scene = scene.changed(tolerance=options.tolerance)
-        run = run_with_bar(scene)
-        if options.output is not None:
-            save_run(run.dataset, options.output)
+        run = run_with_bar(scene, options.store)
     except KeyboardInterrupt:
         return interrupted(program, "nothing was kept")
     except (ValueError, OSError) as error:
-        return fail(error)
+        return fail_or_rescue(error)
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
-    print_lattice_run(run, plain_console())
-    return 0
+    print_lattice_run(run, scene, plain_console())
+    return 0 if options.output is None else save_or_rescue(run, options.output, options.force)
 
 
-def run_with_bar(scene: LatticeScene) -> LatticeRun:
-    """Run a scene, with a bar where there is a terminal; long work is announced."""
+def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
+    """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
-        return run_lattice_scene(scene, bar[0], Announcer(bar[1]))
+        if store is None:
+            return run_lattice_scene(scene, bar[0], Announcer(bar[1])).dataset
+        return load_run(RunStore(store).fetch(scene, bar[0], Announcer(bar[1])))
 
 
-def print_lattice_run(run: LatticeRun, console: Console) -> None:
+def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:
     """Print the errors at each time, what was derived, and the cost."""
-    scene = run.scene
-    unit = f"sup error / {run.unit}"
+    unit = f"sup error / {run['sup_error'].attrs['units']}"
     console.print(scene.title or scene.name, markup=False, soft_wrap=True)
     table = Table("t", "T", unit, "relative error")
-    rows = zip(run.times, run.slow_times, run.errors, run.relative_errors, strict=True)
-    for t, T, error, relative in rows:
+    columns = (run[name].values for name in ("time", "slow_time", "sup_error", "error"))
+    for t, T, error, relative in zip(*columns, strict=True):
         table.add_row(f"{t:.6g}", f"{T:.3g}", f"{error:.3g}", f"{relative:.3g}")
     console.print(table)
-    for line in _lines(run):
+    for line in _lines(run.attrs, scene):
         console.print(line, markup=False, soft_wrap=True)
 
 
-def _lines(run: LatticeRun) -> Iterator[str]:
-    cost = run.cost
-    scene = run.scene
-    yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {run.derived.text()}"
+def _lines(told: Mapping[str, Any], scene: LatticeScene) -> Iterator[str]:
+    yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {told['equation']}"
     line = (
-        f"{cost['engine']}, {cost['scheme']}: {cost['steps']} steps, {cost['sites']} sites, "
-        f"{cost['force_evaluations']} force evaluations a site, {cost['seconds']:.2f} s; error "
-        f"estimate {run.error_estimate:.2g} of {run.scene.tolerance:g} allowed, planned in "
-        f"{cost['planning_seconds']:.2f} s"
+        f"{told['engine']}, {told['scheme']}: {told['steps']} steps, {told['sites']} sites, "
+        f"{told['force_evaluations']} force evaluations a site, {told['seconds']:.2f} s; error "
+        f"estimate {told['error_estimate']:.2g} of {scene.tolerance:g} allowed, planned in "
+        f"{told['planning_seconds']:.2f} s"
     )
-    drift = cost.get("energy_drift")
+    drift = told.get("energy_drift")
     yield line if drift is None else f"{line}; energy kept to {drift:.1g}"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from verify.comparison import Scene
+    from verify.comparison.stated_run import RunRecord
 
 PARTS = "real_imag"
 """The last dimension of what is complex."""
@@ -58,6 +59,13 @@ def run_any_scene(
         from verify.lattices.lattice_run import run_lattice_scene
 
         return run_lattice_scene(scene, progress, announce).dataset
+    return record_with_trust(scene, progress, announce).dataset
+
+
+def record_with_trust(
+    scene: Scene, progress: Progress | None = None, announce: Announce | None = None
+) -> RunRecord:
+    """`run_any_scene` of the paper's chain without a data set, of which one can be made."""
     from verify.comparison.scene_run import record_scene
     from verify.comparison.stated_run import UnfinishedRun
     from verify.comparison.trust import trust_attributes
@@ -69,7 +77,7 @@ def run_any_scene(
         stop.record.attrs |= trust
         raise
     record.attrs |= trust
-    return record.dataset
+    return record
 
 
 def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from derive.atomic_file import write_atomically
+from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder
 from runs.file_lock import locked
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ SEAL = b"\nlongwave run, sha256 of all before this line: "
 
 SEAL_LENGTH = len(SEAL) + 64 + 1
 
+WAITING = "%s: another process is making this run, which is waited for"
+
 PART = 2**20
 """Bytes that are read at once."""
 
@@ -60,11 +63,13 @@ class RunStore:
     """The runs in a folder, which is made when the first of them is kept.
 
     What happens on the way is told to the logger ``longwave.store``: damage as a warning, waiting
-    for another process and going on with an unfinished run as information.
+    for another process and going on with an unfinished run as information. ``least`` are the
+    seconds between two checkpoints of a run, ``share`` the most of its time that they take.
     """
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(self, folder: str | Path, least: float = LEAST, share: float = SHARE) -> None:
         self.folder = Path(folder)
+        self._pace = least, share
 
     def key(self, scene: Scene | LatticeScene) -> str:
         """The key of the scene's run, 40 hexadecimal digits; equal scenes have equal keys.
@@ -109,7 +114,8 @@ class RunStore:
     ) -> Path:
         """The file of the scene's run, which is made if there is none.
 
-        If another process is making it, that is waited for. ``progress`` and ``announce`` are as in
+        If another process is making it, that is waited for; one that was begun is gone on with, and
+        ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
         `run_any_scene`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
@@ -121,19 +127,28 @@ class RunStore:
             if is_whole(path):
                 return path
             check_sources()
-            from runs.run_file import run_any_scene
-
-            run = run_any_scene(scene, progress, announce)
+            checkpoint = self._checkpoint(path)
+            run = _gone_on_with(checkpoint, scene, progress, announce)
             try:
-                return _kept(path, run)
+                _kept(path, run)
             except OSError as error:
                 raise UnkeptRunError(error, run) from error
+            checkpoint.clear()
+            return path
+
+    def _checkpoint(self, path: Path) -> CheckpointFolder:
+        """Where the unfinished run of that file is kept; another machine's bits may be others."""
+        from solutions.run.entry_point import processor
+
+        settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
+        stamp = "\n".join([path.stem, processor(), *settings])
+        return CheckpointFolder(path.with_suffix(".unfinished"), stamp, *self._pace)
 
     @contextmanager
     def _alone(self, path: Path) -> Iterator[None]:
         """Be the only one who makes the run of that file; drafts of killed processes go."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        with locked(path.with_suffix(".lock"), lambda: LOG.info("%s: another process ...", path)):
+        with locked(path.with_suffix(".lock"), lambda: LOG.info(WAITING, path)):
             for draft in path.parent.glob(f".{path.stem[:40]}.*.draft*"):
                 with suppress(OSError):
                     draft.unlink()
@@ -163,6 +178,19 @@ def _is_sealed(stream: BinaryIO, left: int) -> bool:
 
 def _seal(total: Hash) -> bytes:
     return SEAL + total.hexdigest().encode() + b"\n"
+
+
+def _gone_on_with(
+    checkpoint: CheckpointFolder,
+    scene: Scene | LatticeScene,
+    progress: Progress | None,
+    announce: Announce | None,
+) -> xr.Dataset:
+    from lattice.checkpoint import kept_by
+    from runs.run_file import run_any_scene
+
+    with kept_by(checkpoint):
+        return run_any_scene(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:

@@ -9,7 +9,10 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from derive.command_line import called_by, example
+from derive.command_line import called_by, example, limit_options
+
+SWEEPS = Path(__file__).parent / "sweeps"
+"""Where the shipped sweeps lie."""
 
 ENGINES = ("stencil", "spectral")
 SCENES = tuple(Path(__file__).parents[1] / "verify" / room for room in ("comparison", "lattices"))
@@ -37,13 +40,53 @@ def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[C
     help="Sup error of y/eps to be kept; step and domain are then chosen by the program.",
 )
 @click.option("--engine", metavar="E", help=f"{' or '.join(ENGINES)}, with a tolerance.")
-@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as netCDF.")
+@click.option("--output", metavar="FILE.nc", type=click.Path(), help="Write the run as NetCDF-4.")
+@click.option(
+    "--store",
+    metavar="FOLDER",
+    type=click.Path(),
+    help="Keep the run in this folder; one that is there is not run again, one that was broken off "
+    "is gone on with.",
+)
+@click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
+@limit_options
 def run(**options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 
     SCENE is a TOML file or the name of a shipped scene (`longwave list scenes`, `longwave list
-    lattice-scenes`); one that names a lattice has its equation derived first.
+    lattice-scenes`); one that names a lattice has its equation derived first. Or it is the file of
+    a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
+    or what differs (1).
     """
     from runs.scene_command import RunOptions, run_and_print
 
     return run_and_print(RunOptions(**options), called_by())
+
+
+def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
+    """The shipped sweeps, and files."""
+    names = sorted(path.stem for path in SWEEPS.glob("*.toml") if path.stem.startswith(begun))
+    return [*map(CompletionItem, names), CompletionItem(begun, type="file")]
+
+
+@click.command(epilog=example("longwave sweep error_over_k --processes 2 --output errors.nc"))
+@click.argument("sweep", shell_complete=complete_sweeps)
+@click.option("--processes", type=int, metavar="N", help="Worker processes (all cores).")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://HOST:PORT, instead.")
+@click.option(
+    "--store", metavar="FOLDER", type=click.Path(), help="Keeps the runs (default SWEEP.store)."
+)
+@click.option(
+    "--output", metavar="FILE.nc", type=click.Path(), help="The cells' numbers (SWEEP.nc)."
+)
+@click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
+def sweep(**options: Any) -> int:
+    """Run a scene for many values of its fields.
+
+    SWEEP is a TOML file that says which, or the name of a shipped sweep (`longwave list sweeps`).
+    Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
+    recorded with its error.
+    """
+    from runs.sweep_command import SweepOptions, sweep_and_print
+
+    return sweep_and_print(SweepOptions(**options), called_by())

@@ -9,37 +9,44 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
-from runs.run_file import save_run
-from verify.cli.console import check_output, plain_console, progress_bar
+from derive.interruption import keeping
+from runs.repeat_command import names_a_run, repeat_and_print
+from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
+from runs.run_file import load_run, record_with_trust
+from runs.run_store import RunStore
+from verify.cli.console import plain_console, progress_bar
+from verify.comparison.expected_cost import check_cost
 from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.scene_run import record_scene
-from verify.comparison.stated_run import RunRecord, UnfinishedRun
-from verify.comparison.trust import USUAL_TOLERANCE, trust_attributes
+from verify.comparison.stated_run import RunRecord, UnfinishedRun, Variables
+from verify.comparison.trust import USUAL_TOLERANCE
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
 
 @dataclass
 class RunOptions:
-    """Which scene, with what in the place of what it says, and where the run is written."""
+    """Which scene, with what in the place of what it says, and where the run is written or kept."""
 
     scene: str = ""
     tolerance: float | None = None
     engine: str | None = None
     output: str | None = None
+    force: bool = False
+    store: str | None = None
 
 
 def run_and_print(options: RunOptions, program: str) -> int:
-    """Run one scene, print its errors and its cost, and write it if asked.
+    """Run one scene, or the scene in a run's file again; print errors and cost, write it if asked.
 
-    Exit status 0, 1 if the run blew up, 2 for bad input, told in one line, and 130 after Ctrl-C,
-    which ``program`` tells: what was recorded until then is printed and written, too. More than
-    10 s are announced.
+    Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
+    for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
+    recorded until then is printed and written, too. More than 10 s are announced.
     """
-    errors = plain_console(stderr=True, soft_wrap=True)
     try:
-        check_output(options.output)
+        check_run_output(options.output, options.force)
+        if names_a_run(options.scene):
+            return repeat_and_print(options, program)
         found = find_any_scene(options.scene)
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         return fail(error)
     if isinstance(found, LatticeScene):
         from runs.lattice_scene_command import run_lattice_and_print
@@ -47,32 +54,28 @@ def run_and_print(options: RunOptions, program: str) -> int:
         return run_lattice_and_print(found, options, program)
     try:
         scene = _changed(found, options.tolerance, options.engine)
-        trust = trust_attributes(scene)
-        run = _run_with_bar(scene, errors)
-        run.attrs |= trust
-        _give(run, scene, options.output)
+        check_cost(scene)
+        run = _run_with_bar(scene, options.store)
     except UnfinishedRun as stop:
-        stop.record.attrs |= trust
-        try:
-            _give(stop.record, scene, options.output)
-        except OSError as error:
-            return fail(error)
-        where = f" in {options.output}" if options.output else ""
+        with keeping():
+            status = _give(stop.record, scene, options)
+        where = f" in {options.output}" if options.output and not status else ""
         return interrupted(program, f"{len(stop.record.reached)} snapshots are kept{where}")
     except KeyboardInterrupt:
         return interrupted(program, "nothing was recorded yet")
     except (ValueError, OSError) as error:
-        return fail(error)
+        return fail_or_rescue(error)
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
-    return 1 if run.attrs["blow_up"] else 0
+    return _give(run, scene, options) or int(bool(run.attrs["blow_up"]))
 
 
-def _give(run: RunRecord, scene: Scene, output: str | None) -> None:
-    """Write a run if asked, and print its summary; raises OSError if it cannot be written."""
-    if output is not None:
-        save_run(run.dataset, output)
+def _give(run: RunRecord, scene: Scene, options: RunOptions) -> int:
+    """Print a run's summary, and write it if asked; the exit status."""
     print_summary(run, scene, plain_console())
+    if options.output is None:
+        return 0
+    return save_or_rescue(run.dataset, options.output, options.force)
 
 
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:
@@ -82,10 +85,21 @@ def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene
     return scene if engine is None else scene.changed(engine=engine)
 
 
-def _run_with_bar(scene: Scene, console: Console) -> RunRecord:
+def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
+    """Run a scene, or find its run in the store, with a bar where there is a terminal."""
     wanted = "" if scene.tolerance is None else f" to {scene.tolerance:g}"
+    console = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
-        return record_scene(scene, advance, tell)
+        if store is None:
+            return record_with_trust(scene, advance, tell)
+        run = load_run(RunStore(store).fetch(scene, advance, tell))
+    variables: Variables = {
+        str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
+        for name, value in run.variables.items()
+    }
+    record = RunRecord(scene, tuple(run["time"].values), variables, dict(run.attrs))
+    record.dataset = run
+    return record
 
 
 COLUMNS = {

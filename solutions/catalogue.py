@@ -157,7 +157,9 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
         return rational(int(match[1]), shifts)
     if is_printed:
         return _made(name)
+    from derive.algebra.exact_numbers import shown
+
     raise ValueError(
-        f"name must be a closed form of the catalogue, got {name!r} "
+        f"name must be a closed form of the catalogue, got {shown(name)} "
         f"(one of {', '.join(CATALOGUE.names)}; rational_<j> for j up to {LARGEST_ORDER})"
     )

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from solutions.run.cores import usable_cores
+
 __all__ = ["check_points", "evaluate_points"]
 
 Array = NDArray[np.float64]
@@ -21,7 +23,7 @@ CHUNK = 4096
 @lru_cache(maxsize=1)
 def _executor(_: int) -> ThreadPoolExecutor:
     """Of one process: in a fork of it there are no threads."""
-    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="wave")
+    return ThreadPoolExecutor(usable_cores(), thread_name_prefix="wave")
 
 
 def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
@@ -39,9 +41,8 @@ def evaluate_points(function: Callable[..., Array], *points: Array) -> Array:
     if len(slices) == 1:
         out = function(*(axis.copy() for axis in flat))
     else:
-        chunks = _executor(os.getpid()).map(
-            lambda s: function(*(axis[s].copy() for axis in flat)), slices
-        )
+        go = map if usable_cores() == 1 else _executor(os.getpid()).map
+        chunks = go(lambda s: function(*(axis[s].copy() for axis in flat)), slices)
         out = np.concatenate(list(chunks), axis=-1)
     return out.reshape(*out.shape[:-1], *points[0].shape)
 

@@ -50,6 +50,21 @@ def provenance() -> dict[str, str]:
     }
 
 
+def changed_parts(name: str, before: str, now: str) -> list[str]:
+    """Lines that say in what an attribute of `provenance` differs from another.
+
+    >>> changed_parts("code", "derive 12, lattice 34", "derive 12, lattice 56")
+    ['code: lattice 56, was lattice 34']
+    """
+    parts = before.split(", "), now.split(", ")
+    gone, come = (
+        [part for part in one if part not in other] for one, other in (parts, parts[::-1])
+    )
+    if not gone and not come:
+        return []
+    return [f"{name}: {', '.join(come) or 'nothing'}, was {', '.join(gone) or 'nothing'}"]
+
+
 def code_digests() -> dict[str, str]:
     """The digest (hexadecimal) of the Python files of each folder that a run is computed by.
 

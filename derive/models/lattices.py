@@ -1,5 +1,7 @@
 """The catalogue of lattices: adding one is one entry here, a line in ``LATTICES``."""
 
+from dataclasses import replace
+
 from sympy import Expr, Integer, Rational, Symbol, exp
 
 from derive.lattice import Bond, Lattice, Stencil, on_site, spring
@@ -38,6 +40,15 @@ NEXT_NEAREST = Bond(
 """The springs from each mass to the next but one, in the strain between neighbours."""
 
 
+def degenerate(*further: Expr) -> tuple[Bond, Bond]:
+    """Both springs where they cancel the dispersion of third order: what is left is of fifth.
+
+    ``further`` are K3, K4, L3, L4.
+    """
+    near, far = cubic(K2, *further[:2]), cubic(-K2 / 16, *further[2:])
+    return replace(NEAREST, force=near), replace(NEXT_NEAREST, force=far)
+
+
 def chain(name: str, title: str, force: Expr, *further: Bond, mass: Expr = ONE) -> Lattice:
     """A chain of equal masses in their displacement, with further bonds or on-site forces."""
     bonds = (spring(force, ((0,), 0), ((1,), 0)), *further)
@@ -69,6 +80,20 @@ _ALL = (
         ("y",),
         (ONE,),
         (NEAREST, NEXT_NEAREST),
+    ),
+    Lattice(
+        "next_nearest_degenerate",
+        "FPUT lattice with springs L2 = -K2/16 between next-nearest neighbours, in the strain",
+        ("y",),
+        (ONE,),
+        degenerate(K3, K4, L3, L4),
+    ),
+    Lattice(
+        "next_nearest_degenerate_odd",
+        "cubic FPUT lattice, next-nearest springs L2 = -K2/16, in the strain",
+        ("y",),
+        (ONE,),
+        degenerate(Integer(0), K4, Integer(0), L4),
     ),
     chain("fput", "FPUT lattice in the displacement", FORCE),
     chain("alpha_fput", "alpha-FPUT lattice in the displacement", cubic(K2, K3)),

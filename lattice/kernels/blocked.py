@@ -58,7 +58,6 @@ its steps reach (a stage reaches one site on either side), so the two need to me
 steps only. What is computed twice is computed alike: the result is that of one core, to the bit.
 """
 
-import multiprocessing
 import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
@@ -68,6 +67,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solutions.run.cores import usable_cores
 from solutions.run.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
@@ -346,9 +346,7 @@ def pays(size: int) -> bool:
 
     Not in a worker process: there the other core has work of its own.
     """
-    if size < LEAST_SITES:
-        return False
-    return (os.cpu_count() or 1) > 1 and multiprocessing.parent_process() is None
+    return size >= LEAST_SITES and usable_cores() > 1
 
 
 @lru_cache(maxsize=1)

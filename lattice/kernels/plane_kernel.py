@@ -9,7 +9,6 @@ rows on each; what is computed twice is computed alike.
 from __future__ import annotations
 
 import ctypes
-import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from lattice.kernels.native_code import aligned, native_function
 from lattice.kernels.plane_flow import PlaneFlow, plane_flow
+from solutions.run.cores import usable_cores
 
 if TYPE_CHECKING:
     from lattice.numeric_lattice import NumericLattice
@@ -97,9 +97,7 @@ def _together(flow: PlaneFlow, shape: tuple[int, ...], total: int) -> int:
 
 def _pays(size: int) -> bool:
     """Whether a ring of that size is swept on two cores; not in a worker process."""
-    if size < LEAST_CELLS:
-        return False
-    return (os.cpu_count() or 1) > 1 and multiprocessing.parent_process() is None
+    return size >= LEAST_CELLS and usable_cores() > 1
 
 
 @lru_cache(maxsize=1)

@@ -76,8 +76,8 @@ class LeftAbsorber:
         distance = 0.5 - np.abs(np.arange(self._count) / self._count - 0.5)
         profile = np.exp(-((distance / WIDTH) ** 2))
         self._loss = np.expm1(-strength * _along(profile, self.every * travel / length))
-        self._level = 0.0
-        self._level = -float(np.average(self._strain(p), weights=profile))
+        self.level = 0.0
+        self.level = -float(np.average(self._strain(p), weights=profile))
 
     def absorb(self, p: Complex) -> float:
         """Take off, in place, what has passed the absorber since the last time.
@@ -87,14 +87,14 @@ class LeftAbsorber:
         change = forward(self._strain(p) * self._loss)[: self._kept] * self._share
         p[1, : self._kept] += self._lift * change
         mean = float(change[0].real)
-        self._level += mean
+        self.level += mean
         return mean
 
     def _strain(self, p: Complex) -> Array:
         """The left-going strain."""
         modes = np.zeros(self._count // 2 + 1, dtype=np.complex128)
         modes[1 : self._kept] = (p[1, 1 : self._kept] / self._lift[1:]) * self._share[1:]
-        modes[0] = self._level
+        modes[0] = self.level
         return backward(modes, self._count)
 
 

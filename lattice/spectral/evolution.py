@@ -19,10 +19,12 @@ linearly: p_- holds y - s t and p_+ holds s, each carried along with the frame. 
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory
 from lattice.model import Model
 from lattice.spectral.absorber import ABSORBER_STRENGTH, LeftAbsorber, ShortAbsorber
 from lattice.spectral.exponential import ExponentialAdams
@@ -132,8 +134,11 @@ class SpectralRing:
             turning = np.where(still, 0.0, self._w)
             self._short = ShortAbsorber(state, turning, speed, step, short, strength)
 
-    def at(self, t: float) -> RingState:
-        """The ring at time ``t``, which must not lie before the last one; its points move at c."""
+    def at(self, t: float, pause: Callable[[], None] = lambda: None) -> RingState:
+        """The ring at time ``t``, which must not lie before the last one; its points move at c.
+
+        ``pause`` is called on the way wherever the tail was looked at.
+        """
         duration = t - self._start.t
         integrator = self.integrator
         for _ in range(integrator.whole_steps(duration)):
@@ -141,9 +146,23 @@ class SpectralRing:
             self._absorb()
             if integrator.steps % WATCH == 0:
                 self._watch(integrator.p, self._start.t + integrator.steps * integrator.h)
+                pause()
         p = integrator.ahead(duration)
         self._watch(p, t)
         return self._state(p, t)
+
+    def memory(self) -> Memory:
+        """What `recall` needs at a pause."""
+        level = self._absorber.level if self._absorber else 0.0
+        kept = {"mean": self._mean, "strain": self.strain, "level": level}
+        return kept | {"integrator": self.integrator.memory()}
+
+    def recall(self, memory: Memory) -> None:
+        """Be where another ring, made alike, had that `memory`."""
+        self._mean, self.strain = memory["mean"], memory["strain"]
+        if self._absorber:
+            self._absorber.level = memory["level"]
+        self.integrator.recall(memory["integrator"])
 
     def _state(self, p: Complex, t: float) -> RingState:
         start = self._start

@@ -21,6 +21,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory
 from solutions.run.jit import njit
 
 Complex = NDArray[np.complex128]
@@ -161,6 +162,15 @@ class ExponentialAdams:
         self._past[1:] = self._past[:-1].copy()
         self._past[0] = newest
         self.steps += 1
+
+    def memory(self) -> Memory:
+        """What `recall` needs between two steps."""
+        return {name: getattr(self, name) for name in ("p", "steps", "evaluations", "_past")}
+
+    def recall(self, memory: Memory) -> None:
+        """Be where another, made alike, had that `memory`."""
+        for name in ("p", "steps", "evaluations", "_past"):
+            setattr(self, name, memory[name])
 
     def whole_steps(self, t: float) -> int:
         """How many more whole steps lead up to the time ``t`` or just before it."""

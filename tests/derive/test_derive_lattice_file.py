@@ -84,6 +84,8 @@ def test_the_command_derives_a_file(tmp_path: Path, capsys: pytest.CaptureFixtur
 SPRING = '[[spring]]\nbetween = ["u[n]", "u[n+1]"]\nforce = "K*x"\n'
 HEAD = 'fields = ["u"]\n'
 HOSTILE: dict[str, tuple[str, str]] = {
+    "title": (HEAD + 'title = "\\u001b"\n' + SPRING, "title must be one printable line of 200"),
+    "name": (HEAD + "name = 5\n" + SPRING, "name must be one printable line of 200 .* got 5"),
     "empty": ("", "fields must be a list of names, got None"),
     "no toml": ("fields = [", "lattice must be a TOML file, got"),
     "no utf-8": ("fields = ['\udcff']", "lattice must be a text in UTF-8, got"),

@@ -67,6 +67,8 @@ def test_the_static_stretch_of_the_other_spring_is_slaved() -> None:
 KINDS = {
     "fput_strain": ["KdV", "mKdV"],
     "next_nearest": ["KdV", "mKdV", "fifth-order KdV"],
+    "next_nearest_degenerate": ["fifth-order KdV"],
+    "next_nearest_degenerate_odd": ["fifth-order mKdV"],
     "alpha_fput": ["KdV"],
     "beta_fput": ["mKdV"],
     "mass_dimer": ["KdV", "mKdV"],
@@ -135,6 +137,8 @@ CHECKED = [
     *((name, Scaling(1)) for name in ("triatomic", "toda", "granular", "lennard_jones")),
     ("square", Scaling(1, OBLIQUE)),
     ("next_nearest", Scaling(4, time=5)),
+    ("next_nearest_degenerate", Scaling(4, time=5)),
+    ("next_nearest_degenerate_odd", Scaling(2, time=5)),
 ]  # fmt: skip
 
 

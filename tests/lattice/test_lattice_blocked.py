@@ -28,6 +28,7 @@ from lattice.schemes import (
 )
 from lattice.stepper import advance
 from solutions import Wave, closed_form
+from solutions.run import cores
 
 SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
 
@@ -154,7 +155,7 @@ def test_two_cores_give_the_bits_of_one(scheme: Splitting, size: int, steps: int
 
 
 def test_a_worker_process_leaves_the_other_core_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(blocked.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
     assert blocked.pays(blocked.LEAST_SITES)
     assert not blocked.pays(blocked.LEAST_SITES - 1)
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: object())
@@ -162,5 +163,5 @@ def test_a_worker_process_leaves_the_other_core_alone(monkeypatch: pytest.Monkey
 
 
 def test_one_core_is_not_divided(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(blocked.os, "cpu_count", lambda: 1)
+    monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0}, raising=False)
     assert not blocked.pays(blocked.LEAST_SITES)

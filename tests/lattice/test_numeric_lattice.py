@@ -11,7 +11,8 @@ from lattice.numeric_lattice import NumericLattice, numeric_lattice
 NAMES = "K2 K3 K4 H2 H3 H4 L2 L3 L4 m1 m2 m3 g1 g2 g3 a b A d r E"
 NUMBERS = (1, Rational(1, 4), 1, 2, 1, Rational(1, 3), Rational(1, 5), 1, 2, 1, 3, 2, 1, 1, 1)
 VALUES = dict(zip(NAMES.split(), (*NUMBERS, 1, 2, 1, 1, 1, 1), strict=True))
-DISPLACED = sorted(set(LATTICES) - {"fput_strain", "next_nearest"})
+STRAINED = {"fput_strain", *(name for name in LATTICES if name.startswith("next_nearest"))}
+DISPLACED = sorted(set(LATTICES) - STRAINED)
 
 
 def numbers(name: str, mean_strain: tuple[float, ...] = ()) -> NumericLattice:

@@ -23,7 +23,7 @@ from verify.lattices.lattice_scene import find_any_scene
 Output = pytest.CaptureFixture[str]
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = [
+FLAGS = (
     "--headless",
     "--no-sandbox",
     "--disable-gpu",
@@ -31,7 +31,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
     "--no-first-run",
-]
+)
 
 PATIENCE = 120_000
 """Milliseconds after which a page that does not answer is given up."""
@@ -153,7 +153,7 @@ class Opened:
 
     def finished(self) -> None:
         """Wait until a run that was asked for has come to its end."""
-        self.page.wait_for_selector(".status.done", timeout=PATIENCE)
+        self.page.locator(".status.done").wait_for(timeout=PATIENCE)
 
     def largest(self) -> str:
         text: str = self.page.locator(".outcome .value").first.inner_text()
@@ -172,9 +172,6 @@ class Opened:
 
     def changed_from(self, text: str) -> None:
         """Wait until the largest difference is another."""
-        self.page.wait_for_function(
-            "old => !document.querySelector('.outcome') || true", arg=text, timeout=PATIENCE
-        )
         for _ in range(PATIENCE // 100):
             if self.page.locator(".status.done").count() and self.largest() != text:
                 return
@@ -228,7 +225,7 @@ def test_what_is_not_admitted_is_told_in_the_librarys_line(opened: Opened) -> No
     box = page.locator(".entry-k input")
     for typed, line in (
         ("1.2", "k must satisfy 0 < k < 1, got 1.2 (k = 1 is the triple-pole soliton)"),
-        ("<b>", "k must be a number or a multiple of K, got '<b>' (such as 0.7 or '3*K/4')"),
+        ("<b>", "k must be a real number, got '<b>' (write it without quotes)"),
     ):
         box.fill(typed)
         box.press("Enter")
@@ -275,6 +272,7 @@ def test_ctrl_c_ends_the_server_in_one_line(served: Served) -> None:
     served.process.send_signal(signal.SIGINT)
     out, err = served.process.communicate(timeout=60)
     taken = time.monotonic() - begun
-    assert (out, err) == ("", "longwave explore: interrupted\n")
+    told = [line for line in err.splitlines() if "Refusing websocket connection" not in line]
+    assert (out, told) == ("", ["longwave explore: interrupted"])
     assert served.process.returncode == 130
-    assert taken < 30.0, "it is 0.6 s with nothing running beside"
+    assert taken < 30.0, "main returns after 0.05 s, even with the machine overloaded six times"

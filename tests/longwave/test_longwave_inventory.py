@@ -11,6 +11,7 @@ import longwave.inventory as inventory
 from derive import LATTICES
 from longwave.__main__ import main
 from longwave.command_tree import KINDS
+from runs.sweep_file import shipped_sweeps
 from solutions import CATALOGUE
 from verify.comparison import (
     OBSERVABLES,
@@ -28,6 +29,7 @@ NAMES = {
     "schemes": [scheme.name for scheme in SCHEMES],
     "scenes": [*shipped_scenes(), *further_scenes(), *rational_family_scenes()],
     "lattice-scenes": list(shipped_lattice_scenes()),
+    "sweeps": list(shipped_sweeps()),
     "observables": [*OBSERVABLES],
 }
 

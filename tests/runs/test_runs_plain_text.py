@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from rich.progress import TextColumn
 
 from longwave.__main__ import main
@@ -49,6 +50,8 @@ def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
             columns.append(self)
 
     monkeypatch.setattr(console, "TextColumn", Noted)
-    monkeypatch.setattr(cli, "record_scene", lambda *_: None)
-    cli._run_with_bar(find_scene("rogue_cn_k_0.5"), cli.plain_console(stderr=True))
+    terminal = Console(force_terminal=True, stderr=True)
+    monkeypatch.setattr(cli, "plain_console", lambda **_: terminal)
+    monkeypatch.setattr(cli, "record_with_trust", lambda *_: None)
+    cli._run_with_bar(find_scene("rogue_cn_k_0.5"), None)
     assert [column.markup for column in columns] == [False]

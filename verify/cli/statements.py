@@ -7,11 +7,12 @@ where processes cannot be forked, it is decided here without limits.
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import get_context
@@ -21,10 +22,10 @@ from types import TracebackType
 from typing import Any
 
 from derive.algebra.formula_text import FormulaError
-from derive.command_line import fail, interrupted
+from derive.command_line import duration, fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.exporting import write_scripts
-from verify.cli.problem_file import StatedProblem, read_problems
+from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
 from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
@@ -45,6 +46,9 @@ LIMIT = 60.0
 """Seconds for a statement unless told."""
 
 LEAST, LONGEST = 0.01, 1e6
+
+QUIET = 3.0
+"""Seconds after which what is left is announced: how long a proof takes nobody knows before."""
 
 GRACE = 1.0
 """Seconds after the limit in which a process may say how far it came."""
@@ -97,7 +101,7 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         if path is not None:
             path.touch()
         hinting = 0.0 if options.library == () else HINT_SECONDS
-        verdicts = decided(problems, limit, hinting=hinting)
+        verdicts = decided(problems, limit, hinting=hinting, late=_say_late)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
             _write_certificates(path, [verdict for _, verdict in found])
@@ -126,10 +130,11 @@ def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:
 
 
 def _problems(options: Options) -> list[StatedProblem]:
+    texts = [text for path in options.files for text in problem_texts(Path(path))]
     if options.library is not None:
-        return [text.problem() for text in chosen(options.library)]
-    if options.files:
-        return [problem for path in options.files for problem in read_problems(Path(path))]
+        texts = chosen(options.library)
+    if texts:
+        return [text.problem() for text in tracked(texts, len(texts), "reading")]
     statement = read_statement(
         options.equations,
         options.solutions,
@@ -145,6 +150,11 @@ def _limit(options: Options) -> float:
     if not LEAST <= limit <= LONGEST:
         raise ValueError(f"--limit must be {LEAST} to {LONGEST:g} seconds, got {limit:g}")
     return limit
+
+
+def _say_late(count: int, seconds: float) -> None:
+    words = f"{count} statement{'' if count == 1 else 's'} to be decided: at most"
+    print(f"{words} {duration(seconds)} more (Ctrl-C stops it)", file=sys.stderr, flush=True)
 
 
 # processes
@@ -166,11 +176,13 @@ def decided(
     limit: float = LIMIT,
     processes: int | None = None,
     hinting: float = HINT_SECONDS,
+    late: Callable[[int, float], None] = lambda count, seconds: None,
 ) -> Iterator[tuple[int, StatementVerdict]]:
     """The verdicts with the places of their problems, as they are reached.
 
     Past ``limit`` seconds a statement is undecided, and the reason says how far it came.
-    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one.
+    ``hinting`` seconds at most are spent on what would hold in the place of a refuted one. After
+    `QUIET` seconds ``late`` is told how many statements are left, and their seconds at most.
     """
     if not hasattr(os, "fork"):
         for place, problem in enumerate(problems):
@@ -180,6 +192,7 @@ def decided(
     waiting = iter(enumerate(problems))
     running: dict[Connection, _Running] = {}
     count = processes or os.cpu_count() or 1
+    left, patience = len(problems), time.monotonic() + QUIET
     try:
         while True:
             for place, problem in islice(waiting, count - len(running)):
@@ -187,7 +200,12 @@ def decided(
                 running[connection] = started
             if not running:
                 return
-            for connection in _told(running):
+            told = _told(running, patience)
+            if time.monotonic() > patience:
+                patience = math.inf
+                late(left, math.ceil(left / count) * limit)
+            for connection in told:
+                left -= 1
                 job = running.pop(connection)
                 connection.close()
                 job.process.join()
@@ -211,9 +229,12 @@ def _start(
     return reading, _Running(place, process, time.monotonic() + limit + GRACE)
 
 
-def _told(running: dict[Connection, _Running]) -> list[Connection]:
-    """Read what comes next; the connections of processes that are at their end, or put to it."""
-    nearest = min(job.end for job in running.values())
+def _told(running: dict[Connection, _Running], patience: float) -> list[Connection]:
+    """Read what comes next; the connections of processes that are at their end, or put to it.
+
+    None if nothing comes until the time ``patience``.
+    """
+    nearest = min(patience, *(job.end for job in running.values()))
     over = []
     for ready in wait(list(running), max(0.0, nearest - time.monotonic())):
         assert isinstance(ready, Connection)

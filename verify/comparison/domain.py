@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory
 from lattice.model import WATCHED, BlowUp, Domain, InflowCheck, Sites, State, empty_state
 from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
 from solutions.run.jit import njit
@@ -131,6 +132,11 @@ class SiteRing(Domain[State]):
         """On a closed ring, let fade what can no longer reach a compared site."""
         if self._fading is not None:
             self._fading.at(state)
+
+    def recall(self, memory: Memory, t: float) -> None:
+        """Have faded until ``t``."""
+        if self._fading is not None:
+            self._fading.faded_until = t
 
     @cached_property
     def _fading(self) -> Fading | None:
@@ -285,6 +291,14 @@ class Window(Domain[State]):
     def mismatch(self) -> float:
         """Largest difference of y/eps between what was fed and the sites next to it."""
         return self.monitor.mismatch
+
+    def memory(self) -> Memory:
+        """The largest mismatch of a feed so far."""
+        return {"mismatch": self.monitor.mismatch}
+
+    def recall(self, memory: Memory, t: float) -> None:
+        """Have seen that mismatch."""
+        self.monitor.mismatch = memory["mismatch"]
 
     def start(self) -> State:
         """The initial state, centred on c t0."""

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lattice.checkpoint import spared_seconds
 from lattice.model import State
 from lattice.refine import Announce
 from lattice.trial import Progress
+from verify.comparison.expected_cost import check_cost
 from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
@@ -24,7 +26,6 @@ from verify.comparison.stated_run import (
     RunRecord,
     UnfinishedRun,
     run_from,
-    stated_seconds,
 )
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
@@ -114,7 +115,7 @@ def run_to_tolerance(
         "error_estimate": refined.error,
         "rounding_estimate": refined.rounding,
         "next_decade": refined.next_decade,
-        "planning_seconds": time.perf_counter() - begun - refined.trial.seconds,
+        "planning_seconds": time.perf_counter() - begun + spared_seconds() - refined.trial.seconds,
     }
     return run
 
@@ -149,8 +150,9 @@ def record_scene(
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
         )
+    expected = check_cost(scene)
     if scene.tolerance is None:
-        Announcer(announce or (lambda _: None))(stated_seconds(scene))
+        Announcer(announce or (lambda _: None))(expected.seconds)
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)

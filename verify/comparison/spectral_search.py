@@ -8,13 +8,15 @@ taken for causal is checked against the strains that were met on it.
 
 import math
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 
 import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import begin_loop
 from lattice.refine import Announce, Refined, refine
 from lattice.spectral.absorber import ABSORBER_STRENGTH
 from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
@@ -32,6 +34,7 @@ from lattice.trial import (
     rounding_error,
 )
 from verify.comparison.moving_wave import MovingWave
+from verify.comparison.ring_march import MakeRing, MarchPhase, RingMarch
 from verify.comparison.spectral_data import (
     RingPlace,
     SpectralCost,
@@ -295,42 +298,20 @@ class SpectralEngine:
 
     def _run(self, choices: Choices, progress: Progress) -> Trial:
         moving = self._moving
-        begun = time.perf_counter()
-        tail = TAIL_SHARE * self._tolerance * moving.eps
+        loop = begin_loop(f"spectral {choices}")
         state = self._state(choices)
         if choices.nudged:
             state = replace(state, y=(1.0 + NUDGE) * state.y)
-        cutoff = short = 0.0
-        if choices.absorber:
-            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
-        rings: list[SpectralRing] = []
-        rows: list[Array] = []
+        march = RingMarch(moving, state, self._phases(choices), self._maker(choices, state))
         stopped = False
         try:
-            for start, times, step in self._phases(choices):
-                state = state if not rings else rings[-1].at(start)
-                rings.append(
-                    SpectralRing(
-                        moving.constants,
-                        state,
-                        step,
-                        tail,
-                        absorbed=cutoff,
-                        strength=choices.absorber,
-                        short=short,
-                    )
-                )
-                for t in times:
-                    rows.append(rings[-1].at(t).strain(moving.compared_sites(t)) / moving.eps)
-                    progress((t - moving.t0) / self._duration if self._duration > 0 else 1.0)
+            march.run(progress, loop)
         except KeyboardInterrupt:
-            if not rows:
+            if not march.rows:
                 raise
             stopped = True
-        values = np.array(rows)
-        strain = min(r.strain[0] for r in rings), max(r.strain[1] for r in rings)
-        steps = sum(ring.integrator.steps for ring in rings)
-        evaluations = sum(ring.integrator.evaluations for ring in rings)
+        values = np.array(march.rows)
+        strain, steps, evaluations = march.tally
         points = state.y.size
         cost = SpectralCost(steps, points, evaluations, state.circumference, strain)
         rounding = rounding_error(max(map(abs, strain)) / moving.eps, evaluations)
@@ -338,24 +319,39 @@ class SpectralEngine:
         work = evaluations * points * math.log2(points)
         told = choices.step <= telling_step(moving.speed)
         alike = 0.0 if told else self._alike
-        seconds = time.perf_counter() - begun
+        seconds = time.perf_counter() - loop.begun
         trial = Trial(choices, values, work, seconds, rounding, cost, alike=alike)
         if stopped:
             raise StoppedTrial(trial)
         return trial
 
-    def _phases(self, choices: Choices) -> Iterator[tuple[float, list[float], float]]:
-        """The start, if it has a step of its own, and what follows: beginning, times, step.
+    def _maker(self, choices: Choices, state: RingState) -> MakeRing:
+        """What makes the rings of a run that begins with that state."""
+        cutoff = short = 0.0
+        if choices.absorber:
+            cutoff, short = self._data.absorbed, self._data.short(state.circumference)
+        return partial(
+            SpectralRing,
+            self._moving.constants,
+            tail=TAIL_SHARE * self._tolerance * self._moving.eps,
+            absorbed=cutoff,
+            strength=choices.absorber,
+            short=short,
+        )
+
+    def _phases(self, choices: Choices) -> list[MarchPhase]:
+        """The start, if it has a step of its own, and what follows.
 
         The ansatz is not quite a right-going wave. Steps that do not resolve how the rest of it
         leaves the wave would replace it by its mean, whatever their length.
         """
         t0, times, began = self._moving.t0, list(self._moving.times[1:]), self._started
         if not 0.0 < choices.start < choices.step:
-            yield t0, times, choices.step
-            return
-        yield t0, [t for t in times if t < began], choices.start
-        yield began, [t for t in times if t >= began], choices.step
+            return [MarchPhase(t0, times, choices.step)]
+        return [
+            MarchPhase(t0, [t for t in times if t < began], choices.start),
+            MarchPhase(began, [t for t in times if t >= began], choices.step),
+        ]
 
     def _ring(self, choices: Choices) -> RingPlace:
         key = (choices.size, choices.shift, choices.causal)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lattice.checkpoint import Memory, begin_loop
 from lattice.model import Domain, State
 from lattice.schemes import check_step
 from lattice.stepper import Stepper, advance
@@ -54,15 +55,15 @@ class Moments:
 
     def __post_init__(self) -> None:
         self._exact = frozenset(self.times)
-        self._next = -np.inf
+        self.next = -np.inf
 
     def due(self, t: float) -> bool:
         """Whether the run is to be seen at the stop ``t``; to be asked once for each stop."""
         if self.times:
             return t in self._exact
-        if t < self._next:
+        if t < self.next:
             return False
-        self._next = t + self.interval
+        self.next = t + self.interval
         return True
 
 
@@ -99,6 +100,12 @@ class Observer(Protocol):
     def see(self, view: View) -> None:
         """Record the run at one of the moments."""
 
+    def memory(self) -> Memory:
+        """What it has recorded."""
+
+    def recall(self, memory: Memory) -> None:
+        """Have recorded that."""
+
 
 class Recorder:
     """Records the entries that share one kind of moment, and one time dimension."""
@@ -116,6 +123,14 @@ class Recorder:
         for name, value in ((name, row[name]) for row in found for name in row):
             self._rows.setdefault(name, []).append(value)
         self.times.append(view.state.t)
+
+    def memory(self) -> Memory:
+        """What was recorded, and when it is to look next."""
+        return {"times": self.times, "rows": self._rows, "next": self.moments.next}
+
+    def recall(self, memory: Memory) -> None:
+        """Have recorded that."""
+        self.times, self._rows, self.moments.next = (memory[k] for k in ("times", "rows", "next"))
 
     def variables(self) -> Variables:
         """What was measured at ``times``, and they unless they are the snapshots'."""
@@ -277,17 +292,30 @@ def record(
     exact = {t for observer in observers for t in observer.moments.times}
     first = {begin} if restart is None else set()
     times = sorted({t for t in exact if t > begin} | first | {scene.end})
-    begun, stopped = time.perf_counter(), False
+    loop, stopped = begin_loop(f"{scene.json()} from {begin!r}"), False
+    if loop.memory is not None:
+        stepper.recall(loop.memory)
+        for observer, memory in zip(observers, loop.memory["observers"], strict=True):
+            observer.recall(memory)
+        times = [t for t in times if t > stepper.state.t]
+
+    def remember(arrays: bool = True) -> Memory:
+        return stepper.memory(arrays) | {"observers": [one.memory() for one in observers]}
+
     try:
-        for state in stepper.through(times):
+        for state in stepper.through(times) if times else ():
             view = View(moving, state)
             for observer in observers:
                 if observer.moments.due(state.t):
                     observer.see(view)
             progress(_share(begin, scene.end, state.t))
+            if state.t < scene.end:
+                loop.offer(remember)
     except KeyboardInterrupt:
         stopped = True
-    return Recording(stepper, step_limit, time.perf_counter() - begun, stopped)
+    if times and not stopped and stepper.blow_up is None:
+        loop.end(lambda: remember(arrays=False))
+    return Recording(stepper, step_limit, time.perf_counter() - loop.begun, stopped)
 
 
 def _share(begin: float, end: float, t: float) -> float:
@@ -319,6 +347,14 @@ class StrainSamples:
     def see(self, view: View) -> None:
         """Keep the strains at one time."""
         self.samples.append(view.numeric)
+
+    def memory(self) -> Memory:
+        """The samples."""
+        return {"samples": self.samples}
+
+    def recall(self, memory: Memory) -> None:
+        """Have kept those samples."""
+        self.samples = memory["samples"]
 
 
 def refined(scene: Scene, measure: str) -> Scene:

@@ -25,6 +25,7 @@ from lattice.trial import (
     shorter_step,
 )
 from verify.comparison.domain import (
+    Array,
     creeping,
     least_ring,
     least_window,
@@ -165,6 +166,7 @@ class StencilEngine:
         self.order: int = scheme.order
         self._scene, self._moving = scene, moving
         self._bounds = find_bounds(moving, scene.target.tolerance)
+        self._met: list[Array] = []  # on rings that were too narrow, of runs done at once
         self.fragile = moving.wave.wavelength is not None
         self._domain = domain_kind(scene, moving)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
@@ -204,7 +206,8 @@ class StencilEngine:
                 return trial
             if least > RUNAWAY * choices.size:
                 return replace(trial, values=None)
-            choices, self._bounds = replace(choices, size=_checked(least)), bounds
+            choices = replace(choices, size=_checked(least))
+            self._met.append(strain)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
@@ -233,7 +236,9 @@ class StencilEngine:
 
     def _sized(self, choices: Choices, sites: float) -> Choices:
         """With that many sites, or a causal ring if that takes fewer."""
-        causal = least_sites(self._moving, "ring", self._bounds)
+        strain = np.concatenate([self._bounds.strain, *self._met])
+        bounds = replace(self._bounds, strain=strain)
+        causal = least_sites(self._moving, "ring", bounds)
         if not choices.causal and sites >= causal:
             return replace(choices, size=_checked(causal), causal=True)
         return replace(choices, size=_checked(round_up(sites)))
@@ -288,3 +293,12 @@ def stencil_seconds(scene: Scene) -> float:
     steps = moving.duration / longest_step(scene.constants, scheme, bounds)
     sites = least_sites(moving, domain_kind(scene, moving), bounds)
     return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
+
+
+def most_stencil_sites(scene: Scene) -> int:
+    """About the sites of the widest run, as far as the wave tells."""
+    moving = scene.moving_wave
+    bounds = find_bounds(moving, scene.target.tolerance)
+    kind = domain_kind(scene, moving)
+    sites = least_sites(moving, kind, bounds)
+    return min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))

@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3
 """Of the stretches along a run, in units of what is expected of the error: eps to a power."""
 
+HIGHEST = 3
+"""The power of eps with which errors of the best data fall: G_1 takes the one before."""
+
 LONGER = 1.5
 """How much longer the second ring is."""
 
@@ -113,7 +116,7 @@ class _Run:
         data.start(begin)
         ring = data.ring(self.cells, begin)
         state = FieldState(begin, ring.f, ring.v)
-        tolerance = TOLERANCE * eps ** (POWERS[order] + 1)
+        tolerance = TOLERANCE * eps ** min(POWERS[order] + 1, HIGHEST)
         times = np.sort([late, late + np.pi / 2 / data.carrier.omega], axis=None)
         run = integrate(ring.lattice, state, times, tolerance)
         self.own = run.error_estimate
@@ -159,6 +162,8 @@ GONE = 1e-7
 _CUBIC = {"K2": 1, "K3": Rational(1, 4), "K4": 1}
 _QUADRATIC = {"K2": 1, "K3": Rational(3, 2), "K4": 1}
 _PINNED = {"K2": 1, "g1": 2, "g2": 1, "g3": 1}
+_HARD = {"K2": 1, "g1": 2, "g2": 1, "g3": 4}
+"""With g3 = 1 the soliton is 1.07 high and its errors, some 100 eps^3, hide their power."""
 _DIMER = {"m1": 1, "m2": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
 _GRAINS = {"m1": 1, "m2": 4, "K2": 1, "K3": -Rational(1, 4), "K4": -Rational(1, 24)}
 
@@ -179,7 +184,7 @@ ENVELOPE_CASES = {
     "dark, strain": EnvelopeCase("fput_strain", _QUADRATIC, pi / 2, "nls_dark", (0, 2), 60, 6),
     "dark, Klein-Gordon": EnvelopeCase("klein_gordon", _PINNED, pi / 3, "nls_dark", (0, 2), 60, 6),
     "bright, Klein-Gordon": EnvelopeCase(
-        "klein_gordon", _PINNED, 2 * pi / 3, "nls_bright", *_SOLITON
+        "klein_gordon", _HARD, 2 * pi / 3, "nls_bright", *_SOLITON
     ),
     "Peregrine, strain": EnvelopeCase("fput_strain", _CUBIC, pi / 2, "nls_peregrine", *_PEREGRINE),
     "Peregrine, strain, pi": EnvelopeCase("fput_strain", _CUBIC, pi, "nls_peregrine", *_PEREGRINE),

@@ -15,7 +15,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.command_line import duration
+from derive.request_limits import ExpectedCost, check_request
+from lattice.checkpoint import Loop, Memory, begin_loop
 from lattice.dynamics import dynamics_of
 from lattice.model import GROWTH
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
@@ -55,11 +56,14 @@ chain, 1e-8 on two axes)."""
 USUAL_RUNS = 4.0
 """Runs of a search, in units of the first."""
 
+PROCESS_BYTES = 3e8
+"""Of a process that has run something small."""
+
+BYTES_PER_VALUE = 100.0
+"""Of what is compared at a time, by all runs of a search and in what is made of them."""
+
 BYTES_PER_CELL = 160.0
 """Of a run, for each field of a cell: state, data, and what is compared."""
-
-MOST_SECONDS, MOST_BYTES = 3600.0, 2e9
-"""What a scene may take."""
 
 
 @dataclass(frozen=True)
@@ -170,18 +174,13 @@ class RingRuns(StepSearch):
         steps = (self.times[-1] - self.times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
         each = SECONDS_PER_UPDATE[min(self.wave.lattice.dimension, 2)]
         taken = steps * SCHEME.stages * sites * self._fields * each * USUAL_RUNS
-        held = BYTES_PER_CELL * sites * self._fields
-        remedy = "take a larger eps, end earlier or compare fewer cells"
-        if held > MOST_BYTES:
-            raise ValueError(
-                f"scene must fit {MOST_BYTES / 1e9:g} GB, got about {held / 1e9:.2g} GB for a ring "
-                f"of {sites:.3g} cells, from which signals arrive in time ({remedy})"
-            )
-        if taken > MOST_SECONDS:
-            raise ValueError(
-                f"scene must take at most {duration(MOST_SECONDS)}, got about {duration(taken)} "
-                f"for {steps:.2g} steps of {sites:.2g} cells ({remedy})"
-            )
+        kept = math.prod(2.0 * reach + 1.0 for reach in self.compared.reach) * len(self.times)
+        held = PROCESS_BYTES + (BYTES_PER_CELL * sites + BYTES_PER_VALUE * kept) * self._fields
+        check_request(
+            f"scene of {sites:.3g} cells, from which signals arrive in time,",
+            ExpectedCost(taken, held, steps),
+            "take a larger eps, end earlier or compare fewer cells",
+        )
         self.expected = taken
 
     def _check_stability(self, near: CellRing) -> None:
@@ -196,7 +195,7 @@ class RingRuns(StepSearch):
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
-        begun = perf_counter()
+        loop = begin_loop(f"ring {choices}")
         wider = WIDER if choices.size > self._first.size else 0
         ends = self.compared.ring(self.times, self.signals, wider)
         ring = self.wave.ring(_grid(ends), self.times[0])
@@ -204,15 +203,16 @@ class RingRuns(StepSearch):
             f, v = nudged(ring.f, ring.v)
             ring = replace(ring, f=f, v=v)
         energy = _energy(ring, ring.f, ring.v)
-        measured, steps, last = [], 0, (ring.f, ring.v)
-        for t, f, v, taken in march(ring, self.times, choices.step):
-            found = self.wave.measured(f, ring.mean_strain)
-            measured.append(found[(slice(None), *self.compared.places(ends, t))] / self.wave.scale)
-            steps, last = steps + taken, (f, v)
+        march = March(ring, self.times, choices.step, loop)
+        for t in march.through():
+            found = self.wave.measured(march.f, ring.mean_strain)
+            places = (slice(None), *self.compared.places(ends, t))
+            march.measured.append(found[places] / self.wave.scale)
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
+        measured, steps = march.measured, march.steps
         record = RingRecord(
             measured,
-            (energy, _energy(ring, *last)),
+            (energy, _energy(ring, march.f, march.v)),
             sites_of(ends),
             choices.step,
             steps,
@@ -226,7 +226,7 @@ class RingRuns(StepSearch):
             choices,
             values if sound else None,
             self.work(choices),
-            perf_counter() - begun,
+            perf_counter() - loop.begun,
             rounding_error(largest, evaluations),
             record,
         )
@@ -264,21 +264,56 @@ def _stiffest(ring: CellRing) -> list[float]:
     return found
 
 
-def march(
-    ring: CellRing, times: Sequence[float], step: float
-) -> Iterator[tuple[float, Array, Array, int]]:
-    """Each of the times with the state then, and the steps since the one before; none after one
-    that is not finite."""
-    dynamics = dynamics_of(ring.lattice)
-    f, v = ring.f.copy(), ring.v.copy()
-    yield times[0], f, v, 0
-    most = max(1, int(UPDATES / (SCHEME.stages * f.size)))
-    for begin, end in pairwise(times):
-        steps = max(1, math.ceil((end - begin) / step * (1.0 - 1e-12)))
-        h = (end - begin) / steps
-        for done in range(0, steps, most):
-            with np.errstate(all="ignore"):
-                dynamics.advance(SCHEME, f, v, h, min(most, steps - done))
-            if not np.all(np.isfinite(f)):
+REMEMBERED = ("f", "v", "measured", "steps", "_done")
+"""What a march is gone on with."""
+
+
+class March:
+    """A ring on its way: ``f`` and ``v`` when the last of the times passed that was still finite.
+
+    ``measured`` is its user's, a row for each of the times that was come to; ``steps`` lead there.
+    """
+
+    def __init__(
+        self, ring: CellRing, times: Sequence[float], step: float, loop: Loop | None = None
+    ) -> None:
+        self.f, self.v = ring.f.copy(), ring.v.copy()
+        self.measured: list[Array] = []
+        self.steps = 0
+        self._times, self._step, self._loop = times, step, loop or Loop()
+        self._done = 0
+        self._dynamics = dynamics_of(ring.lattice)
+        if self._loop.memory is not None:
+            for name in REMEMBERED:
+                setattr(self, name, self._loop.memory[name])
+
+    def through(self) -> Iterator[float]:
+        """Each of the times still to come, and none after one that is not finite.
+
+        What was not finite by then is not shown.
+        """
+        if not self.measured:
+            yield self._times[0]
+        for begin, end in list(pairwise(self._times))[len(self.measured) - 1 :]:
+            if not self._advance(begin, end):
                 return
-        yield end, f, v, steps
+            yield end
+        self._loop.end(self._memory)
+
+    def _advance(self, begin: float, end: float) -> bool:
+        """Go from one of the times to the next; whether the ring is still finite there."""
+        steps = max(1, math.ceil((end - begin) / self._step * (1.0 - 1e-12)))
+        most = max(1, int(UPDATES / (SCHEME.stages * self.f.size)))
+        h = (end - begin) / steps
+        while self._done < steps:
+            with np.errstate(all="ignore"):
+                self._dynamics.advance(SCHEME, self.f, self.v, h, min(most, steps - self._done))
+            if not np.all(np.isfinite(self.f)):
+                return False
+            self._done = min(steps, self._done + most)
+            self._loop.offer(self._memory)
+        self.steps, self._done = self.steps + steps, 0
+        return True
+
+    def _memory(self) -> Memory:
+        return {name: getattr(self, name) for name in REMEMBERED}

@@ -25,6 +25,7 @@ LONG |= {"6a, second rogue wave": 20.0, "6a, rogue wave on cn": 10.0}
 """The same of cases that the full report alone has: computed waves, and those at small eps."""
 
 WIDE, FINE = (0.1, 0.07, 0.05, 0.035), (0.07, 0.05, 0.035)
+COARSE, SHORT = (0.14, 0.1, 0.07), (0.1, 0.07, 0.05)
 
 ENVELOPES: Mapping[tuple[str, str], tuple[float, tuple[float, ...]]] = {
     ("bright, strain", "slaved"): (2.0, WIDE),
@@ -33,8 +34,12 @@ ENVELOPES: Mapping[tuple[str, str], tuple[float, tuple[float, ...]]] = {
     ("dark, strain", "leading"): (2.0, WIDE),
     ("dark, strain", "corrected"): (3.0, WIDE),
     ("dark, Klein-Gordon", "slaved"): (2.0, WIDE),
+    ("bright, Klein-Gordon", "leading"): (2.0, WIDE),
+    ("bright, Klein-Gordon", "corrected"): (3.0, SHORT),
     ("Peregrine, strain", "leading"): (2.0, FINE),
     ("Peregrine, strain", "corrected"): (3.0, FINE),
+    ("Peregrine, optical dimer", "leading"): (2.0, COARSE),
+    ("Peregrine, optical dimer", "corrected"): (3.0, SHORT),
     ("Peregrine, granular dimer", "slaved"): (3.0, FINE),
 }
 """Case and order of the data -> the rate to expect and the values of eps: 2 for the NLS equation, 3

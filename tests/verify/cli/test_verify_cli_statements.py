@@ -3,6 +3,7 @@
 import json
 import os
 import time
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -359,7 +360,30 @@ def test_ctrl_c_prints_what_is_decided(
     assert output.err == "longwave prove: interrupted (after 1 of 3 statements)\n"
 
 
+def test_reading_is_shown_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The library's formulas take seconds to read: once nothing was to be seen of that."""
+    shown: list[tuple[str, int]] = []
+
+    def tracked(items: Iterable[Any], count: int, words: str) -> Iterator[Any]:
+        shown.append((words, count))
+        yield from items
+
+    monkeypatch.setattr(command, "tracked", tracked)
+    assert main(["prove", written(tmp_path, FILE)]) == 0
+    assert shown == [("reading", 3), ("deciding", 3)]
+
+
 def test_problems_are_read_without_deciding(tmp_path: Path) -> None:
     problems = read_problems(Path(written(tmp_path, FILE)))
     assert [p.expect for p in problems] == ["PROVED", "REFUTED", ""]
     assert [p.statement.name for p in problems] == ["soliton", "misprint", "mine 3"]
+
+
+def test_what_takes_long_is_announced_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command, "QUIET", 0.0)
+    words = ["prove", "--equation", "u_t + u_x", "--solution", "u = sin(x - t)", "--limit", "30"]
+    assert main(words) == 0
+    announced = "1 statement to be decided: at most 30 s more (Ctrl-C stops it)\n"
+    assert capsys.readouterr().err == announced

@@ -16,6 +16,7 @@ SOLITON = ENVELOPE_CASES["bright, displacement"]
 
 
 WIDE, FINE = (0.1, 0.07, 0.05, 0.035), (0.07, 0.05, 0.035)
+COARSE, SHORT = (0.14, 0.1, 0.07), (0.1, 0.07, 0.05)
 
 RATES = [
     ("bright, strain", "leading", WIDE, 2.0),
@@ -25,8 +26,12 @@ RATES = [
     ("dark, strain", "leading", WIDE, 2.1),
     ("dark, strain", "corrected", WIDE, 3.1),
     ("dark, Klein-Gordon", "slaved", WIDE, 2.1),
+    ("bright, Klein-Gordon", "leading", WIDE, 2.1),
+    ("bright, Klein-Gordon", "corrected", SHORT, 3.0),
     ("Peregrine, strain", "leading", FINE, 1.9),
     ("Peregrine, strain", "corrected", FINE, 2.9),
+    ("Peregrine, optical dimer", "leading", COARSE, 2.2),
+    ("Peregrine, optical dimer", "corrected", SHORT, 3.1),
     ("Peregrine, granular dimer", "slaved", FINE, 3.1),
 ]
 """Case, order of the data, values of eps, and the rate that was measured."""

@@ -1,0 +1,110 @@
+"""Checkpoints: the memories of an unfinished run's loops, as files of a folder.
+
+A file has the digest of what follows it, and then the stamp of its run, the loop's task and memory.
+One that is damaged, of another run, another machine or another task is not read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import logging
+import pickle
+import shutil
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from derive.atomic_file import write_atomically
+from lattice.checkpoint import Memory
+from solutions.run.kernel_folder import read_whole
+
+LOG = logging.getLogger("longwave.store")
+
+LEAST = 5.0
+"""Seconds between two checkpoints of a loop: what a kill loses at most."""
+
+SHARE = 0.01
+"""The most of a run's time that its checkpoints take."""
+
+PATIENCE = 60.0
+"""Seconds until it is tried again where a checkpoint could not be written."""
+
+PLAIN = {
+    ("numpy", "dtype"),
+    ("numpy", "ndarray"),
+    ("numpy._core.multiarray", "_reconstruct"),
+    ("numpy._core.multiarray", "scalar"),
+    ("numpy._core.numeric", "_frombuffer"),
+}
+"""What may stand in a checkpoint beside numbers, texts, lists and dictionaries: arrays."""
+
+
+class CheckpointFolder:
+    """Keeps the memories of one run's loops in a folder, which is made for the first of them.
+
+    ``stamp`` is all that the run's bits follow from. ``least`` and ``share`` are a `Keeper`'s. A
+    disk that is full stops no run: that is told, and tried again later.
+    """
+
+    def __init__(
+        self, folder: Path, stamp: str, least: float = LEAST, share: float = SHARE
+    ) -> None:
+        self.least, self.share = least, share
+        self._folder, self._stamp = folder, stamp
+        self._usual, self._lock = least, Lock()
+        self._spared = 0.0
+
+    def read(self, name: str, task: str) -> Memory | None:
+        """What was kept of the loop of that name; None if nothing that fits was."""
+        path = self._path(name)
+        data = read_whole(path)
+        if data is None:
+            if path.exists():
+                LOG.warning("%s is damaged: that part of the run is done again", path)
+            return None
+        try:
+            stamp, kept_task, memory = _Reader(io.BytesIO(data)).load()
+        except Exception:  # of another version of NumPy, say
+            return None
+        return memory if (stamp, kept_task) == (self._stamp, task) else None
+
+    def write(self, name: str, task: str, memory: Memory) -> None:
+        """Keep it at once, in the place of what was kept before."""
+        data = pickle.dumps((self._stamp, task, memory), protocol=5)
+        whole = hashlib.sha256(data).digest() + data
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(self._path(name), lambda draft: draft.write_bytes(whole))
+        except OSError as error:
+            if self.least != PATIENCE:
+                LOG.warning("%s: the run goes on without a checkpoint", error)
+            self.least = PATIENCE
+        else:
+            self.least = self._usual
+
+    def spared(self, seconds: float) -> None:
+        """Count what need not be done again."""
+        with self._lock:
+            self._spared += seconds
+
+    @property
+    def spared_seconds(self) -> float:
+        """All that was counted."""
+        return self._spared
+
+    def clear(self) -> None:
+        """Remove the folder: the run is finished."""
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _path(self, name: str) -> Path:
+        return self._folder / f"{name}.loop"
+
+
+class _Reader(pickle.Unpickler):
+    """Reads numbers, texts and arrays, and calls nothing else that a file may name."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) in PLAIN:
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name} has no place in a checkpoint")

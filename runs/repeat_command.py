@@ -1,0 +1,70 @@
+"""``longwave run FILE.nc``: run the scene in a run's file again and say whether it has its bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from derive.command_line import fail, interrupted
+from runs.repeated_run import compare_runs
+from runs.rescue import save_or_rescue
+from runs.run_file import is_run_file, load_run, run_any_scene, scene_of_run
+from verify.cli.console import plain_console, print_lines, progress_bar
+from verify.comparison.scene_run import Announcer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from runs.scene_command import RunOptions
+
+
+def names_a_run(source: str) -> bool:
+    """Whether what is to be run is the file of a run, and no scene."""
+    path = Path(source)
+    return path.suffix == ".nc" or (path.is_file() and is_run_file(path))
+
+
+def repeat_and_print(options: RunOptions, program: str) -> int:
+    """Run the scene in a run's file again and tell what differs.
+
+    Exit status 0 for the same bits, 1 for others, 2 for a file that is no finished run, 130 after
+    Ctrl-C.
+    """
+    try:
+        kept = _finished_run(options)
+        made = _run_again(kept, options.scene)
+    except KeyboardInterrupt:
+        return interrupted(program, f"{options.scene} is as it was")
+    except (ValueError, OSError) as error:
+        return fail(error)
+    found = compare_runs(kept, made)
+    first, *further = found.lines()
+    print_lines(plain_console(), [f"{options.scene}: {first}", *further])
+    status = 0 if found.is_same else 1
+    if options.output is not None:
+        return save_or_rescue(made, options.output, options.force) or status
+    return status
+
+
+def _finished_run(options: RunOptions) -> xr.Dataset:
+    """The run in the file; ValueError for options that a repetition cannot have."""
+    for name in ("tolerance", "engine", "store"):
+        given = getattr(options, name)
+        if given is not None:
+            raise ValueError(
+                f"--{name} must not be given with a run, got {given} (it is run as it was)"
+            )
+    run = load_run(options.scene)
+    if "unfinished" in run.attrs:
+        raise ValueError(
+            f"run must have come to its end to be repeated, got {options.scene}, unfinished: "
+            f"{run.attrs['unfinished']} (run its scene)"
+        )
+    return run
+
+
+def _run_again(kept: xr.Dataset, source: str) -> xr.Dataset:
+    scene = scene_of_run(kept)
+    errors = plain_console(stderr=True, soft_wrap=True)
+    with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):
+        return run_any_scene(scene, advance, Announcer(tell))

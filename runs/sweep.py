@@ -1,0 +1,247 @@
+"""Running a sweep: batches of its cells to workers, packs of what is done into a store."""
+
+from __future__ import annotations
+
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from queue import Empty, SimpleQueue
+
+from derive.atomic_file import write_atomically
+from runs.run_pack import (
+    FAILED,
+    REFUSED,
+    SETTLED,
+    CellRecord,
+    PackedRun,
+    read_pack,
+    write_pack,
+)
+from runs.run_store import RunStore
+from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
+from runs.sweep_file import Sweep
+from runs.sweep_workers import Promise, Workers
+
+LEAST_SECONDS, MOST_SECONDS = 0.3, 3.0
+"""Seconds of a batch: its pack costs 10 ms. Towards the end they are short, so that all workers
+are done together."""
+
+SHARE = 4
+"""A worker's next batch is at most this part of what there is left for it."""
+
+AHEAD = 2
+"""Batches that a worker has, with the one that it is doing: it never waits for the next."""
+
+MOST_LOSSES = 3
+"""Workers that a cell may lose, alone, before it is taken to be why."""
+
+POLL = 0.2
+"""Seconds between two looks at Ctrl-C, where waiting is not interrupted."""
+
+Tell = Callable[["SweepState"], None]
+
+
+@dataclass
+class SweepState:
+    """How far a sweep is: cells in all, found as settled, done now, and those with a fault.
+
+    ``seconds``, ``processor_seconds``: of the cells themselves; ``worker_seconds`` of the processor
+    with all that the workers did. ``first_fault`` is what the first cell with a fault was told.
+    """
+
+    cells: int
+    workers: int = 1
+    found: int = 0
+    done: int = 0
+    faults: int = 0
+    seconds: float = 0.0
+    processor_seconds: float = 0.0
+    worker_seconds: float = 0.0
+    first_fault: str = ""
+    pace: float = 0.0
+    """Seconds of a cell, of late."""
+
+    @property
+    def seconds_left(self) -> float:
+        """An estimate by the cells that were done of late; 0 before there are any."""
+        return (self.cells - self.found - self.done) * self.pace / self.workers
+
+    def count(self, batch: Batch) -> None:
+        """Take in what a worker did."""
+        self.done += len(batch.statuses)
+        self.faults += sum(status in (REFUSED, FAILED) for status in batch.statuses)
+        self.seconds += batch.seconds
+        self.processor_seconds += batch.processor_seconds
+        self.worker_seconds += batch.whole_processor_seconds
+        self.first_fault = self.first_fault or batch.first_fault
+        mean = batch.seconds / len(batch.statuses)
+        self.pace = 0.5 * (self.pace + mean) if self.pace else mean
+
+
+def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
+    """What the store's packs hold, by key; of several attempts one that settled it.
+
+    Damaged packs count as missing.
+    """
+    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
+    for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
+        for record, place in read_pack(path):
+            if record.status in SETTLED or record.key not in found:
+                found[record.key] = record, place
+    return found
+
+
+def run_sweep(
+    sweep: Sweep,
+    store: RunStore,
+    workers: Workers,
+    progress: Tell = lambda _: None,
+    state: SweepState | None = None,
+) -> SweepState:
+    """Run what the store does not hold of a sweep; all that comes to an end is in the store.
+
+    Cells with a fault are recorded and the sweep goes on; they are run again only if they may
+    succeed then. ``progress`` is told now and then how far it is, in the ``state`` that is
+    returned. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was done is
+    kept then, too.
+    """
+    state = SweepState(len(sweep), workers.count) if state is None else state
+    (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
+    with _token(Path(store.folder)) as token:
+        march = _March(sweep, store, workers, state, progress, token)
+        march.run()
+    return state
+
+
+@contextmanager
+def _token(folder: Path) -> Iterator[str]:
+    """A file by which workers see whether the store's folder is theirs, too."""
+    name = f".{uuid.uuid4().hex}.sweep"
+    write_atomically(folder / name, lambda draft: draft.write_bytes(b""), durable=False)
+    try:
+        yield name
+    finally:
+        (folder / name).unlink(missing_ok=True)
+
+
+@dataclass
+class _March:
+    """The cells on their way: to be sent, sent, and those that lost a worker."""
+
+    sweep: Sweep
+    store: RunStore
+    workers: Workers
+    state: SweepState
+    progress: Tell
+    token: str
+    sent: dict[Promise, list[Cell]] = field(default_factory=dict)
+    suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
+    answered: SimpleQueue[Promise] = field(default_factory=SimpleQueue)
+
+    def run(self) -> None:
+        missing = self._missing()
+        ended = False
+        while True:
+            while not ended and not self.suspects and len(self.sent) < AHEAD * self.workers.count:
+                cells = list(islice(missing, self._size()))
+                ended = not cells
+                if cells:
+                    self._send(cells)
+            if self.suspects and not self.sent:
+                self._send([self.suspects[0][0]])
+            if not self.sent and not self.suspects:
+                return
+            self._take()
+
+    def _missing(self) -> Iterator[Cell]:
+        """The cells that the store does not hold, as they are asked for."""
+        settled = {
+            key
+            for key, (record, _) in packed_records(self.store).items()
+            if record.status in SETTLED
+        }
+        for number in range(len(self.sweep)):
+            try:
+                scene = self.sweep.scene(number)
+            except ValueError as error:
+                self.state.first_fault = self.state.first_fault or str(error)
+                self.state.faults += 1
+                self.state.found += 1
+                continue
+            key = self.store.key(scene)
+            if key in settled or self.store.find(scene) is not None:
+                self.state.found += 1
+            else:
+                yield Cell(number, key, scene)
+
+    def _size(self) -> int:
+        """Cells of the next batch."""
+        pace = self.state.pace
+        if not pace:
+            return 1
+        unsent = self.state.cells - self.state.found - self.state.done
+        unsent -= sum(map(len, self.sent.values()))
+        fair = unsent * pace / (SHARE * self.workers.count)
+        return max(1, int(min(max(fair, LEAST_SECONDS), MOST_SECONDS) / pace))
+
+    def _send(self, cells: list[Cell]) -> None:
+        try:
+            promise = self.workers.submit(run_cells, cells, Path(self.store.folder), self.token)
+        except Exception as error:
+            if not self.workers.has_lost(error):
+                raise
+            self._lost(cells, alone=False)
+            return
+        self.sent[promise] = cells
+        promise.add_done_callback(self.answered.put)
+
+    def _take(self) -> None:
+        """Wait for one batch, or a moment."""
+        try:
+            promise = self.answered.get(timeout=POLL)
+        except Empty:
+            return
+        if promise not in self.sent:
+            return
+        cells = self.sent.pop(promise)
+        alone = bool(self.suspects) and cells[0] == self.suspects[0][0]
+        try:
+            batch: Batch = promise.result()
+        except Exception as error:
+            if not self.workers.has_lost(error):
+                raise
+            self._lost(cells, alone)
+            return
+        if alone:
+            self.suspects.popleft()
+        if batch.pack is not None:
+            self._keep(batch.pack)
+        self.state.count(batch)
+        self.progress(self.state)
+
+    def _keep(self, pack: bytes) -> None:
+        path = Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}"
+        write_atomically(path, lambda draft: draft.write_bytes(pack), force=False)
+
+    def _lost(self, cells: list[Cell], alone: bool) -> None:
+        """Cells whose worker was lost are run one by one, each alone, and given up at last."""
+        if not alone:
+            self.suspects += [(cell, 0) for cell in cells]
+        else:
+            cell, losses = self.suspects.popleft()
+            if losses + 1 < MOST_LOSSES:
+                self.suspects.appendleft((cell, losses + 1))
+            else:
+                self._give_up(cell)
+        if not self.sent:
+            self.workers.renew()
+
+    def _give_up(self, cell: Cell) -> None:
+        told = f"its worker process ended {MOST_LOSSES} times (killed, or out of memory)"
+        record = CellRecord(cell.key, FAILED, told)
+        write_pack(Path(self.store.folder) / PACKS / f"{uuid.uuid4().hex}{SUFFIX}", [record])
+        self.state.count(Batch([FAILED], 0.0, 0.0, 0.0, told))

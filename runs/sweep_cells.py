@@ -1,0 +1,165 @@
+"""The cells of a sweep in a worker process: run one after the other, and packed."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from runs import load_run, run_any_scene
+from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
+from runs.run_store import RunStore
+from solutions.run.cores import keep_to_one_core
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from runs.sweep_scene import AnyScene
+
+PACKS, SUFFIX = "packs", ".h5"
+"""The folder of a store for packs, and their suffix."""
+
+LONG = 10.0
+"""Seconds from which on a cell is a run of its own in the store, with checkpoints."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell to be run: its number in the sweep, its scene and that scene's key."""
+
+    number: int
+    key: str
+    scene: AnyScene
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a worker did: how the cells ended, and how long they took themselves.
+
+    ``pack`` is the file of their runs where the worker does not see the store.
+    """
+
+    statuses: Sequence[str]
+    seconds: float
+    processor_seconds: float
+    whole_processor_seconds: float
+    first_fault: str = ""
+    pack: bytes | None = None
+
+
+class StoppedWorker(BaseException):
+    """The worker is to end; what catches every Exception does not catch this."""
+
+
+class LongCell(Exception):
+    """A cell that is expected to take ``LONG`` or more."""
+
+
+def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
+    """Run the cells one after the other and write one pack of them into the store ``folder``.
+
+    What a cell raises is its record. A worker that is told to end packs what it has. ``token`` is
+    the name of a file by which a worker on another machine knows the store.
+    """
+    keep_to_one_core()
+    begun = process_time()
+    store = RunStore(folder) if (folder / token).is_file() else None
+    found: list[CellRecord] = []
+    seconds = processor = 0.0
+    pack = None
+    try:
+        with _ending():
+            for cell in cells:
+                clock, spent = perf_counter(), process_time()
+                found.append(run_cell(cell, store))
+                seconds += perf_counter() - clock
+                processor += process_time() - spent
+    finally:
+        if found:
+            pack = _pack(found, None if store is None else folder / PACKS)
+    statuses = [record.status for record in found]
+    faults = (record.message for record in found if record.status in (REFUSED, FAILED))
+    return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
+
+
+def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:
+    name = f"{uuid.uuid4().hex}{SUFFIX}"
+    if folder is not None:
+        write_pack(folder / name, found)
+        return None
+    with TemporaryDirectory() as away:
+        write_pack(Path(away) / name, found)
+        return (Path(away) / name).read_bytes()
+
+
+@contextmanager
+def _ending() -> Iterator[None]:
+    """Raise StoppedWorker in the body when the process is told to end."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise StoppedWorker
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
+    """Run one cell; what it raises is told in its record.
+
+    What is expected to take long is kept in the ``store`` instead of the record.
+    """
+
+    def told(seconds: float) -> None:
+        if store is not None and seconds >= LONG:
+            raise LongCell
+
+    try:
+        try:
+            run, kept = run_any_scene(cell.scene, announce=told), True
+        except LongCell:
+            assert store is not None
+            run, kept = load_run(store.fetch(cell.scene)), False
+    except ValueError as error:
+        return CellRecord(cell.key, REFUSED, _line(error))
+    except Exception as error:  # the sweep goes on, and the next attempt may succeed
+        return CellRecord(cell.key, FAILED, _line(f"{type(error).__name__}: {error}"))
+    record = record_of(cell.key, run)
+    return record if kept else replace(record, run=None)
+
+
+def record_of(key: str, run: xr.Dataset) -> CellRecord:
+    """The record of a run that came to an end."""
+    blown = str(run.attrs.get("blow_up", ""))
+    return CellRecord(key, BLOWN_UP if blown else DONE, blown, numbers_of(run), run)
+
+
+def numbers_of(run: xr.Dataset) -> Mapping[str, float]:
+    """What a cell is told by; NaN where a run has not got it."""
+    found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    for name in ("error", "error_curve"):
+        if name in run.variables:
+            values = np.asarray(run.variables[name].values, dtype=np.float64)
+            if values.size and not np.all(np.isnan(values)):
+                found["error"] = float(np.nanmax(values))
+                break
+    return {name: float(value) for name, value in found.items()}
+
+
+def _line(error: object) -> str:
+    """The error in one line of at most 500 characters."""
+    return " ".join(str(error).split())[:500]

@@ -1,0 +1,121 @@
+"""``longwave sweep SWEEP.toml``: run its cells, print how they ended, write their numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from derive.command_line import duration, fail, interrupted
+from runs.run_file import open_run
+from runs.run_pack import DONE
+from runs.run_store import RunStore
+from runs.sweep import SweepState, run_sweep
+from runs.sweep_file import Sweep, load_sweep
+from runs.sweep_workers import Workers, sweep_workers
+from verify.cli.console import check_output, plain_console, progress_bar
+from verify.comparison.scene_run import Announcer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass
+class SweepOptions:
+    """Which sweep, who runs it, where its runs are kept and where its numbers are written."""
+
+    sweep: str = ""
+    processes: int | None = None
+    scheduler: str | None = None
+    store: str | None = None
+    output: str | None = None
+    force: bool = False
+
+
+def sweep_and_print(options: SweepOptions, program: str) -> int:
+    """Run a sweep, print how its cells ended, and write its data set.
+
+    Exit status 0, 1 if a cell did not come to its end, 2 for bad input, told in one line, and 130
+    after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
+    goes on with what is missing. More than 10 s are announced.
+    """
+    from runs.sweep_dataset import write_sweep
+
+    told = SweepState(0)
+    try:
+        sweep = load_sweep(options.sweep)
+        output = options.output or f"{sweep.name}.nc"
+        check_output(output, f"{sweep.name}.nc")
+        _check_overwriting(sweep, Path(output), options.force)
+        store = RunStore(Path(options.store or f"{sweep.name}.store"))
+        told.cells = len(sweep)
+        with sweep_workers(options.processes, options.scheduler) as workers:
+            told.workers = workers.count
+            _run_with_bar(sweep, store, workers, told)
+        found = write_sweep(sweep, store, output)
+    except KeyboardInterrupt:
+        kept = (
+            f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"
+        )
+        return interrupted(program, kept)
+    except (ValueError, OSError) as error:
+        return fail(error)
+    console = plain_console(soft_wrap=True)
+    for line in summary_lines(sweep, found, told):
+        console.print(line)
+    console.print(f"written: {output}; runs: {store.folder}")
+    return 0 if bool((found["status"] == DONE).all()) else 1
+
+
+def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
+    """Refuse to write over what is no result of this sweep, before anything is run."""
+    if force or not output.exists():
+        return
+    held = ""
+    try:
+        with open_run(output) as older:
+            held = str(older.attrs.get("sweep", ""))
+    except (ValueError, OSError):
+        pass
+    if held != sweep.json():
+        raise ValueError(
+            f"--output must name no file but an earlier result of this sweep, got {output} "
+            "(take another name, or --force)"
+        )
+
+
+def _run_with_bar(sweep: Sweep, store: RunStore, workers: Workers, told: SweepState) -> None:
+    errors = plain_console(stderr=True, soft_wrap=True)
+    with progress_bar(sweep.name, f"{sweep.name}, {len(sweep)} cells", errors) as (advance, tell):
+        announce = Announcer(tell)
+
+        def show(state: SweepState) -> None:
+            advance((state.found + state.done) / state.cells)
+            if state.done >= 4 * state.workers:
+                announce(state.seconds_left)
+
+        run_sweep(sweep, store, workers, show, told)
+
+
+def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator[str]:
+    """What a sweep came to, in lines."""
+    if sweep.title:
+        yield sweep.title
+    counts = Counter(found["status"].values.ravel().tolist())
+    ended = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    sizes = " x ".join(f"{d.size} {d.name}" for d in sweep.dimensions)
+    yield f"{len(sweep)} cells ({sizes}): {ended}"
+    if told.done:
+        yield (
+            f"{told.done} were run now by {told.workers} workers, {duration(told.seconds)} in all"
+        )
+    errors = found["error"].values
+    if np.any(np.isfinite(errors)):
+        yield f"relative error {np.nanmin(errors):.3g} to {np.nanmax(errors):.3g}"
+    faults = found["message"].values[found["status"].values != DONE]
+    if faults.size:
+        yield f"first fault: {faults.ravel()[0]}"

@@ -1,0 +1,165 @@
+"""A sweep's results: one data set with the swept dimensions, its fields read when they are used."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from derive.atomic_file import write_atomically
+from runs.run_file import file_content, load_run
+from runs.run_pack import NUMBERS, REFUSED, CellRecord, PackedRun
+from runs.run_store import RunStore
+from runs.sweep import packed_records
+from runs.sweep_cells import record_of
+from runs.sweep_fields import Place, swept_fields
+from runs.sweep_file import CASE, SAMPLE, Sweep
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+MISSING = "missing"
+"""The status of a cell that was not run yet."""
+
+UNITS = {"seconds": "s", "planning_seconds": "s"}
+
+
+@dataclass(frozen=True)
+class SweptCells:
+    """How each cell of a sweep ended, and where its run is, if it has one."""
+
+    records: Sequence[CellRecord]
+    places: Mapping[int, Place]
+
+
+def swept_cells(sweep: Sweep, store: RunStore) -> SweptCells:
+    """What the store holds of the sweep."""
+    packed = packed_records(store)
+    records, places = [], {}
+    for number in range(len(sweep)):
+        record, place = _found(sweep, number, store, packed)
+        records.append(record)
+        if place is not None:
+            places[number] = place
+    return SweptCells(records, places)
+
+
+def _found(
+    sweep: Sweep,
+    number: int,
+    store: RunStore,
+    packed: Mapping[str, tuple[CellRecord, PackedRun | None]],
+) -> tuple[CellRecord, Place | None]:
+    try:
+        scene = sweep.scene(number)
+    except ValueError as error:
+        return CellRecord("", REFUSED, " ".join(str(error).split())), None
+    key = store.key(scene)
+    record, place = packed.get(key, (None, None))
+    if record is not None and place is not None:
+        return record, place
+    path = store.find(scene)
+    if path is not None and record is None:
+        record = record_of(key, load_run(path))
+    return record or CellRecord(key, MISSING), path
+
+
+def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Dataset:
+    """The sweep as one data set.
+
+    Its dimensions are the swept ones; a list has ``case``, a random sample ``sample``, along which
+    the fields are coordinates. Variables: ``status`` of each cell (done, blown up, refused, failed,
+    missing), ``message``, ``key`` and the numbers of `runs.run_pack.NUMBERS`. With ``fields`` also
+    those of the runs that have one shape in all cells, which are read from the store when they are
+    used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
+    """
+    cells = swept_cells(sweep, store)
+    names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
+    data: dict[str, Any] = {
+        name: (names, _column([r.numbers.get(name, np.nan) for r in cells.records], shape), told)
+        for name, told in _numbers_told()
+    }
+    for name in ("status", "message", "key"):
+        texts = np.array([getattr(record, name) for record in cells.records], dtype=object)
+        data[name] = (names, texts.reshape(shape))
+    coordinates: dict[str, Any] = {}
+    swept = [field for dimension in sweep.dimensions for field in dimension.fields]
+    for dimension in sweep.dimensions:
+        columns = zip(*dimension.rows, strict=True)
+        for field, column in zip(dimension.fields, columns, strict=True):
+            alone = dimension.name not in (CASE, SAMPLE)
+            name = dimension.name if alone else _short(field, swept)
+            coordinates[name] = (dimension.name, _values(column), {"field": field})
+    if fields:
+        taken = {*names, *data, *coordinates}
+        for name, variable, is_coordinate in swept_fields(names, shape, cells.places, taken):
+            (coordinates if is_coordinate else data)[name] = variable
+    attributes = {
+        "title": sweep.title or sweep.name,
+        "sweep": sweep.json(),
+        "store": str(store.folder),
+    }
+    return xr.Dataset(data, coordinates, attributes)
+
+
+def _numbers_told() -> Iterator[tuple[str, dict[str, str]]]:
+    for name, meaning in NUMBERS.items():
+        yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
+
+
+def _column(values: Sequence[float], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    return np.array(values, dtype=np.float64).reshape(shape)
+
+
+def _short(field: str, fields: Sequence[str]) -> str:
+    """The last part of a field's name, where no other field has it."""
+    last = field.rpartition(".")[2]
+    alike = [other for other in fields if other.rpartition(".")[2] == last]
+    return last if len(alike) == 1 else field.replace(".", "_")
+
+
+def _values(column: Sequence[Any]) -> NDArray[Any]:
+    """Numbers where all are, else texts; a list stands as JSON."""
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in column):
+        return np.array(column)
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in column]
+    return np.array(texts, dtype=object)
+
+
+def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
+    """The run of the cell with these indices along the swept dimensions.
+
+    Raises ValueError in one line for indices that are none, and where there is no run.
+    """
+    names = [dimension.name for dimension in sweep.dimensions]
+    if set(indices) != set(names):
+        raise ValueError(
+            f"indices must be of {', '.join(names)}, got {', '.join(indices) or 'none'}"
+        )
+    try:
+        number = int(np.ravel_multi_index([indices[name] for name in names], sweep.shape))
+    except ValueError:
+        sizes = " x ".join(map(str, sweep.shape))
+        raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
+    record, place = _found(sweep, number, store, packed_records(store))
+    if place is None:
+        raise ValueError(
+            f"cell {indices} must have a run, got none: {record.message or record.status}"
+        )
+    return place.load() if isinstance(place, PackedRun) else load_run(place)
+
+
+def write_sweep(sweep: Sweep, store: RunStore, path: str | Path, force: bool = True) -> xr.Dataset:
+    """Write the sweep's data set, without the runs' fields, as NetCDF-4; return it.
+
+    Raises OSError that names the file.
+    """
+    found = sweep_dataset(sweep, store, fields=False)
+    content = file_content(found)
+    write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
+    return found

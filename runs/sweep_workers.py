@@ -1,0 +1,171 @@
+"""Where a sweep's batches are done: in processes of this machine, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing as mp
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+from solutions.run.cores import usable_cores
+from verify.processes import ignore_interrupt
+
+PATIENCE = 1.0
+"""Seconds that workers have to pack what they have when the sweep is stopped."""
+
+
+class Promise(Protocol):
+    """What will be there: a `Future` of this library or of Dask."""
+
+    def result(self) -> Any:
+        """What the call returned; raises what it raised."""
+
+    def add_done_callback(self, told: Callable[[Any], object]) -> Any:
+        """Have a function called when the result is there."""
+
+
+class Workers(Protocol):
+    """Processes that make calls."""
+
+    count: int
+    """Calls that are made at once."""
+
+    def submit(self, function: Callable[..., Any], *arguments: object) -> Promise:
+        """Have a call made."""
+
+    def has_lost(self, error: BaseException) -> bool:
+        """Whether a call failed as its worker did: it was killed, or had no memory."""
+
+    def renew(self) -> None:
+        """Replace workers that are gone."""
+
+    def stop(self) -> None:
+        """End all work within two seconds; a batch keeps what is done of it."""
+
+
+class LocalWorkers:
+    """Processes of this machine, each with one thread; they end with this one, however it ends."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._pool: ProcessPoolExecutor | None = None
+
+    def submit(self, function: Callable[..., Any], *arguments: object) -> Future[Any]:
+        """Have a call made."""
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(self.count, mp.get_context("spawn"), _begin)
+        return self._pool.submit(function, *arguments)
+
+    def has_lost(self, error: BaseException) -> bool:
+        """Whether a process ended under its call."""
+        return isinstance(error, BrokenProcessPool)
+
+    def renew(self) -> None:
+        """Drop the processes; new ones begin with the next call."""
+        self.stop()
+
+    def stop(self) -> None:
+        """Tell the processes to end, and kill those that do not."""
+        if self._pool is None:
+            return
+        processes = list((self._pool._processes or {}).values())
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
+        end = time.monotonic() + PATIENCE
+        for process in processes:
+            process.join(max(0.0, end - time.monotonic()))
+            if process.is_alive():
+                process.kill()
+        self._pool = None
+
+
+def _begin() -> None:
+    """In a new process: leave Ctrl-C to the parent, and end when that has ended."""
+    ignore_interrupt()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = mp.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+CONNECTING = 5.0
+"""Seconds in which a scheduler must answer."""
+
+
+class DaskWorkers:
+    """The workers of a Dask cluster; `dask.distributed` comes with the extra ``cluster``."""
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client
+        except ImportError:
+            raise ValueError(
+                "--scheduler needs dask.distributed, got none (pip install 'longwave[cluster]')"
+            ) from None
+        try:
+            self._client = Client(address, timeout=CONNECTING, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            why = " ".join(str(error).split())[:100]
+            raise ValueError(
+                f"--scheduler must be the address of a Dask scheduler that answers within "
+                f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786)"
+            ) from None
+        threads: dict[str, int] = self._client.nthreads()
+        self.count = max(1, sum(threads.values()))
+
+    def submit(self, function: Callable[..., Any], *arguments: object) -> Any:
+        """Have a call made, again on another worker if its own is lost."""
+        return self._client.submit(function, *arguments, pure=False)
+
+    def has_lost(self, error: BaseException) -> bool:
+        """Whether several workers were lost under the call."""
+        from distributed import KilledWorker
+
+        return isinstance(error, KilledWorker)
+
+    def renew(self) -> None:
+        """Nothing: a cluster replaces its workers itself."""
+
+    def stop(self) -> None:
+        """Drop what has not begun and leave the cluster."""
+        self._client.close(timeout=PATIENCE)
+
+
+@contextmanager
+def sweep_workers(processes: int | None, scheduler: str | None) -> Iterator[Workers]:
+    """Workers here, by default one for each core, or those of a cluster.
+
+    Raises ValueError in one line for both at once, for less than one process and for a cluster that
+    does not answer.
+    """
+    if scheduler is not None and processes is not None:
+        raise ValueError(
+            f"--processes must not be given with --scheduler, got {processes} (leave one out)"
+        )
+    if processes is not None and not 1 <= processes <= MOST_PROCESSES:
+        raise ValueError(
+            f"--processes must be 1 to {MOST_PROCESSES}, got {processes} (one a core is usual)"
+        )
+    workers: Workers = (
+        DaskWorkers(scheduler)
+        if scheduler is not None
+        else LocalWorkers(processes or usable_cores())
+    )
+    try:
+        yield workers
+    finally:
+        workers.stop()
+
+
+MOST_PROCESSES = 1024

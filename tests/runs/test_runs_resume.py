@@ -1,0 +1,59 @@
+"""Catches: a run that was killed, gone on with, and differs in any bit from one that was not."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lattice.checkpoint import kept_by
+from runs.run_file import run_any_scene
+from tests.runs.unfinished_scenes import SCENES, Killed, KillingFolder, bits
+
+ENDLESS = 10**9
+
+
+@pytest.fixture(autouse=True)
+def _no_flushes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that is offered is kept here, which disks that are waited for make slow."""
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+
+
+def resumed_bits(name: str, folder: Path, kills: list[int]) -> tuple[dict[str, object], list[str]]:
+    """What a run holds that was killed after so many checkpoints, again and again; their names."""
+    for writes in [*kills, ENDLESS]:
+        keeper = KillingFolder(folder, writes)
+        try:
+            with kept_by(keeper):
+                found = bits(run_any_scene(SCENES[name]))
+        except Killed:
+            continue
+        return found, keeper.names
+    raise AssertionError
+
+
+def check_resumed(name: str, folder: Path, rng: np.random.Generator, times: int) -> None:
+    whole, names = resumed_bits(name, folder / "whole", [])
+    assert whole == bits(run_any_scene(SCENES[name]))
+    for attempt in range(times):
+        kills = rng.integers(0, len(names), 3).tolist()
+        found, left = resumed_bits(name, folder / f"{attempt}", kills)
+        assert found == whole, kills
+        assert len(left) < len(names) or not any(kills)
+
+
+@pytest.mark.parametrize("name", ["stated window, refined"])
+def test_a_killed_run_goes_on_to_the_same_bits(
+    name: str, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    check_resumed(name, tmp_path, rng, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_of_any_engine_goes_on_to_the_same_bits(
+    name: str, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    check_resumed(name, tmp_path, rng, 2)

@@ -1,0 +1,212 @@
+"""Catches: a scene that is run twice, or not anew when it must be, and damage that is read."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+
+import runs.run_file
+import runs.run_store
+from runs.run_file import load_run, run_any_scene
+from runs.run_store import RunStore, UnkeptRunError, code_that_matters
+from tests.runs.unfinished_scenes import bits, chain
+from verify.lattices.lattice_scene import load_lattice_scene
+from verify.provenance import provenance
+
+SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> RunStore:
+    return RunStore(tmp_path / "store")
+
+
+@pytest.fixture
+def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the scenes that are run from now on."""
+    made: list[str] = []
+
+    def run(scene: Any, *rest: Any) -> xr.Dataset:
+        made.append(scene.name)
+        return run_any_scene(scene, *rest)
+
+    monkeypatch.setattr(runs.run_file, "run_any_scene", run)
+    return made
+
+
+def test_a_scene_is_run_once(store: RunStore, runs_made: list[str]) -> None:
+    assert store.find(SMALL) is None
+    path = store.fetch(SMALL)
+    assert bits(load_run(path)) == bits(run_any_scene(SMALL))
+    assert store.fetch(SMALL) == store.find(SMALL) == path == store.path(SMALL)
+    assert RunStore(store.folder).fetch(SMALL.changed(K2=1.0)) == path
+    assert runs_made == ["small"]
+    assert [file for file in store.folder.rglob("*") if file.is_file()] == [path]
+    with xr.open_dataset(path) as run:
+        assert run.sizes["site"] == 121
+
+
+def test_what_is_asked_for_makes_another_key(store: RunStore) -> None:
+    toda = load_lattice_scene("toda_soliton")
+    others = [
+        *(
+            SMALL.changed(**one)
+            for one in ({"eps": 0.2}, {"sites": 704}, {"observables": ["strain"]})
+        ),
+        SMALL.changed(parameters={"A": 2}),
+        *(toda, toda.changed(order="leading"), toda.changed(constants={"a": 1, "b": "1/2"})),
+    ]
+    keys = {store.key(scene) for scene in (SMALL, *others)}
+    assert len(keys) == 1 + len(others)
+
+
+def test_equal_scenes_have_equal_keys(store: RunStore) -> None:
+    pairs = [
+        (SMALL, SMALL.changed(K3=-0.0)),
+        (
+            load_lattice_scene("toda_soliton"),
+            load_lattice_scene("toda_soliton").changed(constants=(("a", 1.0), ("b", 1))),
+        ),
+    ]
+    for one, other in pairs:
+        assert one == other
+        assert store.key(one) == store.key(other)
+
+
+def test_a_wave_of_ones_own_has_no_key(store: RunStore) -> None:
+    scene = replace(SMALL, wave=SMALL.form)
+    with pytest.raises(ValueError, match="wave must be a shipped one"):
+        store.key(scene)
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after"),
+    [
+        ("code", "solutions/forms ", "solutions/forms 0"),
+        ("code", "lattice/kernels ", "lattice/kernels 0"),
+        ("code", "verify/comparison ", "verify/comparison 0"),
+        ("versions", "numpy ", "numpy 0"),
+    ],
+)
+def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
+    name: str, before: str, after: str, store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key, made = store.key(SMALL), dict(provenance())
+    assert before in made[name]
+    made[name] = made[name].replace(before, after)
+    with monkeypatch.context() as changed:
+        changed.setattr("verify.provenance.provenance", lambda: made)
+        code_that_matters.cache_clear()
+        assert store.key(SMALL) != key
+    code_that_matters.cache_clear()
+    assert store.key(SMALL) == key
+
+
+def test_what_draws_and_prints_runs_makes_no_other_key() -> None:
+    told = {part.split()[0] for part in provenance()["code"].split(", ")}
+    assert {"solutions/forms", "lattice/kernels", "lattice/spectral", "verify/lattices"} <= told
+    assert not [name for name in told if name.startswith(("reports", "docs", "verify/cli", "runs"))]
+
+
+def test_a_damaged_file_is_made_anew_and_told(
+    store: RunStore, runs_made: list[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    path = store.fetch(SMALL)
+    held = path.read_bytes()
+    flipped = bytearray(held)
+    flipped[len(held) // 2] ^= 1
+    for broken in (b"", held[: len(held) // 2], held[:-1], held + b"\n", flipped):
+        path.write_bytes(broken)
+        caplog.clear()
+        assert store.find(SMALL) is None
+        assert f"{path} is damaged" in caplog.text
+    assert bits(load_run(store.fetch(SMALL))) == bits(run_any_scene(SMALL))
+    assert runs_made == ["small", "small"]
+
+
+def test_an_unfinished_run_is_not_kept(store: RunStore) -> None:
+    run = run_any_scene(SMALL).assign_attrs(unfinished="Ctrl-C after t = 3")
+    with pytest.raises(ValueError, match="come to its end"):
+        store.keep(SMALL, run)
+    assert store.find(SMALL) is None
+
+
+def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "there.nc")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(runs.run_store, "write_atomically", full)
+        with pytest.raises(UnkeptRunError, match="No space left") as caught:
+            store.fetch(SMALL)
+    assert bits(caught.value.run) == bits(run_any_scene(SMALL))
+    assert store.find(SMALL) is None
+    assert store.find(SMALL) is None
+    assert store.keep(SMALL, caught.value.run) == store.find(SMALL)
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_the_run(runs_made: list[str]) -> None:
+    with pytest.raises(OSError, match="/proc/self"):
+        RunStore("/proc/self/store").fetch(SMALL)
+    assert runs_made == []
+
+
+def test_sources_that_changed_keep_no_run(
+    store: RunStore, runs_made: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("solutions.run.source_digest.runs_as_written", lambda _: False)
+    runs.run_store.check_sources.cache_clear()
+    with pytest.raises(ValueError, match="start it again"):
+        store.fetch(SMALL)
+    runs.run_store.check_sources.cache_clear()
+    assert runs_made == []
+
+
+FETCH = """
+import sys
+from runs import run_file
+from runs.run_store import RunStore
+from tests.runs.test_runs_store import SMALL
+
+made = run_file.run_any_scene
+
+def run(*given):
+    print("made", flush=True)
+    return made(*given)
+
+run_file.run_any_scene = run
+RunStore(sys.argv[1]).fetch(SMALL)
+"""
+
+
+@pytest.mark.slow
+def test_processes_on_one_store_run_a_scene_once(store: RunStore) -> None:
+    command = [sys.executable, "-c", FETCH, str(store.folder)]
+    started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    said = [process.communicate(timeout=120)[0] for process in started]
+    assert [process.returncode for process in started] == [0, 0, 0]
+    assert sorted(said) == ["", "", "made\n"]
+    assert store.find(SMALL) is not None
+    assert not list(store.folder.rglob("*.lock"))
+
+
+def test_nothing_is_listed_to_find_a_run(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = store.fetch(SMALL)
+
+    def listed(*_: object) -> None:
+        raise AssertionError("a folder was listed")
+
+    for name in ("scandir", "listdir"):
+        monkeypatch.setattr(os, name, listed)
+    assert store.find(SMALL) == path
+    assert store.find(SMALL.changed(eps=0.2)) is None

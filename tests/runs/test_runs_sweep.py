@@ -1,0 +1,303 @@
+"""Sweeps in one process: what is kept, resumed, recorded and given back."""
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from runs.run_file import run_any_scene
+from runs.run_pack import CellRecord, read_pack, write_pack
+from runs.run_store import RunStore
+from runs.sweep import MOST_LOSSES, packed_records, run_sweep
+from runs.sweep_cells import Cell
+from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
+from runs.sweep_file import Sweep, sweep_of
+from solutions.run import cores
+
+SMALL = {
+    "wave": "soliton_sech",
+    "eps": 0.1,
+    "t0": 0,
+    "snapshots": [0, 5],
+    "curve_points": 3,
+    "lattice": {"K2": 1, "K4": 1},
+    "parameters": {"A": 1},
+    "scheme": {"step": 0.5},
+    "domain": {"kind": "window", "sites": 1024, "compared": 20},
+}
+
+
+@pytest.fixture(autouse=True)
+def _cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells keep their process to one core; here it is everybody's."""
+    monkeypatch.setattr(cores, "_alone", False)
+
+
+class HereWorkers:
+    """Calls made at once, in this process; ``lose`` says for which cells the worker is lost."""
+
+    count = 2
+
+    def __init__(self, lose: Callable[[list[Cell]], bool] = lambda _: False) -> None:
+        self.lose, self.cells = lose, 0
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        made: Future[Any] = Future()
+        if self.lose(arguments[0]):
+            made.set_exception(BrokenProcessPool("gone"))
+        else:
+            self.cells += len(arguments[0])
+            made.set_result(function(*arguments))
+        return made
+
+    def has_lost(self, error: BaseException) -> bool:
+        return isinstance(error, BrokenProcessPool)
+
+    def renew(self) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+
+def small_sweep(**varied: Any) -> Sweep:
+    return sweep_of({"scene": SMALL, "grid": varied or {"eps": [0.1, 0.2], "parameters.A": [1, 2]}})
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> RunStore:
+    return RunStore(tmp_path / "store")
+
+
+def test_a_sweep_gives_what_its_runs_give_to_the_bit(store: RunStore) -> None:
+    sweep = small_sweep()
+    state = run_sweep(sweep, store, HereWorkers())
+    assert (state.done, state.found, state.faults) == (4, 0, 0)
+    found = sweep_dataset(sweep, store)
+    assert found.sizes == {"eps": 2, "A": 2, "time": 2, "site": 41, "curve_time": 3}
+    assert found.status.values.tolist() == [["done"] * 2] * 2
+    for cell, (i, j) in enumerate(np.ndindex(2, 2)):
+        run = run_any_scene(sweep.scene(cell))
+        xr.testing.assert_identical(
+            cell_run(sweep, store, eps=i, A=j).drop_attrs(deep=False), run.drop_attrs(deep=False)
+        )
+        row = found.isel(eps=i, A=j)
+        np.testing.assert_array_equal(row.strain.values, run.strain.values)
+        assert float(row.error) == float(run.error.max())
+        assert int(row.steps) == run.attrs["steps"]
+        assert float(row.eps) == (0.1, 0.2)[i]
+
+
+def test_attributes_come_back_as_they_were(store: RunStore) -> None:
+    sweep = small_sweep(eps=[0.1])
+    run_sweep(sweep, store, HereWorkers())
+    kept = cell_run(sweep, store, eps=0).attrs
+    run = run_any_scene(sweep.scene(0)).attrs
+    timed = {"seconds", "planning_seconds"}
+    assert {k: v for k, v in kept.items() if k not in timed} == {
+        k: v for k, v in run.items() if k not in timed
+    }
+
+
+def test_fields_are_read_when_they_are_used(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from runs import sweep_fields
+
+    sweep = small_sweep()
+    run_sweep(sweep, store, HereWorkers())
+    read: list[str] = []
+    rows = sweep_fields._rows
+
+    def counted(group: Any, field: str, wanted: Any) -> Any:
+        read.append(field)
+        return rows(group, field, wanted)
+
+    monkeypatch.setattr(sweep_fields, "_rows", counted)
+    found = sweep_dataset(sweep, store)
+    assert "strain" not in read
+    part = found.strain.isel(eps=1, A=slice(None), site=[0, 20])
+    assert "strain" not in read
+    whole = np.stack([run_any_scene(sweep.scene(cell)).strain.values for cell in (2, 3)])
+    np.testing.assert_array_equal(part.values, whole[..., [0, 20]])
+    assert "strain" in read
+    every = found.strain.values
+    np.testing.assert_array_equal(every[1], whole)
+    np.testing.assert_array_equal(found.strain[::-1, 0, -1].values, every[::-1, 0, -1])
+
+
+def test_what_is_there_is_not_run_again(store: RunStore) -> None:
+    run_sweep(small_sweep(eps=[0.1, 0.2]), store, HereWorkers())
+    store.keep(small_sweep(eps=[0.3]).scene(0), run_any_scene(small_sweep(eps=[0.3]).scene(0)))
+    workers = HereWorkers()
+    sweep = small_sweep(eps=[0.1, 0.3, 0.4, 0.2])
+    state = run_sweep(sweep, store, workers)
+    assert (workers.cells, state.found, state.done) == (1, 3, 1)
+    assert sweep_dataset(sweep, store).status.values.tolist() == ["done"] * 4
+    again = HereWorkers()
+    run_sweep(sweep, store, again)
+    assert again.cells == 0
+
+
+def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from runs import sweep_cells
+
+    def run(scene: Any, **told: Any) -> xr.Dataset:
+        if scene.eps == 0.4:
+            raise MemoryError("no room")
+        return run_any_scene(scene, **told)
+
+    monkeypatch.setattr(sweep_cells, "run_any_scene", run)
+    sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
+    state = run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store)
+    assert found.status.values.tolist() == [
+        ["done", "refused"],
+        ["refused", "refused"],
+        ["failed", "failed"],
+        ["done", "refused"],
+    ]
+    assert state.faults == 6
+    assert "A must satisfy" in str(found.message.values[0, 1])
+    assert str(found.message.values[1, 0]).startswith("eps must satisfy eps > 0, got -1")
+    assert found.message.values[2, 0] == "MemoryError: no room"
+    assert np.isnan(found.error.values).tolist() == [
+        [False, True],
+        [True, True],
+        [True, True],
+        [False, True],
+    ]
+    monkeypatch.undo()
+    again = HereWorkers()
+    run_sweep(sweep, store, again)
+    assert again.cells == 2
+    assert sweep_dataset(sweep, store).status.values[2, 0] == "done"
+
+
+def test_cells_not_yet_run_are_missing(store: RunStore) -> None:
+    run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
+    found = sweep_dataset(small_sweep(eps=[0.1, 0.2]), store)
+    assert found.status.values.tolist() == ["done", "missing"]
+    assert np.isnan(found.strain.values[1]).all()
+    with pytest.raises(ValueError, match="must have a run, got none: missing"):
+        cell_run(small_sweep(eps=[0.1, 0.2]), store, eps=1)
+
+
+def test_fields_of_different_shapes_are_left_to_each_run(store: RunStore) -> None:
+    sweep = small_sweep(**{"domain.compared": [20, 30], "snapshots": [[0, 5], [0, 4]]})
+    run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store)
+    assert "strain" not in found
+    assert found.cell_time.values[0].tolist() == [[0, 5], [0, 4]]
+    assert found.snapshots.values.tolist() == ["[0, 5]", "[0, 4]"]
+    assert cell_run(sweep, store, compared=1, snapshots=0).sizes["site"] == 61
+
+
+def test_lost_workers_cost_a_repeat(store: RunStore) -> None:
+    lost: list[float] = []
+
+    def once(cells: list[Cell]) -> bool:
+        for cell in cells:
+            if cell.scene.eps not in lost:
+                lost.append(cell.scene.eps)
+                return True
+        return False
+
+    sweep = small_sweep(eps=[0.1, 0.2, 0.3])
+    state = run_sweep(sweep, store, HereWorkers(once))
+    assert state.done == 3
+    assert sweep_dataset(sweep, store).status.values.tolist() == ["done"] * 3
+
+
+def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
+    killed: list[int] = []
+
+    def deadly(cells: list[Cell]) -> bool:
+        if any(cell.scene.eps == 0.2 for cell in cells):
+            killed.append(len(cells))
+            return True
+        return False
+
+    sweep = small_sweep(eps=[0.1, 0.2, 0.3])
+    run_sweep(sweep, store, HereWorkers(deadly))
+    found = sweep_dataset(sweep, store)
+    assert found.status.values.tolist() == ["done", "failed", "done"]
+    assert "its worker process ended 3 times" in str(found.message.values[1])
+    assert killed[1:] == [1] * MOST_LOSSES
+
+
+def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    from runs import sweep_cells
+
+    def run(scene: Any, announce: Callable[[float], None]) -> xr.Dataset:
+        announce(100.0 if scene.eps == 0.2 else 1.0)
+        return run_any_scene(scene)
+
+    monkeypatch.setattr(sweep_cells, "run_any_scene", run)
+    sweep = small_sweep(eps=[0.1, 0.2])
+    run_sweep(sweep, store, HereWorkers())
+    assert [store.find(sweep.scene(cell)) is None for cell in (0, 1)] == [True, False]
+    found = sweep_dataset(sweep, store)
+    np.testing.assert_array_equal(
+        found.strain.values[1], run_any_scene(sweep.scene(1)).strain.values
+    )
+
+
+def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
+    values = np.array([[np.nan, -0.0, 5e-324], [np.inf, 1 / 3, -np.inf]])
+    runs = [
+        xr.Dataset({"a": (("x", "y"), values * s)}, {"x": [1, 2]}, {"n": s, "t": "é", "l": [1, 2]})
+        for s in (1.0, 2.0)
+    ]
+    other = xr.Dataset({"a": ("x", np.arange(2000.0))})
+    records = [CellRecord("k1", "done", "", {"error": 0.5}, runs[0])]
+    records += [CellRecord("k2", "done", "", {}, other), CellRecord("k3", "refused", "no")]
+    records += [CellRecord("k4", "done", "", {}, runs[1])]
+    write_pack(tmp_path / "a.h5", records)
+    found = {record.key: (record, place) for record, place in read_pack(tmp_path / "a.h5")}
+    for key, run in (("k1", runs[0]), ("k2", other), ("k4", runs[1])):
+        place = found[key][1]
+        assert place is not None
+        loaded = place.load()
+        xr.testing.assert_identical(loaded, run)
+        assert loaded.a.values.tobytes() == run.a.values.tobytes()
+    assert found["k3"] == (CellRecord("k3", "refused", "no", found["k3"][0].numbers), None)
+    assert found["k1"][0].numbers["error"] == 0.5
+
+
+def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
+    sweep = small_sweep(eps=[0.1])
+    run_sweep(sweep, store, HereWorkers())
+    (pack,) = (store.folder / "packs").glob("*.h5")
+    content = pack.read_bytes()
+    for broken in (content[: len(content) // 2], b"", bytes([content[300] ^ 1])):
+        pack.write_bytes(broken)
+        assert packed_records(store) == {}
+    middle = len(content) // 2
+    pack.write_bytes(content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :])
+    assert packed_records(store) == {}
+
+
+def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
+    sweep = small_sweep()
+    run_sweep(sweep, store, HereWorkers())
+    written = write_sweep(sweep, store, tmp_path / "out.nc")
+    with xr.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as read:
+        np.testing.assert_array_equal(read.error.values, written.error.values)
+        assert read.status.values.tolist() == written.status.values.tolist()
+        assert read.A.attrs["field"] == "parameters.A"
+        assert read.error.attrs["long_name"]
+
+
+def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:
+    run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
+    names = [path.name for path in store.folder.rglob("*") if path.is_file()]
+    assert len(names) == 1
+    assert names[0].endswith(".h5")

@@ -1,0 +1,75 @@
+"""Small scenes of every engine, what is the same in two runs of one, and a keeper that kills."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from runs.checkpoint_folder import CheckpointFolder
+from verify.comparison.scene import Scene
+from verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+
+ALL_LOOKS = ("strain", "error_curve", "crest_track", "space_time")
+
+
+def chain(name: str, **given: Any) -> Scene:
+    wave = {"wave": "soliton_sech", "parameters": {"A": 1}, "eps": 0.1}
+    usual = {"t0": 0, "snapshots": [0, 150, 300], "compared": 60, "K2": 1, "K4": 1}
+    return Scene.of(name=name, **(wave | usual | given))
+
+
+ROGUE = {"wave": "rogue_cn", "parameters": {"k": 0.5}, "snapshots": [0, 150], "tolerance": 1e-4}
+
+SCENES: dict[str, Scene | LatticeScene] = {
+    "stated window, refined": chain(
+        "window", domain="window", observables=[*ALL_LOOKS, "time_step_error"], step=0.2, sites=1024
+    ),
+    "stated ring": chain(
+        "ring", domain="ring", observables=[*ALL_LOOKS, "energy", "state"], step=0.2, sites=1280
+    ),
+    "stencil, window": chain("window_to", tolerance=1e-6, engine="stencil"),
+    "stencil, ring": chain("ring_to", engine="stencil", observables=ALL_LOOKS, **ROGUE),
+    "spectral": chain("spectral", tolerance=1e-4, engine="spectral", observables=ALL_LOOKS),
+    "spectral, periodic": chain("spectral_periodic", engine="spectral", **ROGUE),
+    "chain": load_lattice_scene("toda_soliton").changed(
+        name="chain", slow_times=[0, 0.5, 1], tolerance=1e-3
+    ),
+    "dimer": load_lattice_scene("dimer_peregrine"),
+    "plane": load_lattice_scene("square_lump").changed(
+        name="plane", slow_times=[0, 0.02, 0.04], half_width=3, tolerance=1e-2
+    ),
+}
+
+CLOCKS = ("seconds", "planning_seconds")
+"""What two runs of a scene may differ in."""
+
+
+def bits(run: xr.Dataset) -> dict[str, object]:
+    """All that a run holds, each array as its type and bytes, without the clocks."""
+    held: dict[str, object] = {
+        name: (variable.dims, variable.dtype.str, np.ascontiguousarray(variable.values).tobytes())
+        for name, variable in run.variables.items()
+    }
+    return held | {f"@{name}": repr(told) for name, told in run.attrs.items() if name not in CLOCKS}
+
+
+class Killed(BaseException):
+    """The end of a process, as the code that runs in it sees it: not at all."""
+
+
+class KillingFolder(CheckpointFolder):
+    """Keeps all that is offered; after so many times nothing is kept, and the run ends."""
+
+    def __init__(self, folder: Any, writes: int) -> None:
+        super().__init__(folder, "stamp", least=0.0, share=1e9)
+        self.left = writes
+        self.names: list[str] = []
+
+    def write(self, name: str, task: str, memory: dict[str, Any]) -> None:
+        if self.left <= 0:
+            raise Killed
+        self.left -= 1
+        self.names.append(name)
+        super().write(name, task, memory)
