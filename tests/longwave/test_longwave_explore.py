@@ -78,6 +78,7 @@ class IdleExplorer(Explorer):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
 def test_style_sheets_come_from_this_server_also_before_the_page_is_written() -> None:
     """A browser that came late for its session was sent to another host."""
     from bokeh.document import Document
