@@ -46,13 +46,17 @@ PATIENCE = 120.0
 LONGEST_LINE = 700
 """Characters of an error; the longest good one lists all shipped scenes."""
 
-ANNOUNCED = re.compile(rb"\(Ctrl-C stops it\)")
+ANNOUNCED = re.compile(r"\(Ctrl-C (?:stops|ends) it\)")
 FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "pty.spawn", "ftplib.connect")
 """Events of what no input may bring about."""
 
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 STARTED_HERE = ("--completion", "report", "recheck", "doctor", "animate", "explore")
 """Commands that start programs of others: bash, LaTeX, PARI/GP, ffmpeg."""
+
+
+USUAL_OUTPUTS = {"plot": (".png",), "animate": (".mp4", ".gif"), "sweep": (".store", ".nc")}
+"""What a command writes beside its input unless it is told where."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,12 @@ def warm_up() -> None:
     """Import what commands import, so that a fork begins with it."""
     caches = str(Path(tempfile.gettempdir()) / "longwave-fuzz-caches")
     os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    os.environ |= {"LONGWAVE_NO_APT": "1", "NUMBA_CACHE_DIR": caches, "MPLCONFIGDIR": caches}
+    os.environ |= {
+        "LONGWAVE_NO_APT": "1",
+        "BROWSER": "true",
+        "NUMBA_CACHE_DIR": caches,
+        "MPLCONFIGDIR": caches,
+    }
     from longwave.__main__ import main
 
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
@@ -128,7 +137,7 @@ class FuzzServer:
             child = os.fork()
         if child == 0:
             _run_and_exit(self.command or _longwave, case, place)
-        watched = _watch(child, place / "err", self.anonymous)
+        watched = _watch(child, place, self.anonymous)
         out, errors = (_text(place / name) for name in ("out", "err"))
         faults = [*watched.faults, *_said(watched, out, errors), *_files(case, place)]
         return Ending(
@@ -241,7 +250,7 @@ class _Watched:
     faults: tuple[str, ...] = ()
 
 
-def _watch(child: int, errors: Path, start: float) -> _Watched:
+def _watch(child: int, place: Path, start: float) -> _Watched:
     """Look at a fork until it ends or has to be killed."""
     found = _Watched()
     begun = moved = time.monotonic()
@@ -255,18 +264,19 @@ def _watch(child: int, errors: Path, start: float) -> _Watched:
             if used > found.seconds or _runs(child):
                 found.seconds, moved = used, now
             found.megabytes = max(found.megabytes, _megabytes(child, start))
-            if not found.announced and _announced(errors):
+            if not found.announced and _announced(place):
                 found.announced, announced_at = True, used
             fault = _excess(found, now - begun, now - moved, used - stopped_at)
             if fault:
                 found.faults = (fault,)
                 return found
-            if found.announced and not found.stopped and used > announced_at + AFTER_ANNOUNCEMENT:
+            long = used > announced_at + AFTER_ANNOUNCEMENT or now > moved + 2 * AFTER_ANNOUNCEMENT
+            if found.announced and not found.stopped and long:
                 found.stopped, stopped_at = True, used
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(child, signal.SIGINT)
     finally:
-        found.announced = found.announced or _announced(errors)
+        found.announced = found.announced or _announced(place)
         os.close(handle)
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child, signal.SIGKILL)
@@ -332,10 +342,8 @@ def _kilobytes(process: int) -> float:
     return 0.0
 
 
-def _announced(errors: Path) -> bool:
-    with contextlib.suppress(OSError):
-        return bool(ANNOUNCED.search(errors.read_bytes()[:100_000]))
-    return False
+def _announced(place: Path) -> bool:
+    return any(ANNOUNCED.search(_text(place / name)[:100_000]) for name in ("err", "out"))
 
 
 def _text(path: Path) -> str:
@@ -358,7 +366,7 @@ def _said(watched: _Watched, out: str, errors: str) -> Iterator[str]:
         yield f"warning: {errors[errors.index('Warning') - 30 :][:100]!r}"
     lines = errors.splitlines()
     pictures = watched.status == 2  # the part of a formula that is meant, below the error
-    told = [line for line in lines if "(Ctrl-C stops it)" not in line]
+    told = [line for line in lines if not ANNOUNCED.search(line)]
     told = [line for line in told if not (pictures and line.startswith("    "))]
     if status == 2 and not (len(told) == 1 and told[0].startswith("error: ")):
         yield f"lines: {len(told)} for status 2: {told[:2]}"
@@ -381,10 +389,10 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):
         top = path.relative_to(place / "work").parts[0]
-        drawn = {
-            f"{name.rpartition('.')[0]}.png" for name in case.files if case.words[:1] == ("plot",)
-        }
-        known = top in {*case.files, *drawn, "longwave-report"}
+        stems = [name.rpartition(".")[0] for name in case.files]
+        suffixes = USUAL_OUTPUTS.get(case.words[0] if case.words else "", ())
+        usual = {stem + suffix for stem in stems for suffix in suffixes}
+        known = top in {*case.files, *usual, "longwave-report"}
         if not known and not any(word.split("/")[0] == top for word in named):
             stem = top.partition(".")[0].rpartition("_")[0]
             if not stem or not any(word.startswith(stem) for word in named):

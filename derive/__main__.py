@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from derive.command_line import example, run_words
+from derive.command_line import example, limit_options, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
 """The constants of the strain FPUT lattice."""
@@ -43,6 +43,7 @@ def _constant_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--latex", is_flag=True, help="Print LaTeX.")
 @click.option("--json", "json_wanted", is_flag=True, help="Print one JSON document.")
 @_constant_options
+@limit_options
 def derive(
     words: tuple[str, ...],
     sets: tuple[str, ...],

@@ -11,7 +11,13 @@ from typing import Any, TypeVar
 import click
 
 from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
-from derive.request_limits import USUAL_SECONDS, duration, request_limits
+from derive.request_limits import (
+    USUAL_SECONDS,
+    ExpectedCost,
+    check_request,
+    duration,
+    request_limits,
+)
 
 __all__ = [
     "INTERRUPTED",
@@ -21,6 +27,7 @@ __all__ = [
     "Words",
     "announce",
     "called_by",
+    "check_and_announce",
     "duration",
     "example",
     "fail",
@@ -200,6 +207,14 @@ def one_line(message: object) -> str:
     """
     line = cut(" ".join(str(message).split()), LONGEST)
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
+
+
+def check_and_announce(
+    work: str, seconds: float, memory: float = 0.0, cheaper: str = "take less at once"
+) -> None:
+    """`announce` the work; TooMuchError if it takes more than the limits allow."""
+    check_request(work, ExpectedCost(seconds, memory), cheaper)
+    announce(work, seconds)
 
 
 def announce(work: str, seconds: float) -> None:

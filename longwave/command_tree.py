@@ -10,7 +10,7 @@ import click
 from click.shell_completion import get_completion_class
 
 from derive.__main__ import derive
-from derive.command_line import Words, called_by, example, json_option
+from derive.command_line import Words, called_by, example, json_option, limit_options
 from reports.__main__ import report
 from runs.run_words import complete_scenes, run, sweep
 from verify.cli.commands import prove, verify
@@ -82,6 +82,7 @@ for word in (derive, prove, verify, run, sweep):
 )
 @click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
 @click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+@limit_options
 def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[str, ...]) -> int:
     """Draw a run or a sweep, or run a scene and draw it.
 
@@ -129,6 +130,7 @@ longwave.add_command(report)
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
 @click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
 @json_option
+@limit_options
 def converge(
     scene: str, eps: str | None, tolerance: float | None, output: str | None, json_wanted: bool
 ) -> int:

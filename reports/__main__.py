@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from derive.command_line import called_by, example, run_words
+from derive.command_line import called_by, example, limit_options, run_words
 
 FOLDER = "longwave-report"
 """Where the report is written: in the working folder, not where the package is."""
@@ -23,6 +23,7 @@ FOLDER = "longwave-report"
 )
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
+@limit_options
 def report(output: Path, full: bool, workers: int | None) -> int:
     """Derive, check and run everything, and write it as a PDF.
 

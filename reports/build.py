@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,7 +18,8 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 
-from derive.command_line import announce, fail, interrupted
+from derive.command_line import announce, check_and_announce, fail, interrupted
+from derive.interruption import will_keep
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
@@ -125,11 +127,21 @@ class Findings:
         return proved and accepted and refuted and decided and ran and self.chapter.sound
 
 
+PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
+"""What the command and each worker hold at most."""
+
+
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
     """Do the work of a report in the pool; raises as `run_jobs` does."""
     jobs = all_jobs(scenes, full)
     if workers >= 1:
-        announce("the report", sum(job.weight for job in jobs.values()) / workers)
+        cores = min(workers, os.cpu_count() or 1)
+        check_and_announce(
+            "the report",
+            sum(job.weight for job in jobs.values()) / cores,
+            PROCESS_BYTES + WORKER_BYTES * workers,
+            "take fewer --workers or no --full",
+        )
     found = run_jobs(jobs, workers, progress)
     accuracy = groupby(_of(found, "accuracy"), attrgetter("name"))
     return Findings(
@@ -307,19 +319,34 @@ def write_report(output: Path, full: bool, workers: int, program: str) -> int:
     """
     console = plain_console()
     try:
+        if workers < 1:
+            raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
+        missing = _missing_engine(console)
         output.mkdir(parents=True, exist_ok=True)
+        will_keep(f"what was written is in {shown(output)}")
         tex, sound = build(output, full, workers, console)
-        ensure_engine(console.print)
+        if missing:
+            return 1
         pdf = compile_pdf(tex)
     except KeyboardInterrupt:
         return interrupted(program, f"what was written is in {shown(output)}")
     except (ValueError, OSError) as error:
         return fail(error)
-    except (EngineMissingError, CompileError) as error:
+    except CompileError as error:
         fail(error)
         return 1
     console.print(shown(pdf), soft_wrap=True)
     return 0 if sound else 1
+
+
+def _missing_engine(console: Console) -> bool:
+    """Whether there is no LaTeX engine, which is said: the source is then all that is written."""
+    try:
+        ensure_engine(console.print)
+    except EngineMissingError as error:
+        fail(f"{error}; the source alone is written")
+        return True
+    return False
 
 
 def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Path, bool]:

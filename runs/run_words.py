@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from derive.command_line import called_by, example
+from derive.command_line import called_by, example, limit_options
 
 SWEEPS = Path(__file__).parent / "sweeps"
 """Where the shipped sweeps lie."""
@@ -49,6 +49,7 @@ def complete_scenes(_: click.Context, __: click.Parameter, begun: str) -> list[C
     "is gone on with.",
 )
 @click.option("--force", is_flag=True, help="Let --output overwrite an older run.")
+@limit_options
 def run(**options: Any) -> int:
     """Run the lattice from a wave and compare the two.
 

@@ -9,11 +9,12 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail, interrupted
-from runs.repeat_command import names_a_run, repeat_and_print
+from derive.interruption import keeping
 from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
-from runs.run_file import load_run, record_with_trust
+from runs.run_file import load_run, names_a_run, record_with_trust
 from runs.run_store import RunStore
 from verify.cli.console import plain_console, progress_bar
+from verify.comparison.expected_cost import check_cost
 from verify.comparison.scene import Scene, with_tolerance
 from verify.comparison.stated_run import RunRecord, UnfinishedRun, Variables
 from verify.comparison.trust import USUAL_TOLERANCE
@@ -42,6 +43,8 @@ def run_and_print(options: RunOptions, program: str) -> int:
     try:
         check_run_output(options.output, options.force)
         if names_a_run(options.scene):
+            from runs.repeat_command import repeat_and_print
+
             return repeat_and_print(options, program)
         found = find_any_scene(options.scene)
     except (ValueError, OSError) as error:
@@ -52,9 +55,11 @@ def run_and_print(options: RunOptions, program: str) -> int:
         return run_lattice_and_print(found, options, program)
     try:
         scene = _changed(found, options.tolerance, options.engine)
+        check_cost(scene)
         run = _run_with_bar(scene, options.store)
     except UnfinishedRun as stop:
-        status = _give(stop.record, scene, options)
+        with keeping():
+            status = _give(stop.record, scene, options)
         where = f" in {options.output}" if options.output and not status else ""
         return interrupted(program, f"{len(stop.record.reached)} snapshots are kept{where}")
     except KeyboardInterrupt:

@@ -227,9 +227,10 @@ def draw_error_panels(
 
 
 def _draw_curves(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
-    """Draw the curves of one panel through all their points, without markers."""
+    """Draw the curves of one panel through all their points, without markers but of one alone."""
     for curve, look in zip(curves, CURVES, strict=False):
-        ax.plot(curve.times, curve.errors, label=curve.label, **look | {"marker": ""})
+        marker = "" if curve.times.size > 1 else look["marker"]
+        ax.plot(curve.times, curve.errors, label=curve.label, **look | {"marker": marker})
         if curve.own is not None and np.isfinite(curve.own).any():
             _draw_own(ax, curve, curve.own, look["color"])
     ax.set_xlabel("$t$")

@@ -33,6 +33,10 @@ __all__ = ["Intrinsic", "Kernel", "njit"]
 SUFFIX = ".kernel"
 """Of the files of compiled kernels."""
 
+STRICT: dict[str, Any] = {"fastmath": False}
+"""What a kernel does not say: an inner function that is silent takes it from the first kernel that
+calls it, and the last digits of all others would depend on what a process compiled before."""
+
 
 def njit(
     *, cache: bool = False, inner: bool = False, **options: Any
@@ -69,7 +73,7 @@ class Kernel:
         functools.update_wrapper(self, function)
         self.py_func = function
         self.found = 0
-        self._kept, self._inner, self._options = cache, inner, options
+        self._kept, self._inner, self._options = cache, inner, STRICT | options
         self._entries: list[Callable[..., Any]] = []
         self._compiled: set[Any] = set()
         self._loaded = False

@@ -100,6 +100,18 @@ def test_plane_waves_are_unstable_where_p_q_is_positive() -> None:
     assert [wavenumber for wavenumber, _, _ in rows] == [0.2, 1.0, 3.0]
 
 
+def test_a_granular_chain_of_equal_beads_has_no_unstable_plane_wave() -> None:
+    """For all k, A and d: p q < 0, for its cubic force is negative. So it has no Peregrine wave."""
+    found = envelope(LATTICES["granular"])
+    constants = dict(found.carrier.lattice.definitions)
+    [stiffness] = [value for symbol, value in constants.items() if str(symbol) == "F1"]
+    A, d = Symbol("A", positive=True), Symbol("d", positive=True)
+    product = found.expressions["p"] * found.expressions["q"]
+    product = product.subs(omega, 2 * s * sqrt(stiffness)).subs(constants)
+    assert simplify(product + 3 * A * s**2 * (1 + 2 * s**2) / (16 * d ** Rational(3, 2))) == 0
+    assert found.coefficients(2, A=1, d=1).is_focusing is False
+
+
 def test_a_resonance_is_named() -> None:
     """omega^2 = 4 sin^2(k/2) + 4 L2 sin^2 k: at k = pi/2 and L2 = -1/4 it is 1, at 2k it is 4."""
     lattice = LATTICES["next_nearest"]

@@ -84,7 +84,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
 @pytest.mark.parametrize(
     ("argv", "message"),
     [
-        (["--bogus"], "no such option '--bogus' (see longwave --help)"),
+        (["--bogus"], "no such option"),
         (["vreify\n\x1b[31m"], r"got vreify \x1b[31m (one of"),
         (["verify", "walk"], "COMMAND must be a known one, got walk (one of check-certificate, "),
         (["derive", "--orders", "many"], "--order must be an integer <= 13, got 'many'"),
@@ -104,7 +104,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["verify", "--seed", "1", "--stable"], "--stable must not be given with the method"),
         (["verify", "check-certificate"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
-        (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy --jobs >= 1, got 0"),
+        (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy 1 <= --jobs <= 1000, got 0"),
         (["verify", "--json", "mutations"], "--json must stand behind the word that it is meant"),
         (["verify", "--only"], "requires an argument (see longwave verify --help)"),
         (["run"], "missing argument 'SCENE' (see longwave run --help)"),

@@ -76,7 +76,9 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
 
     monkeypatch.setattr(build, "ensure_engine", missing)
     assert main(["--output", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == "error: no LaTeX engine: install latexmk\n"
+    assert capsys.readouterr().err == (
+        "error: no LaTeX engine: install latexmk; the source alone is written\n"
+    )
     assert (tmp_path / "longwave.tex").exists()
 
 

@@ -82,6 +82,7 @@ def test_on_two_axes_map_and_contours_are_those_of_the_frame() -> None:
     assert np.array_equal(film._mesh.get_array(), film._frames.lattice[2].T)
     top = max(path.vertices[:, 0].max() for path in film._lines.get_paths() if len(path.vertices))
     film.frame(0)
+    assert len(film._ax.collections) == 2
     assert max(p.vertices[:, 0].max() for p in film._lines.get_paths() if len(p.vertices)) < top
 
 

@@ -1,7 +1,7 @@
 """A warm process that fetches scenes from stores in forks of its own: a fork can be killed at once.
 
-It reads lines ``start SCENE FOLDER LEAST``, which it answers by the fork's number, and ``wait
-NUMBER``, by its exit status.
+It reads lines ``fetch SCENE FOLDER LEAST`` and ``keep SCENE FOLDER``, which it answers by the
+fork's number, and ``wait NUMBER``, by its exit status.
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ import traceback
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import xarray as xr
+
+import runs.run_file
 from runs.run_store import RunStore
 from tests.runs.unfinished_scenes import SCENES
 
@@ -26,12 +29,21 @@ def fetch(name: str, folder: str, least: str) -> int:
     return 0
 
 
+def keep(name: str, folder: str) -> int:
+    """Put a large file into the store again and again: most of the time is writing."""
+    content = memoryview(bytes(range(256)) * 80_000)
+    runs.run_file.file_content = lambda _: content
+    for _ in range(1000):
+        RunStore(folder).keep(SCENES[name], xr.Dataset())
+    return 0
+
+
 def answer(*words: str) -> object:
     if words[0] == "wait":
         return os.waitstatus_to_exitcode(os.waitpid(int(words[1]), 0)[1])
     number = os.fork()
     if number == 0:
-        os._exit(fetch(*words[1:]))
+        os._exit({"fetch": fetch, "keep": keep}[words[0]](*words[1:]))
     return number
 
 

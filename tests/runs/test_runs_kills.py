@@ -36,7 +36,7 @@ class Server:
         return int(self.process.stdout.readline())
 
     def start(self, name: str, folder: Path, least: float) -> int:
-        return self.ask("start", name, folder, least)
+        return self.ask("fetch", name, folder, least)
 
     def wait(self, number: int) -> int:
         return self.ask("wait", number)
@@ -101,6 +101,21 @@ def test_what_one_process_began_another_one_that_waits_finishes(
         server.killed(one, rng.uniform(0.0, server.seconds[name]))
         assert server.wait(other) == 0
         assert check_kept(store, name, whole)
+
+
+@pytest.mark.slow
+def test_a_file_whose_writer_is_killed_is_whole_or_not_there(
+    server: Server, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    store, name = RunStore(tmp_path), "stated ring"
+    path = store.path(SCENES[name])
+    seen = []
+    for _ in range(30):
+        assert server.killed(server.ask("keep", name, tmp_path), rng.uniform(0.0, 0.2))
+        seen.append(store.find(SCENES[name]))
+        assert seen[-1] == (path if path.exists() else None)
+        path.unlink(missing_ok=True)
+    assert {None, path} == set(seen)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from multiprocessing import get_context
 from rich.table import Table
 
 from derive.algebra.exact_numbers import shown
-from derive.command_line import announce, fail, interrupted
+from derive.command_line import check_and_announce, fail, interrupted
 from verify.cli.console import finished, table_console
 from verify.processes import ignore_interrupt, starting_workers, stopping
 from verify.studies.evaluation_accuracy import (
@@ -31,6 +31,9 @@ CASE_SECONDS = 0.3
 
 MOST_JOBS, MOST_DRAWN = 1000, 100_000
 """Beyond them a request is a slip of the pen."""
+
+WORKER_SECONDS, WORKER_BYTES = 3.0, 3e8
+"""For a process to begin, and what it holds."""
 
 
 def print_accuracy(
@@ -54,8 +57,17 @@ def print_accuracy(
         got = f"{shown(drawn)} ({DRAWN} is usual)"
         return fail(f"--drawn must satisfy 0 <= --drawn <= {MOST_DRAWN}, got {got}")
     chosen = only or wave_names()
-    cases = sum(len(list(all_cases(name, drawn))) for name in chosen)
-    announce(f"{len(chosen)} waves to be measured", CASE_SECONDS * cases / jobs)
+    cases = sum(len(list(all_cases(name, 0))) + drawn for name in chosen)
+    cores = min(jobs, os.cpu_count() or 1)
+    try:
+        check_and_announce(
+            f"{len(chosen)} waves to be measured",
+            CASE_SECONDS * cases / cores + WORKER_SECONDS * jobs / cores,
+            WORKER_BYTES * jobs,
+            "take fewer waves, --drawn or --jobs",
+        )
+    except ValueError as error:
+        return fail(error)
     results, complete = finished(_measured(chosen, jobs, drawn))
     if json_wanted:
         print(json.dumps([result.json() for result in results], indent=2))

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from derive.command_line import Words, called_by, example, json_option
+from derive.command_line import Words, called_by, example, json_option, limit_options
 
 METHODS = ("proof", "residual")
 ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
@@ -39,7 +39,7 @@ _only = click.option(
 )
 
 
-STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
+STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex", "scheduler")
 """What is said of a statement in text, and of no closed form."""
 
 
@@ -55,6 +55,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
 @click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
+@click.option("--scheduler", metavar="ADDRESS", help="Decide on a Dask cluster, tcp://HOST:PORT.")
 @click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
 @click.option(
     "--certificate",
@@ -70,6 +71,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
     help="Write scripts to --output in place of certificates.",
 )
 @json_option
+@limit_options
 def prove(names: tuple[str, ...], **options: Any) -> int:
     """Prove formulas of your own or by name, or check proofs.
 
@@ -157,6 +159,7 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
 @click.option("--digits", metavar="D1,D2,...", help="Increasing precisions of the residual.")
 @click.option("--points", type=int, help="Random points a form for the residual.")
 @click.option("--seed", type=int, help="Seed of the points.")
+@limit_options
 def verify(**options: Any) -> int:
     """Prove every closed form, or measure its residual.
 
@@ -191,6 +194,7 @@ def check_certificate(file: Path, json_wanted: bool) -> int:
 @click.option("--only", multiple=True, metavar="NAME", help="Take this form or statement.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a system and a proof.")
 @json_option
+@limit_options
 def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> int:
     """Let PARI/GP, Maxima and Coq repeat the proofs.
 
@@ -204,6 +208,7 @@ def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> in
 @verify.command(epilog=example("longwave verify mutations --only kink"))
 @_only
 @json_option
+@limit_options
 def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
     """Refute every misprint of the closed forms."""
     from verify.cli.verdicts import print_mutations
@@ -216,6 +221,7 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
 @click.option("--jobs", type=int, help="Processes (default all cores).")
 @click.option("--drawn", type=int, help="Random cases a wave.")
 @json_option
+@limit_options
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
     """Measure the evaluation of every wave."""
     from verify.cli.accuracy import print_accuracy

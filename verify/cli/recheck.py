@@ -16,7 +16,7 @@ from typing import Any
 
 from rich.table import Table
 
-from derive.command_line import announce, fail, interrupted
+from derive.command_line import check_and_announce, fail, interrupted
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.published import chosen
 from verify.cli.statements import decided
@@ -68,7 +68,8 @@ def print_rechecks(
         install_systems()
         count = len(names) or len(NAMES) + len(chosen([]))
         each = PROVING + min(REPEATING, len(SYSTEMS) * seconds) / (os.cpu_count() or 1)
-        announce(f"the proofs of {count} statements, repeated", count * each)
+        work = f"the proofs of {count} statements, repeated"
+        check_and_announce(work, count * each, cheaper="name fewer with --only")
         proofs = proofs_of(names)
     except ValueError as error:
         return fail(error)

@@ -15,7 +15,7 @@ from typing import Any
 
 from rich.table import Table
 
-from derive.command_line import announce, fail, interrupted
+from derive.command_line import check_and_announce, fail, interrupted
 from solutions.catalogue import CATALOGUE
 from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.exporting import write_scripts
@@ -89,7 +89,9 @@ def print_verdicts(options: VerdictOptions, program: str) -> int:
     try:
         _settle_method(options)
         work = _verdicts(names, options)
-        announce(f"{_noun(len(names))} to be checked", _law(options).total(names))
+        expected = _law(options).total(names) * _effort(options)
+        cheaper = "take a lower order, fewer forms or another method"
+        check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
         path = None if options.certificate is None else Path(options.certificate)
         if path is not None:
             path.touch()
@@ -117,6 +119,22 @@ def _law(options: VerdictOptions) -> TimeLaw:
     if options.method == "residual":
         return RESIDUAL
     return PROOF
+
+
+def _effort(options: VerdictOptions) -> float:
+    """Work in units of the usual: a residual's points, and the square of its digits."""
+    if options.method != "residual":
+        return 1.0
+    usual, asked = Sampling(), _sampling(options)
+    wanted = sum(max(number, 30) ** 2 for number in asked.digits)
+    return asked.points / usual.points * wanted / sum(number**2 for number in usual.digits)
+
+
+def _sampling(options: VerdictOptions) -> Sampling:
+    given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
+    if options.digits is not None:
+        given["digits"] = digits_in(options.digits)
+    return Sampling(**{name: value for name, value in given.items() if value is not None})
 
 
 def digits_in(text: str) -> tuple[int, ...]:
@@ -150,10 +168,7 @@ def _verdicts(names: Sequence[str], options: VerdictOptions) -> Iterator[Verdict
         return (prove_stable(named_form(name)) for name in names)
     if options.method == "proof":
         return prove_all(names)
-    given = {name: getattr(options, name) for name in RESIDUAL_OPTIONS}
-    if options.digits is not None:
-        given["digits"] = digits_in(options.digits)
-    sampling = Sampling(**{name: value for name, value in given.items() if value is not None})
+    sampling = _sampling(options)
     return (check_residual(named_form(name), sampling) for name in names)
 
 
@@ -254,7 +269,8 @@ def print_mutations(only: Sequence[str], json_wanted: bool, program: str) -> int
     """
     names = only or list(CATALOGUE.names)
     try:
-        announce(f"the misprints of {', '.join(only or ['all forms'])}", MUTANTS.total(names))
+        named = f"the misprints of {', '.join(only or ['all forms'])}"
+        check_and_announce(named, MUTANTS.total(names), cheaper="take fewer forms, of lower order")
     except ValueError as error:
         return fail(error)
     work = (count_mutants(named_form(name)) for name in names)

@@ -181,7 +181,7 @@ class Scene:
         if self.look_points is not None:
             object.__setattr__(self, "look_points", check.whole("look_points", self.look_points))
         self._check_numerics()
-        self.constants.sound_speed()
+        check.within_reach(self.constants.sound_speed(), (self.t0, self.end))
 
     def _check_numerics(self) -> None:
         """Refuse numerics that do not go with times and observables."""

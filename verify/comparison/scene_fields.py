@@ -18,8 +18,6 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from derive.user_files import parse_toml, read_toml, shown_path
-
 MOST_STEPS = 1e10
 
 USUAL: Mapping[str, str] = {
@@ -43,6 +41,9 @@ LEAST_TOLERANCE = 1e-11
 
 SMALLEST = 1e-50
 """Numbers below it, and above its reciprocal, would leave the range of doubles on the way."""
+
+FARTHEST_SITE = 2.0**52
+"""Beyond it numbers of sites are not all doubles."""
 
 LARGEST = 1e9
 """Whole numbers above it would be more than any memory holds."""
@@ -97,6 +98,16 @@ def enough_steps(step: float, duration: float) -> None:
         raise ValueError(
             f"step must satisfy step >= {duration / MOST_STEPS:.3g} for {duration:g} time units, "
             f"got {step:g} (that would be more than {MOST_STEPS:g} steps)"
+        )
+
+
+def within_reach(speed: float, times: Iterable[float]) -> None:
+    """Refuse times at which the wave is at a site whose number is no exact double."""
+    farthest = max(map(abs, times))
+    if speed * farthest > FARTHEST_SITE:
+        raise ValueError(
+            f"times must satisfy |t| <= {FARTHEST_SITE / speed:.2g} with the speed of sound "
+            f"{speed:.3g}, got {farthest:g} (beyond it sites cannot be told apart)"
         )
 
 
@@ -250,6 +261,8 @@ def read_document(path: str | Path) -> Mapping[str, Any]:
 
     Raises ValueError, in one line, for what is none.
     """
+    from derive.user_files import read_toml, shown_path
+
     try:
         return read_toml(path, "scene", LARGEST_FILE)
     except OSError as error:
@@ -261,6 +274,8 @@ def read_document(path: str | Path) -> Mapping[str, Any]:
 
 def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
     """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
+    from derive.user_files import parse_toml
+
     return parse_toml(content, source, "scene")
 
 

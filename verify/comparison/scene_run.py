@@ -25,7 +25,6 @@ from verify.comparison.stated_run import (
     RunRecord,
     UnfinishedRun,
     run_from,
-    stated_seconds,
 )
 from verify.comparison.stencil_search import run_stencil, stencil_seconds
 from verify.comparison.trust import check_trust
@@ -150,8 +149,11 @@ def record_scene(
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
         )
+    from verify.comparison.expected_cost import check_cost
+
+    expected = check_cost(scene)
     if scene.tolerance is None:
-        Announcer(announce or (lambda _: None))(stated_seconds(scene))
+        Announcer(announce or (lambda _: None))(expected.seconds)
         return run_from(scene, scene.moving_wave, None, progress)
     check_trust(scene)
     return run_to_tolerance(scene, progress, announce)

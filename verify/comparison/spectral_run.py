@@ -19,7 +19,12 @@ from lattice.trial import Progress, Trial
 from verify.comparison.moving_wave import MovingWave
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_data import RingData, SpectralCost, first_density, ring_data
-from verify.comparison.spectral_search import RingTooLargeError, StepTooShortError, solve_on_rings
+from verify.comparison.spectral_search import (
+    MOST_POINTS,
+    RingTooLargeError,
+    StepTooShortError,
+    solve_on_rings,
+)
 from verify.comparison.stated_run import (
     LONG,
     Recorder,
@@ -83,6 +88,17 @@ def spectral_seconds(scene: Scene) -> float:
     points = density * np.array([*[first] * round(STEPPING), 2.0 * first, *wider]) + 2.0
     work = evaluations * float(np.sum(points * np.log2(points)))
     return START_SECONDS + SECONDS_PER_WORK * work
+
+
+@lru_cache(maxsize=4)
+def spectral_points(scene: Scene) -> float:
+    """About the points of the largest ring."""
+    moving, tolerance = scene.moving_wave, scene.target.tolerance
+    data, b = ring_data(moving, tolerance), moving.wave.numbers.b
+    peak = float(np.max(np.abs(data.bounds.strain))) / moving.eps
+    turns = b * moving.eps**3 * moving.duration * peak**3
+    largest = max(_circumferences(data, tolerance, peak, turns))
+    return min(float(MOST_POINTS), POINTS * peak * first_density(moving) * largest)
 
 
 def _circumferences(data: RingData, tolerance: float, peak: float, turns: float) -> list[float]:

@@ -293,3 +293,12 @@ def stencil_seconds(scene: Scene) -> float:
     steps = moving.duration / longest_step(scene.constants, scheme, bounds)
     sites = least_sites(moving, domain_kind(scene, moving), bounds)
     return START_SECONDS + SECONDS_PER_UPDATE * steps * scheme.stages * sites
+
+
+def most_stencil_sites(scene: Scene) -> int:
+    """About the sites of the widest run, as far as the wave tells."""
+    moving = scene.moving_wave
+    bounds = find_bounds(moving, scene.target.tolerance)
+    kind = domain_kind(scene, moving)
+    sites = least_sites(moving, kind, bounds)
+    return min(MOST_SITES, sites + WIDER if kind == "ring" else round(4.0 * SIZE_RATIO * sites))

@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.command_line import duration
+from derive.request_limits import ExpectedCost, check_request
 from lattice.checkpoint import Loop, Memory, begin_loop
 from lattice.dynamics import dynamics_of
 from lattice.model import GROWTH
@@ -56,11 +56,14 @@ chain, 1e-8 on two axes)."""
 USUAL_RUNS = 4.0
 """Runs of a search, in units of the first."""
 
+PROCESS_BYTES = 3e8
+"""Of a process that has run something small."""
+
+BYTES_PER_VALUE = 100.0
+"""Of what is compared at a time, by all runs of a search and in what is made of them."""
+
 BYTES_PER_CELL = 160.0
 """Of a run, for each field of a cell: state, data, and what is compared."""
-
-MOST_SECONDS, MOST_BYTES = 3600.0, 2e9
-"""What a scene may take."""
 
 
 @dataclass(frozen=True)
@@ -171,18 +174,13 @@ class RingRuns(StepSearch):
         steps = (self.times[-1] - self.times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
         each = SECONDS_PER_UPDATE[min(self.wave.lattice.dimension, 2)]
         taken = steps * SCHEME.stages * sites * self._fields * each * USUAL_RUNS
-        held = BYTES_PER_CELL * sites * self._fields
-        remedy = "take a larger eps, end earlier or compare fewer cells"
-        if held > MOST_BYTES:
-            raise ValueError(
-                f"scene must fit {MOST_BYTES / 1e9:g} GB, got about {held / 1e9:.2g} GB for a ring "
-                f"of {sites:.3g} cells, from which signals arrive in time ({remedy})"
-            )
-        if taken > MOST_SECONDS:
-            raise ValueError(
-                f"scene must take at most {duration(MOST_SECONDS)}, got about {duration(taken)} "
-                f"for {steps:.2g} steps of {sites:.2g} cells ({remedy})"
-            )
+        kept = math.prod(2.0 * reach + 1.0 for reach in self.compared.reach) * len(self.times)
+        held = PROCESS_BYTES + (BYTES_PER_CELL * sites + BYTES_PER_VALUE * kept) * self._fields
+        check_request(
+            f"scene of {sites:.3g} cells, from which signals arrive in time,",
+            ExpectedCost(taken, held, steps),
+            "take a larger eps, end earlier or compare fewer cells",
+        )
         self.expected = taken
 
     def _check_stability(self, near: CellRing) -> None:

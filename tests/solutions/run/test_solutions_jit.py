@@ -250,6 +250,24 @@ print(hashlib.sha256(out.tobytes()).hexdigest())
 """
 
 
+def test_an_inner_function_takes_no_flags_from_the_kernel_that_calls_it_first() -> None:
+    @njit(inner=True, error_model="numpy")
+    def inner(a: float, b: float, c: float) -> float:
+        return a * b + c
+
+    @njit(error_model="numpy", fastmath={"contract"})
+    def loose(a: float, b: float, c: float) -> float:
+        return inner(a, b, c)
+
+    @njit(error_model="numpy")
+    def strict(a: float, b: float, c: float) -> float:
+        return inner(a, b, c)
+
+    a = 1.0 + 2.0**-30
+    loose(a, a, -1.0)
+    assert strict(a, a, -1.0) == a * a - 1.0
+
+
 def test_machine_code_does_not_depend_on_what_was_compiled_before(
     house: Path, tmp_path: Path
 ) -> None:

@@ -9,7 +9,7 @@ import pytest
     ("words", "announced"),
     [
         (
-            ["verify", "--only", "rational_3", "--only", "rational_40"],
+            ["verify", "--only", "rational_3", "--only", "rational_40", "--max-time", "none"],
             "2 forms to be checked: about",
         ),
         (["verify", "mutations", "--only", "rational_12"], "the misprints of rational_12: about"),
