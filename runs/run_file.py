@@ -121,13 +121,22 @@ def open_run(path: str | Path) -> xr.Dataset:
 
     path = Path(path)
     size = _checked_size(path)
+    plain = {"phony_dims": "access"}  # else h5netcdf warns of dimensions without a name
     try:
-        run = xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False)
+        run = xr.open_dataset(
+            path,
+            engine="h5netcdf",
+            decode_times=False,
+            mask_and_scale=False,
+            backend_kwargs=plain,
+        )
     except Exception as error:  # see load_run
         raise _damaged(path, error) from None
     try:
         if run.nbytes > SMALL + MOST_SHRUNK * size:
             raise ValueError(f"{run.nbytes:.3g} bytes are claimed to be in {size}")
+        if "time" in run.variables and not np.isfinite(run["time"].values.astype(float)).all():
+            raise ValueError("its times are not finite")
         return _decoded(run)
     except Exception as error:
         run.close()
