@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -10,8 +11,9 @@ from sympy import Integer, Rational, Symbol, acos, cos, pi, simplify, sin, sqrt
 
 from derive import LATTICES, EnvelopeError, checks_of_envelope, envelope, modulation_map, on_site
 from derive.carrier_envelope import Envelope, omega
+from derive.lattice import Lattice, spring
 from derive.models.lattices import cubic, g1, g2, g3
-from derive.symbols import k, x
+from derive.symbols import K2, K3, K4, k, x
 
 FPUT = LATTICES["fput_strain"]
 s, C = sin(k / 2), cos(k / 2)
@@ -131,6 +133,24 @@ def test_a_carrier_without_dispersion_is_refused() -> None:
     # K2 cos k omega^2 = K2^2 sin^2 k with omega^2 = 4 - 2 cos k
     with pytest.raises(EnvelopeError, match="no zero of the dispersion p"):
         found.coefficients(acos(2 - sqrt(3)), **values)
+
+
+def four_masses() -> Lattice:
+    masses = tuple(Symbol(f"m{i}", positive=True) for i in range(1, 5))
+    places = [*(((0,), i) for i in range(4)), ((1,), 0)]
+    force = cubic(K2, K3, K4)
+    bonds = tuple(spring(force, *pair) for pair in pairwise(places))
+    return Lattice("four", "four masses", ("u", "v", "w", "p"), masses, bonds)
+
+
+def test_a_large_cell_needs_numbers_and_says_so_at_once() -> None:
+    """In symbols it went on for more than a minute without a word."""
+    numbers: Any = {"m1": 1, "m2": 2, "m3": 3, "m4": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
+    with pytest.raises(EnvelopeError, match=r"a cell with 4 fields must be given, got none for K2"):
+        envelope(four_masses())
+    found = envelope(four_masses(), k=pi, branch="optical", **numbers).coefficients(**numbers)
+    assert found.v == 0
+    assert found.p * found.q != 0
 
 
 WRONG: dict[str, tuple[Any, str]] = {
