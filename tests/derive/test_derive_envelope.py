@@ -135,6 +135,19 @@ def test_a_carrier_without_dispersion_is_refused() -> None:
         found.coefficients(acos(2 - sqrt(3)), **values)
 
 
+@pytest.mark.parametrize(("name", "at"), [("fput_strain", 1), ("mass_dimer", pi), ("toda", 1)])
+def test_a_lattice_in_numbers_has_the_envelope_of_the_one_in_symbols(name: str, at: Any) -> None:
+    """It was refused once: nothing was left to solve the dispersion relation for."""
+    lattice = LATTICES[name]
+    values: Any = {str(symbol): Integer(1 + i) for i, symbol in enumerate(lattice.constants)}
+    numeric = envelope(lattice.with_values(values), k=at)
+    assert numeric.coefficients() == envelope(lattice, k=at, **values).coefficients(**values)
+    assert all(check.passed for check in checks_of_envelope(numeric))
+    some = lattice.with_values({n: v for n, v in values.items() if n != "K4"})
+    rest: Any = {"K4": values["K4"]} if "K4" in values else {}
+    assert envelope(some, k=at).coefficients(**rest) == numeric.coefficients()
+
+
 def four_masses() -> Lattice:
     masses = tuple(Symbol(f"m{i}", positive=True) for i in range(1, 5))
     places = [*(((0,), i) for i in range(4)), ((1,), 0)]
@@ -169,7 +182,7 @@ WRONG: dict[str, tuple[Any, str]] = {
         "constants must give a real frequency",
     ),
     "linear": (
-        lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=2 * x),))),
+        lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=K2**2 * x),))),
         "must be linear in one of the lattice's constants, got none among",
     ),
 }
