@@ -107,6 +107,15 @@ def certificate(draw: Random) -> FuzzCase:
     return FuzzCase("certificate", tuple(words), {"hostile.json": content})
 
 
+def sweep(draw: Random) -> FuzzCase:
+    """A sweep's file, run by one worker."""
+    content = changed_toml(draw, draw.choice(seeds("sweep")))
+    words = ["sweep", "hostile.toml", "--processes", "1"]
+    if draw.random() < 0.1:
+        words += [draw.choice(["--store", "--output", "--scheduler"]), draw.choice(outputs())]
+    return FuzzCase("sweep", tuple(words), {"hostile.toml": content})
+
+
 def run_file(draw: Random) -> FuzzCase:
     """The file of a run with other attributes, variables or bytes: run anew, or drawn."""
     content = draw.choice(run_files())
@@ -270,6 +279,7 @@ KINDS: Mapping[str, Callable[[Random], FuzzCase]] = {
     "lattice": lattice,
     "problem": problem,
     "certificate": certificate,
+    "sweep": sweep,
     "run file": run_file,
     "command line": command_line,
 }

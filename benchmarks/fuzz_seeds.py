@@ -131,6 +131,48 @@ force = "b*x"
 """,
 )
 
+SWEEPS = (
+    """\
+title = "small"
+
+[scene]
+wave = "soliton_sech"
+eps = 0.1
+t0 = 0
+snapshots = [5]
+tolerance = 1e-2
+lattice = { K2 = 1, K4 = 1 }
+parameters = { A = 1 }
+domain = { compared = 20 }
+
+[set]
+tolerance = 1e-3
+
+[grid]
+eps = [0.1, 0.2]
+
+[list]
+parameters.A = [0.5, 1]
+lattice.K4 = [1, 2]
+""",
+    """\
+scene = "toda_soliton"
+
+[set]
+slow_times = [0, 0.1]
+half_width = 2
+
+[grid]
+eps = { from = 0.1, to = 0.2, count = 2, log = true }
+
+[random]
+count = 2
+seed = 1
+parameters.kappa = { from = 0.5, to = 1 }
+constants.b = { choose = [1, 2] }
+""",
+)
+
 PROBLEMS = """\
 [[problem]]
 name = "KdV soliton"
@@ -162,6 +204,9 @@ def seeds(kind: str) -> tuple[str, ...]:
     folders = {"scene": "verify/comparison/scenes", "lattice scene": "verify/lattices/scenes"}
     if kind == "lattice":
         return LATTICES
+    if kind == "sweep":
+        shipped = sorted((HOUSE / "runs" / "sweeps").glob("*.toml"))
+        return *(SWEEPS * 6), *(path.read_text(encoding="utf-8") for path in shipped)
     if kind == "problem":
         return PROBLEMS, *(text for file in _library() for text in file)
     found = sorted((HOUSE / folders[kind]).glob("*.toml"))

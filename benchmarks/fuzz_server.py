@@ -55,6 +55,10 @@ STARTED_HERE = ("--completion", "report", "recheck", "doctor", "animate", "explo
 """Commands that start programs of others: bash, LaTeX, PARI/GP, ffmpeg."""
 
 
+USUAL_OUTPUTS = {"plot": (".png",), "animate": (".mp4", ".gif"), "sweep": (".store", ".nc")}
+"""What a command writes beside its input unless it is told where."""
+
+
 @dataclass(frozen=True)
 class Ending:
     """How an input ended; ``status`` is negative for a signal, None for what had to be killed."""
@@ -385,10 +389,10 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):
         top = path.relative_to(place / "work").parts[0]
-        drawn = {
-            f"{name.rpartition('.')[0]}.png" for name in case.files if case.words[:1] == ("plot",)
-        }
-        known = top in {*case.files, *drawn, "longwave-report"}
+        stems = [name.rpartition(".")[0] for name in case.files]
+        suffixes = USUAL_OUTPUTS.get(case.words[0] if case.words else "", ())
+        usual = {stem + suffix for stem in stems for suffix in suffixes}
+        known = top in {*case.files, *usual, "longwave-report"}
         if not known and not any(word.split("/")[0] == top for word in named):
             stem = top.partition(".")[0].rpartition("_")[0]
             if not stem or not any(word.startswith(stem) for word in named):

@@ -47,6 +47,9 @@ LARGEST = 100_000
 MOST = 50
 """Entries of each kind."""
 
+LONGEST_NAME = 30
+"""Characters of a field's or a constant's name."""
+
 LONGEST_TITLE = 200
 """Characters of a name or a title."""
 
@@ -161,7 +164,9 @@ def _entries(document: Mapping[str, Any], kind: str) -> Iterator[tuple[str, Mapp
 
 def _texts(document: Mapping[str, Any], key: str, *, required: bool = True) -> list[str]:
     found = document.get(key, None if required else [])
-    texts = isinstance(found, list) and all(isinstance(entry, str) for entry in found)
+    texts = isinstance(found, list) and all(
+        isinstance(entry, str) and len(entry) <= LONGEST_NAME for entry in found
+    )
     if not texts or (required and not found) or len(found) > MOST:
         raise ValueError(f'{key} must be a list of names, got {shown(found)} (such as ["u"])')
     return list(found)

@@ -37,6 +37,8 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
         return interrupted(program, f"{options.scene} is as it was")
     except (ValueError, OSError) as error:
         return fail(error)
+    except MemoryError as error:
+        return fail(f"run must fit the memory, got one that does not: {error} (take fewer sites)")
     found = compare_runs(kept, made)
     first, *further = found.lines()
     print_lines(plain_console(), [f"{options.scene}: {first}", *further])

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING
 
 from derive.atomic_file import write_atomically
 from runs.run_pack import (
@@ -23,8 +24,10 @@ from runs.run_pack import (
 )
 from runs.run_store import RunStore
 from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
-from runs.sweep_file import Sweep
 from runs.sweep_workers import Promise, Workers
+
+if TYPE_CHECKING:
+    from runs.sweep_file import Sweep
 
 LEAST_SECONDS, MOST_SECONDS = 0.3, 3.0
 """Seconds of a batch: its pack costs 10 ms. Towards the end they are short, so that all workers

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runs import load_run, run_any_scene
 from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
 from runs.run_store import RunStore
 from solutions.run.cores import keep_to_one_core
@@ -123,6 +122,8 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     What is expected to take long is kept in the ``store`` instead of the record.
     """
+
+    from runs.run_file import load_run, run_any_scene
 
     def told(seconds: float) -> None:
         if store is not None and seconds >= LONG:

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import Any, Protocol
 
 from solutions.run.cores import usable_cores
+from verify.dask_cluster import connect
 from verify.processes import ignore_interrupt
 
 PATIENCE = 1.0
@@ -99,28 +100,11 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-CONNECTING = 5.0
-"""Seconds in which a scheduler must answer."""
-
-
 class DaskWorkers:
     """The workers of a Dask cluster; `dask.distributed` comes with the extra ``cluster``."""
 
     def __init__(self, address: str) -> None:
-        try:
-            from distributed import Client
-        except ImportError:
-            raise ValueError(
-                "--scheduler needs dask.distributed, got none (pip install 'longwave[cluster]')"
-            ) from None
-        try:
-            self._client = Client(address, timeout=CONNECTING, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
-            why = " ".join(str(error).split())[:100]
-            raise ValueError(
-                f"--scheduler must be the address of a Dask scheduler that answers within "
-                f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786)"
-            ) from None
+        self._client = connect(address)
         threads: dict[str, int] = self._client.nthreads()
         self.count = max(1, sum(threads.values()))
 

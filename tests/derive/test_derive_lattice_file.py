@@ -94,6 +94,7 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "key": (HEAD + "mass = [1]\n" + SPRING, "keys must be among .* got 'mass'"),
     "key of a spring": (HEAD + SPRING + "law = 1\n", r"\[\[spring\]\] 1: keys|keys must be among"),
     "field text": ("fields = 'u'\n" + SPRING, "fields must be a list of names"),
+    "long name": (f'fields = ["{"u" * 99}"]\n' + SPRING, "fields must be a list of names"),
     "field name": ('fields = ["u_1"]\n' + SPRING, "must be among u_1, got 'u'"),
     "masses": (HEAD + "masses = [1, 2]\n" + SPRING, "masses must be a list of 1"),
     "mass 0": (HEAD + "masses = [0]\n" + SPRING, "mass must satisfy mass > 0"),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from runs import run_file
 from runs.run_file import run_any_scene
 from runs.run_pack import CellRecord, read_pack, write_pack
 from runs.run_store import RunStore
@@ -147,14 +148,12 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from runs import sweep_cells
-
     def run(scene: Any, **told: Any) -> xr.Dataset:
         if scene.eps == 0.4:
             raise MemoryError("no room")
         return run_any_scene(scene, **told)
 
-    monkeypatch.setattr(sweep_cells, "run_any_scene", run)
+    monkeypatch.setattr(run_file, "run_any_scene", run)
     sweep = small_sweep(eps=[0.1, -1, 0.4, 0.2], **{"parameters.A": [1, -2]})
     state = run_sweep(sweep, store, HereWorkers())
     found = sweep_dataset(sweep, store)
@@ -234,13 +233,14 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
 
 
 def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    from runs import sweep_cells
-
-    def run(scene: Any, announce: Callable[[float], None]) -> xr.Dataset:
-        announce(100.0 if scene.eps == 0.2 else 1.0)
+    def run(
+        scene: Any, progress: Any = None, announce: Callable[[float], None] | None = None
+    ) -> xr.Dataset:
+        if announce is not None:
+            announce(100.0 if scene.eps == 0.2 else 1.0)
         return run_any_scene(scene)
 
-    monkeypatch.setattr(sweep_cells, "run_any_scene", run)
+    monkeypatch.setattr(run_file, "run_any_scene", run)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     assert [store.find(sweep.scene(cell)) is None for cell in (0, 1)] == [True, False]

@@ -39,7 +39,7 @@ _only = click.option(
 )
 
 
-STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
+STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex", "scheduler")
 """What is said of a statement in text, and of no closed form."""
 
 
@@ -55,6 +55,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
 @click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
+@click.option("--scheduler", metavar="ADDRESS", help="Decide on a Dask cluster, tcp://HOST:PORT.")
 @click.option("--latex", is_flag=True, help="Print a sentence on each statement in LaTeX.")
 @click.option(
     "--certificate",

@@ -87,6 +87,7 @@ class Options:
     system: str | None = None
     scripts: str | None = None
     solve: str | None = None
+    scheduler: str | None = None
 
 
 def print_statement_verdicts(options: Options, program: str) -> int:
@@ -101,7 +102,7 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         if path is not None:
             path.touch()
         hinting = 0.0 if options.library == () else HINT_SECONDS
-        verdicts = decided(problems, limit, hinting=hinting, late=_say_late)
+        verdicts = _decided(problems, limit, hinting, options.scheduler)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
             _write_certificates(path, [verdict for _, verdict in found])
@@ -120,6 +121,17 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         return interrupted(program, f"after {len(found)} of {len(problems)} statements")
     met = all(_is_met(problems[place], verdict) for place, verdict in found)
     return 0 if met else 1
+
+
+def _decided(
+    problems: Sequence[StatedProblem], limit: float, hinting: float, scheduler: str | None
+) -> Iterator[tuple[int, StatementVerdict]]:
+    """The verdicts by processes of this machine, or of a cluster."""
+    if scheduler is None:
+        return decided(problems, limit, hinting=hinting, late=_say_late)
+    from verify.cli.cluster_verdicts import decided_on_cluster
+
+    return decided_on_cluster(problems, limit, hinting, scheduler)
 
 
 def _is_met(problem: StatedProblem, verdict: StatementVerdict) -> bool:

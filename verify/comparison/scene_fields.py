@@ -18,8 +18,6 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from derive.user_files import parse_toml, read_toml, shown_path
-
 MOST_STEPS = 1e10
 
 USUAL: Mapping[str, str] = {
@@ -263,6 +261,8 @@ def read_document(path: str | Path) -> Mapping[str, Any]:
 
     Raises ValueError, in one line, for what is none.
     """
+    from derive.user_files import read_toml, shown_path
+
     try:
         return read_toml(path, "scene", LARGEST_FILE)
     except OSError as error:
@@ -274,6 +274,8 @@ def read_document(path: str | Path) -> Mapping[str, Any]:
 
 def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
     """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
+    from derive.user_files import parse_toml
+
     return parse_toml(content, source, "scene")
 
 

@@ -17,7 +17,6 @@ from lattice.checkpoint import spared_seconds
 from lattice.model import State
 from lattice.refine import Announce
 from lattice.trial import Progress
-from verify.comparison.expected_cost import check_cost
 from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
@@ -150,6 +149,8 @@ def record_scene(
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
         )
+    from verify.comparison.expected_cost import check_cost
+
     expected = check_cost(scene)
     if scene.tolerance is None:
         Announcer(announce or (lambda _: None))(expected.seconds)
