@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.command_line import fail, interrupted
 from runs.repeated_run import compare_runs
 from runs.rescue import save_or_rescue
-from runs.run_file import is_run_file, load_run, run_any_scene, scene_of_run
+from runs.run_file import load_run, run_any_scene, scene_of_run
 from verify.cli.console import plain_console, print_lines, progress_bar
 from verify.comparison.scene_run import Announcer
 
@@ -16,12 +15,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from runs.scene_command import RunOptions
-
-
-def names_a_run(source: str) -> bool:
-    """Whether what is to be run is the file of a run, and no scene."""
-    path = Path(source)
-    return path.suffix == ".nc" or (path.is_file() and is_run_file(path))
 
 
 def repeat_and_print(options: RunOptions, program: str) -> int:

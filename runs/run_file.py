@@ -149,6 +149,12 @@ def is_run_file(path: Path) -> bool:
     return any(begun.startswith(signature) for signature in SIGNATURES)
 
 
+def names_a_run(source: str) -> bool:
+    """Whether what is to be run is the file of a run, and no scene."""
+    path = Path(source)
+    return path.suffix == ".nc" or (path.is_file() and is_run_file(path))
+
+
 REMEDY = "write it with `longwave run SCENE --output run.nc`"
 
 

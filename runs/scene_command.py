@@ -10,14 +10,14 @@ from rich.table import Table
 
 from derive.command_line import fail, interrupted
 from derive.interruption import keeping
-from runs.repeat_command import names_a_run, repeat_and_print
 from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
-from runs.run_file import load_run, record_with_trust
+from runs.run_file import load_run, names_a_run, record_with_trust
 from runs.run_store import RunStore
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.expected_cost import check_cost
+from verify.comparison.recorders import Variables
 from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.stated_run import RunRecord, UnfinishedRun, Variables
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
@@ -44,6 +44,8 @@ def run_and_print(options: RunOptions, program: str) -> int:
     try:
         check_run_output(options.output, options.force)
         if names_a_run(options.scene):
+            from runs.repeat_command import repeat_and_print
+
             return repeat_and_print(options, program)
         found = find_any_scene(options.scene)
     except (ValueError, OSError) as error:
