@@ -34,6 +34,7 @@ class RoomFinder(MetaPathFinder):
 def claim_rooms() -> None:
     """Have every room imported from the house, with a warning where another file has its name.
 
+    A folder without modules of that name, of the results of runs, say, is passed over in silence.
     Raises ImportError, naming the file, if such a file has been imported before.
     """
     shadows = {room: file for room in ROOMS if (file := _other_file(room)) is not None}
@@ -45,6 +46,8 @@ def claim_rooms() -> None:
                 f"{room} must be longwave's own package, got {file}, which was imported before "
                 "(rename that file)"
             )
+        if Path(file).is_dir() and not any(Path(file).glob("*.py")):
+            continue
         warnings.warn(
             f"{file} has the name of a package of longwave; `import {room}` gives longwave's "
             "from here on (rename that file)",

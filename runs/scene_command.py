@@ -15,8 +15,9 @@ from runs.run_file import names_a_run, record_with_trust
 from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.expected_cost import check_cost
+from verify.comparison.recorders import Variables
 from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.stated_run import RunRecord, UnfinishedRun, Variables
+from verify.comparison.stated_run import RunRecord, UnfinishedRun
 from verify.comparison.trust import USUAL_TOLERANCE
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 

@@ -68,3 +68,12 @@ def test_nothing_is_said_where_nothing_is_in_the_way(tmp_path: Path) -> None:
     code = f"import sys; old = list(sys.meta_path); {USE}; assert old == sys.meta_path"
     done = python(tmp_path, "-W", "error", "-c", code)
     assert (done.stdout, done.stderr) == ("kink Verdict\n", "")
+
+
+@pytest.mark.parametrize("room", ["runs", "reports"])
+def test_a_folder_of_results_is_passed_over_in_silence(tmp_path: Path, room: str) -> None:
+    (tmp_path / room / "ab").mkdir(parents=True)
+    (tmp_path / room / "run.nc").touch()
+    done = python(tmp_path, "-W", "error", "-c", f"{USE}; import {room}; print({room}.__file__)")
+    assert done.stderr == ""
+    assert done.stdout.splitlines()[1].startswith(str(Path(__file__).parents[2]))

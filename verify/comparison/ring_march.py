@@ -3,22 +3,27 @@
 It can be gone on with from any pause of a ring, by a march that was made alike.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import accumulate
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.checkpoint import Loop, Memory
-from lattice.spectral.evolution import SpectralRing
-from lattice.spectral.ring import RingState
 from lattice.trial import Progress
 from verify.comparison.moving_wave import MovingWave
 
+if TYPE_CHECKING:
+    from lattice.spectral.evolution import SpectralRing
+    from lattice.spectral.ring import RingState
+
 Array = NDArray[np.float64]
-MakeRing = Callable[[RingState, float], SpectralRing]
+MakeRing: TypeAlias = "Callable[[RingState, float], SpectralRing]"
 """A ring from its state, with a step."""
 
 
@@ -37,7 +42,7 @@ class RingTally(NamedTuple):
     steps: int
     evaluations: int
 
-    def with_ring(self, ring: SpectralRing | None) -> "RingTally":
+    def with_ring(self, ring: SpectralRing | None) -> RingTally:
         """With that of one more ring."""
         if ring is None:
             return self
@@ -99,7 +104,8 @@ class RingMarch:
 
     def _recall(self, memory: Memory) -> None:
         self.rows, self._place = memory["rows"], memory["_place"]
-        self._left, self._state = RingTally(*memory["left"]), RingState(**memory["state"])
+        self._left = RingTally(*memory["left"])
+        self._state = replace(self._state, **memory["state"])
         if memory["ring"] is not None:
             self._ring = self._make(self._state, self._phases[self._place].step)
             self._ring.recall(memory["ring"])

@@ -17,6 +17,7 @@ from lattice.spectral.exponential import ORDER
 from lattice.spectral.ring import ALIKE, telling_step
 from lattice.trial import Progress, Trial
 from verify.comparison.moving_wave import MovingWave
+from verify.comparison.recorders import Recorder, build_recorders
 from verify.comparison.scene import Scene
 from verify.comparison.spectral_data import RingData, SpectralCost, first_density, ring_data
 from verify.comparison.spectral_search import (
@@ -27,9 +28,7 @@ from verify.comparison.spectral_search import (
 )
 from verify.comparison.stated_run import (
     LONG,
-    Recorder,
     RunRecord,
-    build_recorders,
     unfinished,
 )
 from verify.comparison.view import View

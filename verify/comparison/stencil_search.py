@@ -34,14 +34,13 @@ from verify.comparison.domain import (
 )
 from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 from verify.comparison.observables import observable_named
+from verify.comparison.recorders import StrainSamples, moments_of
 from verify.comparison.scene import Discretisation, Scene
 from verify.comparison.stated_run import (
     SECONDS_PER_UPDATE,
     START_SECONDS,
     RunRecord,
-    StrainSamples,
     UnfinishedRun,
-    moments_of,
     run_from,
     unfinished,
 )

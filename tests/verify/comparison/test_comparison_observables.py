@@ -21,7 +21,8 @@ from verify.comparison.observables import (
     axis_values,
     observable_named,
 )
-from verify.comparison.stated_run import LOOK_EVALUATIONS, build_domain
+from verify.comparison.recorders import LOOK_EVALUATIONS
+from verify.comparison.stated_run import build_domain
 from verify.comparison.view import View
 
 FLOPS = 9
