@@ -83,6 +83,11 @@ class CheckpointFolder:
         else:
             self.least = self._usual
 
+    @property
+    def is_begun(self) -> bool:
+        """Whether anything was kept."""
+        return self._folder.is_dir()
+
     def spared(self, seconds: float) -> None:
         """Count what need not be done again."""
         with self._lock:

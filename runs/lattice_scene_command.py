@@ -10,8 +10,7 @@ from rich.table import Table
 
 from derive.command_line import fail, interrupted
 from runs.rescue import fail_or_rescue, save_or_rescue
-from runs.run_file import load_run
-from runs.run_store import RunStore
+from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import run_lattice_scene
@@ -39,6 +38,9 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
             scene = scene.changed(tolerance=options.tolerance)
         run = run_with_bar(scene, options.store)
     except KeyboardInterrupt:
+        if options.store is not None:
+            told = f"what was done is kept in {options.store}; the same command goes on"
+            return interrupted(program, told)
         return interrupted(program, "nothing was kept")
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
@@ -54,7 +56,7 @@ def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
         if store is None:
             return run_lattice_scene(scene, bar[0], Announcer(bar[1])).dataset
-        return load_run(RunStore(store).fetch(scene, bar[0], Announcer(bar[1])))
+        return fetch_told(store, scene, bar[0], Announcer(bar[1]))
 
 
 def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:

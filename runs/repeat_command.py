@@ -9,7 +9,6 @@ from runs.repeated_run import compare_runs
 from runs.rescue import save_or_rescue
 from runs.run_file import load_run, run_any_scene, scene_of_run
 from verify.cli.console import plain_console, print_lines, progress_bar
-from verify.comparison.scene_run import Announcer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,6 +58,8 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
 
 
 def _run_again(kept: xr.Dataset, source: str) -> xr.Dataset:
+    from verify.comparison.scene_run import Announcer
+
     scene = scene_of_run(kept)
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):

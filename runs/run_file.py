@@ -117,17 +117,26 @@ def load_run(path: str | Path) -> xr.Dataset:
 
 def open_run(path: str | Path) -> xr.Dataset:
     """A run whose values are read when they are asked for; to be closed. Raises as `load_run`."""
+    import h5py
     import xarray as xr
 
     path = Path(path)
     size = _checked_size(path)
     try:
-        run = xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False)
+        h5py.File(path).close()  # fails cleanly where h5netcdf leaves half an object
+        run = xr.open_dataset(
+            path,
+            engine="h5netcdf",
+            decode_times=False,
+            mask_and_scale=False,
+            phony_dims="access",
+        )
     except Exception as error:  # see load_run
         raise _damaged(path, error) from None
     try:
         if run.nbytes > SMALL + MOST_SHRUNK * size:
             raise ValueError(f"{run.nbytes:.3g} bytes are claimed to be in {size}")
+        _check_coordinates(run)
         return _decoded(run)
     except Exception as error:
         run.close()
@@ -170,6 +179,13 @@ def _checked_size(path: Path) -> int:
         remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")
     return state.st_size
+
+
+def _check_coordinates(run: xr.Dataset) -> None:
+    """Refuse times and places that are no numbers: a run has none."""
+    for name, values in run.coords.items():
+        if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+            raise ValueError(f"{name} is not finite")
 
 
 def _damaged(path: str | Path, error: Exception) -> ValueError:

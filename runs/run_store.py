@@ -121,6 +121,7 @@ class RunStore:
         """
         found = self.find(scene)
         if found is not None:
+            LOG.info("%s: found in %s, not run again", scene.name, found)
             return found
         path = self.path(scene)
         with self._alone(path):
@@ -128,6 +129,8 @@ class RunStore:
                 return path
             check_sources()
             checkpoint = self._checkpoint(path)
+            if checkpoint.is_begun:
+                LOG.info("%s: goes on where it was broken off", scene.name)
             run = _gone_on_with(checkpoint, scene, progress, announce)
             try:
                 _kept(path, run)

@@ -11,8 +11,8 @@ from rich.table import Table
 from derive.command_line import fail, interrupted
 from derive.interruption import keeping
 from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
-from runs.run_file import load_run, names_a_run, record_with_trust
-from runs.run_store import RunStore
+from runs.run_file import names_a_run, record_with_trust
+from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.expected_cost import check_cost
 from verify.comparison.recorders import Variables
@@ -62,14 +62,22 @@ def run_and_print(options: RunOptions, program: str) -> int:
         with keeping():
             status = _give(stop.record, scene, options)
         where = f" in {options.output}" if options.output and not status else ""
-        return interrupted(program, f"{len(stop.record.reached)} snapshots are kept{where}")
+        count = f"{len(stop.record.reached)} snapshots are kept{where}"
+        return interrupted(program, _kept_by(options) or count)
     except KeyboardInterrupt:
-        return interrupted(program, "nothing was recorded yet")
+        return interrupted(program, _kept_by(options) or "nothing was recorded yet")
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
     return _give(run, scene, options) or int(bool(run.attrs["blow_up"]))
+
+
+def _kept_by(options: RunOptions) -> str:
+    """What Ctrl-C leaves in a store, if there is one."""
+    if options.store is None:
+        return ""
+    return f"what was done is kept in {options.store}; the same command goes on"
 
 
 def _give(run: RunRecord, scene: Scene, options: RunOptions) -> int:
@@ -94,7 +102,7 @@ def _run_with_bar(scene: Scene, store: str | None) -> RunRecord:
     with progress_bar(scene.name, f"{scene.name}{wanted}", console) as (advance, tell):
         if store is None:
             return record_with_trust(scene, advance, tell)
-        run = load_run(RunStore(store).fetch(scene, advance, tell))
+        run = fetch_told(store, scene, advance, tell)
     variables: Variables = {
         str(name): (tuple(map(str, value.dims)), value.values, dict(value.attrs))
         for name, value in run.variables.items()

@@ -1,0 +1,49 @@
+"""What a store does, told on the standard error: found, gone on with, damaged, waited for."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from derive.command_line import one_line
+from runs.run_file import load_run
+from runs.run_store import LOG, RunStore
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lattice.refine import Announce
+    from lattice.trial import Progress
+    from verify.comparison.scene import Scene
+    from verify.lattices.lattice_scene import LatticeScene
+
+
+class _Lines(logging.Handler):
+    """Each record in one line on the standard error."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        print(one_line(record.getMessage()), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def store_told() -> Iterator[None]:
+    """Tell on the standard error what a store says while the body runs."""
+    handler, level = _Lines(), LOG.level
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        LOG.setLevel(level)
+        LOG.removeHandler(handler)
+
+
+def fetch_told(
+    folder: str, scene: Scene | LatticeScene, progress: Progress, announce: Announce
+) -> xr.Dataset:
+    """The scene's run from the store in the folder, made if it is not there; raises as `fetch`."""
+    with store_told():
+        return load_run(RunStore(folder).fetch(scene, progress, announce))
