@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -36,6 +36,14 @@ RESONANT = 1e-40
 
 ROUNDING = 1e-12
 """An imaginary part so small, beside the whole, is none."""
+
+LARGE_CELL = 4
+"""Fields of a cell from which on symbols are refused. Four masses in a row took 0.2 s at k = pi
+and 4 s for the mean's next order in numbers; with symbols for the springs alone the latter took
+18 s, and with symbols for the masses, too, the order before it 27 s."""
+
+FIRST_MASS = Symbol("mass", positive=True)
+"""Stands for the first mass of a lattice in numbers."""
 
 _MAPPED = ("v", "p", "q")
 """What the normal form depends on."""
@@ -309,6 +317,11 @@ def envelope(
             f"constants must have names other than {', '.join(sorted(OWN_NAMES))}, got {taken[0]} "
             "(those are the carrier's own)"
         )
+    slopes = (bond.stiffness(S.Zero) for bond in lattice.bonds)
+    if not any(part.free_symbols for part in (*lattice.masses, *slopes)):
+        # the dispersion relation is solved for a symbol, and is linear in any mass
+        constants = {**constants, str(FIRST_MASS): lattice.masses[0]}
+        lattice = replace(lattice, masses=(FIRST_MASS, *lattice.masses[1:]))
     names = {str(symbol): symbol for symbol in lattice.constants}
     values = {}
     for name, value in constants.items():
@@ -318,6 +331,14 @@ def envelope(
                 f"(those are the constants of {lattice.name})"
             )
         values[names[name]] = exact(name, value)
+    unknown = [name for name, symbol in names.items() if symbol not in values]
+    is_large = len(lattice.fields) >= LARGE_CELL and not lattice.definitions
+    if is_large and len(unknown) > 1 and chosen != pi:
+        raise EnvelopeError(
+            f"constants of a cell with {len(lattice.fields)} fields must be given, got none for "
+            f"{', '.join(unknown)} (in symbols it takes more than a minute; numbers for all, as "
+            f"{unknown[0]}=1, make it several times as fast, k = pi a hundred times)"
+        )
     carrier = Carrier(lattice, at_pi=chosen == pi, values=values)
     carrier.solve()
     return Envelope(lattice, chosen, number, values, carrier)

@@ -20,7 +20,7 @@ from derive.command_line import fail, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
 from longwave.plotting import Source, read_source, shown_half_width
-from longwave.run_quantities import RunFrame, frame_of
+from longwave.run_quantities import RunFrame, check_run, frame_of
 from reports.figures.drawing import Snapshot, styled
 from reports.figures.film import ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
 from reports.figures.film_files import film_path, has_ffmpeg, save_film
@@ -163,6 +163,7 @@ def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
                 f"source must hold snapshots of the strain, got none of {name} "
                 "(the scene must ask for strain)"
             )
+    check_run(data)
     first, last = times or (-np.inf, np.inf)
     at = data["time"].values
     kept = np.flatnonzero((at >= first) & (at <= last))

@@ -16,11 +16,15 @@ from derive.command_line import fail, interrupted
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""
 
-MOST_PAGES = 6
+MOST_PAGES = 10
 """Pages that are open at a time: each has a process of its own."""
 
-LEFT = 4000
-"""Milliseconds after which a page that was closed is forgotten, its process ended."""
+LEFT = 60_000
+"""Milliseconds after which a page that was closed is forgotten, its process ended; a slow browser
+has as long to come back for what it was promised."""
+
+LOCAL = "static/extensions/panel/"
+"""Where this server has its style sheets."""
 
 
 def explore(port: int, browser: bool, program: str) -> int:
@@ -88,6 +92,15 @@ def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str)
     return interrupted(program)
 
 
+def keep_style_sheets_here(document: Any) -> None:
+    """Have a page's style sheets come from this server, whenever its session is made.
+
+    Panel says so only when it writes the page; a session that is made again for a page that was
+    written before would send the browser to another host.
+    """
+    document.template_variables["dist_url"] = LOCAL
+
+
 class Pages:
     """The pages that are open, each with its process; the first one's is begun beforehand."""
 
@@ -105,6 +118,7 @@ class Pages:
         from longwave.exploration_run import Explorer
         from longwave.explore_page import LOOK, ExplorePage
 
+        keep_style_sheets_here(pn.state.curdoc)
         if len(self._open) >= MOST_PAGES:
             return pn.pane.HTML(f"At most {MOST_PAGES} pages may be open: close one, and reload.")
         explorer = self._spare.pop() if self._spare else Explorer()

@@ -7,13 +7,15 @@ are on the paper's chain: the space-time map, the error over time and the track 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from derive.algebra.exact_numbers import shown
 from lattice.model import State
 from reports.figures.run_figures import SpectrumPanel
 from runs import scene_of_run
@@ -31,6 +33,9 @@ LEAST_LOOKS = 8
 
 CARRIED = 8
 """Fewest sites in a cell of an envelope's map: a few carrier waves, except very long ones."""
+
+LARGEST_POWER = 20
+"""Of eps, in units of errors."""
 
 UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
@@ -51,10 +56,13 @@ class RunFrame:
 
 def frame_of(data: xr.Dataset) -> RunFrame:
     """What places a run, from its scene; ValueError if it has none that can be read."""
+    check_run(data)
     try:
         scene = scene_of_run(data)
         if isinstance(scene, LatticeScene):
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
+            if not 0 <= power <= LARGEST_POWER:
+                raise ValueError(f"errors in units of eps^{power}")
             return RunFrame(scene, scene.eps, float(data.attrs["frame_speed"]), scene.eps**power)
         return RunFrame(scene, scene.eps, scene.constants.sound_speed(), scene.eps)
     except (KeyError, TypeError, ValueError) as error:
@@ -63,6 +71,56 @@ def frame_of(data: xr.Dataset) -> RunFrame:
             f"source must be a run with the scene that it was made from, got {reason} "
             "(write it with `longwave run SCENE --output run.nc`)"
         ) from None
+
+
+SNAPSHOT, TIME, LOOK, CURVE = ("time", "site"), ("time",), ("look_time",), ("curve_time",)
+
+DIMENSIONS: Mapping[str, tuple[str, ...]] = {
+    "strain": SNAPSHOT,
+    "analytic": SNAPSHOT,
+    "background": SNAPSHOT,
+    "n": SNAPSHOT,
+    "error": TIME,
+    "sup_error": TIME,
+    "slow_time": TIME,
+    "time_step_error": TIME,
+    "domain_error": TIME,
+    "error_curve": CURVE,
+    "error_curve_far_field": CURVE,
+    "space_time": ("look_time", "map_site"),
+    "crest_position": LOOK,
+    "crest_strain": LOOK,
+}
+"""Of what pictures are drawn from; strains may have the dimension ``row`` besides."""
+
+
+def check_run(data: xr.Dataset) -> None:
+    """Raise ValueError in one line if a data set is not as those of runs are: it may be any file's.
+
+    Variables that pictures need not are not looked at; one that is missing is no fault.
+    """
+    used = [name for name in DIMENSIONS if name in data.variables]
+    for name in used:
+        dims = tuple(dim for dim in data[name].dims if dim != "row" or name == "n")
+        if dims != DIMENSIONS[name] or data[name].dtype.kind not in "fiu":
+            _refuse(f"{name} over {', '.join(map(str, data[name].dims))}")
+    for dim in {dim for name in used for dim in data[name].dims}:
+        axis = data[dim] if dim in data.coords else None
+        if axis is None or axis.dtype.kind not in "fiu" or not np.isfinite(axis).all():
+            _refuse(f"no finite numbers of {dim}")
+    for name in ("error_estimate", "frame_speed"):
+        value = data.attrs.get(name, 0.0)
+        if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+            _refuse(f"{name} = {shown(value)}")
+    if not np.isfinite(np.asarray(data.get("n", 0.0), dtype=float)).all():
+        _refuse("n that is not finite")
+
+
+def _refuse(what: str) -> NoReturn:
+    raise ValueError(
+        f"source must be a run as `longwave run SCENE --output run.nc` writes it, got {what} "
+        "(write it anew)"
+    )
 
 
 def own_error(data: xr.Dataset, frame: RunFrame) -> Array | None:
@@ -137,7 +195,8 @@ def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> x
     On two axes map and crest are those of the row nearest to the middle. Of an envelope the map
     holds the largest modulus in some cells that its carrier moves through, and the crest is one.
     """
-    if data.sizes.get("time", 0) < least or "space_time" in data:
+    needed = {"strain", "background", "n", "error", "sup_error"} <= set(data.variables)
+    if not needed or data.sizes.get("time", 0) < least or "space_time" in data:
         return data
     line = data.isel(row=_middle(data["row"].values)) if "row" in data.dims else data
     strain, background, sites = (

@@ -1,5 +1,6 @@
 """Settings shared by all tests: fixed seeds, no display, floating-point traps on."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -70,5 +71,37 @@ def press_ctrl_c() -> Callable[[list[str], float], Stopped]:
             running.kill()
         passed = time.perf_counter() - begun
         return Stopped(running.returncode, announced, out, errors, passed)
+
+    return stopped
+
+
+@pytest.fixture
+def interrupt() -> Callable[[list[str], float, Path], Stopped | None]:
+    """``interrupt(words, seconds, folder)``: stopped after so long; None if it had ended by then.
+
+    The terminal sends the signal to all processes of a command; so does this.
+    """
+
+    def stopped(words: list[str], seconds: float, folder: Path) -> Stopped | None:
+        running = subprocess.Popen(
+            [sys.executable, "-m", *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])},
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+        try:
+            running.communicate(timeout=seconds)
+            return None
+        except subprocess.TimeoutExpired:
+            os.killpg(running.pid, signal.SIGINT)
+            begun = time.perf_counter()
+            out, errors = running.communicate(timeout=60)
+        finally:
+            running.kill()
+        return Stopped(running.returncode, "", out, errors, time.perf_counter() - begun)
 
     return stopped

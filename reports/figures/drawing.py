@@ -166,7 +166,8 @@ def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None
     ax.plot(snapshot.offset, snapshot.numerical, label="lattice", **NUMERICAL)
     ax.plot(snapshot.offset, snapshot.analytical, label=wave, **ANALYTICAL)
     ax.set_title(rf"({letter})  $\epsilon={snapshot.eps:g}$, $t={snapshot.time:g}$", loc="left")
-    ax.set_xlim(snapshot.offset[0], snapshot.offset[-1])
+    if snapshot.offset.size > 1:
+        ax.set_xlim(snapshot.offset[0], snapshot.offset[-1])
     ax.locator_params(axis="x", nbins=5)
 
 
@@ -230,7 +231,8 @@ def _draw_curves(ax: Axes, curves: Sequence[ErrorCurve]) -> None:
     """Draw the curves of one panel through all their points, without markers but of one alone."""
     for curve, look in zip(curves, CURVES, strict=False):
         marker = "" if curve.times.size > 1 else look["marker"]
-        ax.plot(curve.times, curve.errors, label=curve.label, **look | {"marker": marker})
+        errors = np.where(np.isfinite(curve.errors), curve.errors, np.nan)
+        ax.plot(curve.times, errors, label=curve.label, **look | {"marker": marker})
         if curve.own is not None and np.isfinite(curve.own).any():
             _draw_own(ax, curve, curve.own, look["color"])
     ax.set_xlabel("$t$")

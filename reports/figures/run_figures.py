@@ -64,14 +64,16 @@ def draw_spectra(figure: FigureBase, panels: Sequence[SpectrumPanel]) -> None:
 
 def _draw_spectrum(ax: Axes, panel: SpectrumPanel) -> None:
     lattice, wave = (
-        np.where(values > 0.0, values, np.nan) for values in (panel.lattice, panel.wave)
+        np.where(np.isfinite(values) & (values > 0.0), values, np.nan)
+        for values in (panel.lattice, panel.wave)
     )
     ax.set_yscale("log")
     ax.plot(panel.wavenumber, lattice, label="lattice", **NUMERICAL)
     ax.plot(panel.wavenumber, wave, label="wave", **ANALYTICAL)
-    if panel.own is not None:
+    if panel.own is not None and np.isfinite(panel.own):
         ax.axhspan(0.0, panel.own, color="#E69F00", alpha=0.25, lw=0, label="own error, at most")
-    ax.axhline(panel.rounding, color="black", linestyle=":", linewidth=0.8, label="rounding")
+    rounding = panel.rounding if np.isfinite(panel.rounding) else np.nan
+    ax.axhline(rounding, color="black", linestyle=":", linewidth=0.8, label="rounding")
     ax.set_xlim(0.0, np.pi)
     ax.set_xticks([0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
     ax.set_title(panel.title, loc="left")
@@ -82,6 +84,6 @@ def _amplitude_limits(panels: Sequence[SpectrumPanel]) -> tuple[float, float]:
     every = np.concatenate([part for p in panels for part in (p.lattice, p.wave)])
     every = every[np.isfinite(every) & (every > 0.0)]
     high = float(every.max()) if every.size else 1.0
-    floors = [p.rounding for p in panels if p.rounding > 0.0]
+    floors = [p.rounding for p in panels if 0.0 < p.rounding < high]
     low = min([*floors, 0.1 * high]) / 10.0**DECADES
     return low, 3.0 * high

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -10,8 +11,9 @@ from sympy import Integer, Rational, Symbol, acos, cos, pi, simplify, sin, sqrt
 
 from derive import LATTICES, EnvelopeError, checks_of_envelope, envelope, modulation_map, on_site
 from derive.carrier_envelope import Envelope, omega
+from derive.lattice import Lattice, spring
 from derive.models.lattices import cubic, g1, g2, g3
-from derive.symbols import k, x
+from derive.symbols import K2, K3, K4, k, x
 
 FPUT = LATTICES["fput_strain"]
 s, C = sin(k / 2), cos(k / 2)
@@ -133,6 +135,37 @@ def test_a_carrier_without_dispersion_is_refused() -> None:
         found.coefficients(acos(2 - sqrt(3)), **values)
 
 
+@pytest.mark.parametrize(("name", "at"), [("fput_strain", 1), ("toda", 1)])
+def test_a_lattice_in_numbers_has_the_envelope_of_the_one_in_symbols(name: str, at: Any) -> None:
+    """It was refused once: nothing was left to solve the dispersion relation for."""
+    lattice = LATTICES[name]
+    values: Any = {str(symbol): Integer(1 + i) for i, symbol in enumerate(lattice.constants)}
+    numeric = envelope(lattice.with_values(values), k=at)
+    assert numeric.coefficients() == envelope(lattice, k=at, **values).coefficients(**values)
+    assert all(check.passed for check in checks_of_envelope(numeric))
+    some = lattice.with_values({n: v for n, v in values.items() if n != "K4"})
+    rest: Any = {"K4": values["K4"]} if "K4" in values else {}
+    assert envelope(some, k=at).coefficients(**rest) == numeric.coefficients()
+
+
+def four_masses() -> Lattice:
+    masses = tuple(Symbol(f"m{i}", positive=True) for i in range(1, 5))
+    places = [*(((0,), i) for i in range(4)), ((1,), 0)]
+    force = cubic(K2, K3, K4)
+    bonds = tuple(spring(force, *pair) for pair in pairwise(places))
+    return Lattice("four", "four masses", ("u", "v", "w", "p"), masses, bonds)
+
+
+def test_a_large_cell_needs_numbers_and_says_so_at_once() -> None:
+    """In symbols it went on for more than a minute without a word."""
+    numbers: Any = {"m1": 1, "m2": 2, "m3": 3, "m4": 4, "K2": 1, "K3": Rational(1, 4), "K4": 1}
+    with pytest.raises(EnvelopeError, match=r"a cell with 4 fields must be given, got none for K2"):
+        envelope(four_masses())
+    found = envelope(four_masses(), k=pi, branch="optical", **numbers).coefficients(**numbers)
+    assert found.v == 0
+    assert found.p * found.q != 0
+
+
 WRONG: dict[str, tuple[Any, str]] = {
     "k 0": (lambda: envelope(FPUT, k=0), "k must satisfy 0 < k <= pi, got 0"),
     "k 4": (lambda: envelope(FPUT, k=4), "k must satisfy 0 < k <= pi, got 4"),
@@ -149,7 +182,7 @@ WRONG: dict[str, tuple[Any, str]] = {
         "constants must give a real frequency",
     ),
     "linear": (
-        lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=2 * x),))),
+        lambda: envelope(replace(FPUT, bonds=(replace(FPUT.bonds[0], force=K2**2 * x),))),
         "must be linear in one of the lattice's constants, got none among",
     ),
 }

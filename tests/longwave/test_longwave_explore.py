@@ -18,6 +18,8 @@ import pytest
 
 from longwave import explore_server
 from longwave.__main__ import main
+from longwave.exploration import AnyScene
+from longwave.exploration_run import Explorer
 from verify.lattices.lattice_scene import find_any_scene
 
 Output = pytest.CaptureFixture[str]
@@ -66,6 +68,36 @@ def test_there_is_no_way_to_serve_others(capsys: Output) -> None:
     assert main(["explore", "--address", "0.0.0.0"]) == 2
     assert main(["explore", "--port", "70000"]) == 2
     assert capsys.readouterr().out == ""
+
+
+class IdleExplorer(Explorer):
+    """One that runs nothing."""
+
+    def ask(self, scene: AnyScene) -> None:
+        pass
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")  # panel 1.9 renames name to label
+def test_style_sheets_come_from_this_server_also_before_the_page_is_written() -> None:
+    """A browser that came late for its session was sent to another host."""
+    from bokeh.document import Document
+    from bokeh.models import ImportedStyleSheet
+    from panel.io.state import set_curdoc
+
+    from longwave.explore_page import ExplorePage
+
+    document = Document()
+    with set_curdoc(document):
+        explore_server.keep_style_sheets_here(document)
+        page = ExplorePage(IdleExplorer())
+        page.view().server_doc(document)
+        page.wave.value = "kink"
+    sheets = {
+        sheet.url for root in document.roots for sheet in root.select({"type": ImportedStyleSheet})
+    }
+    assert sheets
+    assert all(sheet.startswith(explore_server.LOCAL) for sheet in sheets)
 
 
 @dataclass

@@ -1,11 +1,14 @@
 """What pictures of a run show beside it: its own errors, spectra, and looks of any lattice."""
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from longwave.animation import animate
 from longwave.plotting import plot
 from longwave.run_quantities import frame_of, own_error, spectrum_panel, with_looks
 from runs import run_any_scene
@@ -153,3 +156,39 @@ def test_of_an_envelope_the_map_holds_moduli(toda: xr.Dataset) -> None:
     assert np.isclose(float(found.space_time.max()), float(abs(run.strain).max()))
     label = plot(run, kind="space_time").get_axes()[1].get_ylabel()
     assert label == "$|y_n|$"
+
+
+def foreign(run: xr.Dataset) -> Iterator[xr.Dataset]:
+    """Data sets that a file may hold in the place of a run."""
+    for name in run.variables:
+        yield run.drop_vars(name)
+    for name in run.data_vars:
+        yield run.assign({name: run[name].expand_dims("other")})
+        yield run.assign({name: run[name].isel({run[name].dims[0]: 0}, drop=True)})
+        yield run.assign({name: run[name].astype(str)})
+        yield run.assign({name: run[name].astype(float) * np.inf})
+    for name in run.coords:
+        yield run.assign_coords({name: run[name].astype(float) * np.inf})
+        yield run.assign_coords({name: run[name].astype(str)})
+    for name in run.attrs:
+        yield run.drop_attrs(deep=False).assign_attrs(run.attrs | {name: "\n[/x]"})
+        yield run.assign_attrs({name: np.inf})
+    yield run.isel(time=slice(0))
+    yield run.isel(site=slice(0))
+    yield run.isel(site=slice(1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("of", ["stated", "toda"])
+def test_what_is_no_run_is_drawn_or_told_in_one_line(
+    of: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    for data in foreign(request.getfixturevalue(of)):
+        for draw in (plot, lambda run: animate(run, tmp_path / "film.gif", dpi=30)):
+            told = ""
+            try:
+                draw(data)
+            except ValueError as error:
+                told = str(error)
+            assert len(told.splitlines()) <= 1
+            assert len(told) < 400

@@ -134,7 +134,8 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
 def test_a_file_of_a_sweep_is_drawn(tmp_path: Path, suffix: str, capsys: Any) -> None:
     save_run(cube(), tmp_path / "sweep.nc")
     path = tmp_path / f"sweep{suffix}"
-    words = ["--at", "wave=wave_dn", "--variable", "seconds", "--output", str(path)]
+    words = ["--at", "wave=wave_dn", "--at", "k=0.5", "--variable", "seconds"]
+    words += ["--output", str(path)]
     assert main(["plot", str(tmp_path / "sweep.nc"), *words]) == 0
     assert capsys.readouterr().out == f"{path}\n"
     first = path.read_bytes()

@@ -1,0 +1,58 @@
+"""What random scenes are estimated to cost beside what they take, each in a process of its own.
+
+Prints estimated over true processor seconds and bytes for every scene, then least, median and
+largest of both.
+
+    python benchmarks/costs.py [--scenes 20] [--seed 7] [--budget 60]
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import resource
+import statistics
+import time
+from concurrent.futures import ProcessPoolExecutor
+
+from verify.comparison.expected_cost import expected_cost
+from verify.comparison.scene_run import run
+from verify.studies.estimate_scenes import random_scene
+
+
+def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:
+    """The scene, and estimated over true seconds and bytes; None if it is refused."""
+    scene = random_scene(seed, index, budget).scene
+    try:
+        expected = expected_cost(scene)
+        begun = time.process_time()
+        run(scene)
+    except ValueError:
+        return None
+    seconds = time.process_time() - begun
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    return repr(scene), expected.seconds / seconds, expected.memory_bytes / held
+
+
+def main() -> None:
+    """Measure, and print."""
+    parser = argparse.ArgumentParser(description="Estimated and true costs of random scenes.")
+    parser.add_argument("--scenes", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--budget", type=float, default=60.0, help="seconds of the longest")
+    options = parser.parse_args()
+    context = multiprocessing.get_context("spawn")
+    found = []
+    for index in range(options.scenes):
+        with ProcessPoolExecutor(1, context) as pool:
+            one = pool.submit(ratios, options.seed, index, options.budget).result()
+        if one is not None:
+            found.append(one[1:])
+            print(f"seconds {one[1]:5.2f}  bytes {one[2]:5.2f}  {one[0]}", flush=True)
+    for name, values in zip(("seconds", "bytes"), zip(*found, strict=True), strict=True):
+        middle = statistics.median(values)
+        print(f"{name}: {min(values):.2f} to {max(values):.2f}, median {middle:.2f}")
+
+
+if __name__ == "__main__":
+    main()

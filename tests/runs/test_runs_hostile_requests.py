@@ -1,0 +1,101 @@
+"""Catches: a request that is begun though it takes days or terabytes; Ctrl-C that is not heeded."""
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from longwave.__main__ import main
+
+SCENE = """
+wave = "soliton_sech"
+eps = 0.05
+{top}
+[parameters]
+A = 1
+[lattice]
+K2 = {K2}
+K4 = 1
+[scheme]
+step = {step}
+[domain]
+kind = "ring"
+sites = {sites}
+compared = {compared}
+"""
+USUAL: dict[str, Any] = {
+    "t0": 0,
+    "snapshots": "[10]",
+    "observables": '["strain"]',
+    "K2": 1,
+    "step": 0.5,
+    "sites": 4096,
+    "compared": 100,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sites": 500_000_000}, "must fit"),
+        ({"observables": '["error_curve"]', "curve_points": 10**9}, "must fit"),
+        ({"observables": '["crest_track"]', "look_points": 10**9}, "must fit"),
+        ({"step": 1e-7, "snapshots": "[900]"}, "must take at most 60 min, got about"),
+        ({"t0": -1e9}, "must take at most 60 min, got about"),
+        ({"compared": 10**9, "sites": 10**9}, "must fit"),
+        ({"snapshots": "[1e49]", "step": 1e44}, "sites cannot be told apart"),
+        ({"K2": 1e40}, "sites cannot be told apart"),
+    ],
+)
+def test_what_takes_too_much_is_refused_before_it_begins(
+    changes: dict[str, Any], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = USUAL | changes
+    tops = ("t0", "snapshots", "observables", "curve_points", "look_points")
+    top = "\n".join(f"{key} = {given[key]}" for key in tops if key in given)
+    path = tmp_path / "hostile.toml"
+    path.write_text(SCENE.format(top=top, **given))
+    assert main(["run", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert message in error
+
+
+def test_a_limit_is_raised_and_lowered_by_an_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "rogue_cn_k_0.5_long", "--max-time", "0.5s"]) == 2
+    assert "must take at most 0.5 s, got about" in capsys.readouterr().err
+    assert main(["run", "dimer_peregrine", "--max-memory", "100M"]) == 2
+    assert "must fit 100 MB, got about" in capsys.readouterr().err
+    assert main(["prove", "rational_99"]) == 2
+    assert "must take at most 60 min, got about" in capsys.readouterr().err
+
+
+COMMANDS = (
+    "run rogue_cn_k_0.5_long",
+    "run dimer_peregrine",
+    "plot rogue_cn_k_0.5_long",
+    "converge toda_soliton",
+    "prove rational_12",
+    "derive mass_dimer",
+    "verify accuracy",
+    "verify mutations",
+    "verify recheck",
+    "list",
+    "doctor",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS)
+def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrupt: Any) -> None:
+    moment = random.Random(command).uniform(0.4, 3.0)
+    done = interrupt(["longwave", *command.split()], moment, tmp_path)
+    if done is None:
+        return  # it had ended
+    assert done.status == 130, done.errors
+    assert done.seconds < 4.0  # two, and as much for a loaded machine
+    told = [line for line in done.errors.splitlines() if "interrupted" in line]
+    others = [line for line in done.errors.splitlines() if "(Ctrl-C stops it)" not in line]
+    assert [line for line in others if not line.startswith("measuring ")] == told
+    assert len(told) == 1
