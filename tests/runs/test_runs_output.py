@@ -128,14 +128,16 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
 def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
     scene: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    printed = []
+    printed, told = [], ""
     for _ in range(2):
         assert main(["run", str(scene), "--store", "store", "--output", "copy.nc", "--force"]) == 0
-        printed.append(capsys.readouterr().out)
+        out, told = capsys.readouterr()
+        printed.append(out)
         monkeypatch.setattr("runs.run_file.record_with_trust", None)
     assert printed[0] == printed[1]
     assert "10 steps, 256 sites" in printed[0]
     (kept,) = Path("store").rglob("*.nc")
+    assert told == f"scene: found in {kept}, not run again\n"
     assert compare_runs(load_run(kept), load_run("copy.nc")).is_same
 
 

@@ -210,8 +210,12 @@ def foreign(path: Path) -> None:
             lambda path: xr.Dataset(attrs={"json_attributes": "[1]"}).to_netcdf(path),
             "whole NetCDF-4",
         ),
+        (
+            lambda path: xr.Dataset(coords={"time": [0.0, np.inf]}).to_netcdf(path),
+            "whole NetCDF-4 file, got [^\n]*: time is not finite",
+        ),
     ],
-    ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes"],
+    ids=["netCDF 3", "empty", "text", "folder", "broken", "huge", "attributes", "times"],
 )
 def test_what_is_no_run_is_one_line(make: Callable[[Path], Any], said: str, tmp_path: Path) -> None:
     make(tmp_path / "run.nc")
