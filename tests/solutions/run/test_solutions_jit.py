@@ -185,6 +185,7 @@ def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
         *RUN_FILES,
         "lattice/kernels/vector_code.py",
         "lattice/kernels/blocked.py",
+        "solutions/run/cores.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HOUSE / name, tmp_path / name)

@@ -84,4 +84,4 @@ def test_binary_is_no_certificate(tmp_path: Path, capsys: Output) -> None:
     path = tmp_path / "c.json"
     path.write_bytes(b"\xff\xfe\x00\x01")
     assert main(["check-certificate", str(path)]) == 1
-    assert "no JSON" in capsys.readouterr().err
+    assert "must be a text in UTF-8" in capsys.readouterr().err
