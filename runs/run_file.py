@@ -123,7 +123,8 @@ def open_run(path: str | Path) -> xr.Dataset:
     path = Path(path)
     size = _checked_size(path)
     try:
-        h5py.File(path).close()  # fails cleanly where h5netcdf leaves half an object
+        with h5py.File(path) as file:
+            file["/"].attrs.get("_nc3_strict")  # fails cleanly where h5netcdf leaves half an object
         run = xr.open_dataset(
             path,
             engine="h5netcdf",

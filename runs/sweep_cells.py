@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
@@ -102,7 +103,11 @@ def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:
 
 @contextmanager
 def _ending() -> Iterator[None]:
-    """Raise StoppedWorker in the body when the process is told to end."""
+    """Raise StoppedWorker in the body when the process is told to end.
+
+    Where it is raised in what is called from C, as numba compiles, it is lost without a word: the
+    process is killed a moment later.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -110,11 +115,13 @@ def _ending() -> Iterator[None]:
     def stop(*_: object) -> None:
         raise StoppedWorker
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before, hook = signal.signal(signal.SIGTERM, stop), sys.unraisablehook
+    sys.unraisablehook = lambda lost: None if lost.exc_type is StoppedWorker else hook(lost)
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+        sys.unraisablehook = hook
 
 
 def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:

@@ -235,6 +235,7 @@ class ClosedForm:
             if name not in known:
                 accepted = ", ".join(known) or "no parameters"
                 raise ValueError(
-                    f"parameters must be those of {self.name}, got {name} (it takes {accepted})"
+                    f"parameters must be those of {self.name}, got {name!s:.60} (it takes "
+                    f"{accepted})"
                 )
         return {parameter.symbol: parameter.check(values) for parameter in self.parameters}

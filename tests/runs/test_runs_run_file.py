@@ -1,5 +1,6 @@
 """Catches: a file that loses a bit, a type, a unit or the scene, and one that is no run."""
 
+import gc
 import subprocess
 import sys
 from collections.abc import Callable
@@ -230,3 +231,14 @@ def test_a_run_without_a_scene_is_one_line() -> None:
         scene_of_run(xr.Dataset(attrs={"scene": "{}"}))
     assert scene_of_run(xr.Dataset(attrs={"scene": RING.toml()})) == RING
     assert load_scene("rogue_cn_k_0.5").name in load_scene("rogue_cn_k_0.5").toml()
+
+
+def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    save_run(xr.Dataset({"a": 1.0}), path)
+    content = bytearray(path.read_bytes())
+    content[content.index(b"OHDR") + 8] ^= 0xFF
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match="must be a whole NetCDF-4 file"):
+        open_run(path)
+    gc.collect()  # what is left behind tells of itself as a warning

@@ -1,5 +1,7 @@
 """Sweeps in one process: what is kept, resumed, recorded and given back."""
 
+import ctypes
+import signal
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file
+from runs import run_file, sweep_cells
 from runs.run_file import run_any_scene
 from runs.run_pack import CellRecord, read_pack, write_pack
 from runs.run_store import RunStore
@@ -301,3 +303,16 @@ def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:
     names = [path.name for path in store.folder.rglob("*") if path.is_file()]
     assert len(names) == 1
     assert names[0].endswith(".h5")
+
+
+def test_a_worker_that_ends_in_what_c_calls_says_nothing() -> None:
+    """As numba's compiler calls Python: an exception there is lost, and was told as a traceback."""
+    called: list[int] = []
+
+    def told_to_end() -> None:
+        called.append(1)
+        signal.raise_signal(signal.SIGTERM)
+
+    with sweep_cells._ending():
+        ctypes.CFUNCTYPE(None)(told_to_end)()
+    assert called

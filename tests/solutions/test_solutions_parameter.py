@@ -44,6 +44,11 @@ DN = closed_form("soliton_dn")
             "those of soliton_dn, got m (it takes k)",
         ),
         (
+            "soliton_dn",
+            {"k": 0.5, "m" * 4000: 1},
+            f"those of soliton_dn, got {'m' * 60} (it takes k)",
+        ),
+        (
             "rational_2",
             {"k": 0.5},
             "those of rational_2, got k (it takes no parameters)",

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from time import process_time
 from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 
-from derive.command_line import announce
+from derive.command_line import LONG, announce
 from verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
@@ -117,14 +120,58 @@ def picture_path(output: str | Path) -> Path:
     return path
 
 
+QUIET = 2.0
+"""Seconds after which work that was not announced is: how long it takes was not foreseen."""
+
+
+class _Quiet:
+    """Says of work where no bar is seen how long it will take, or after `QUIET` that it goes on.
+
+    A thread looks at the ``clock``: what is slow may not come to tell its progress.
+    """
+
+    def __init__(self, work: str, clock: Callable[[], float]) -> None:
+        self._work, self._clock, self._end = work, clock, clock() + QUIET
+        self._over = threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def _watch(self) -> None:
+        while not self._over.wait(0.1):
+            if self._clock() > self._end:
+                say_open_end(self._work)
+                return
+
+    def tell(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= LONG:
+            self.stop()
+        announce(self._work, seconds)
+
+    def stop(self) -> None:
+        """Say nothing from here on."""
+        self._over.set()
+
+
+def say_open_end(work: str) -> None:
+    """Say on stderr that nobody knows how long ``work`` will take."""
+    print(f"{work}: takes more than some seconds (Ctrl-C stops it)", file=sys.stderr, flush=True)
+
+
 @contextmanager
-def progress_bar(name: str, work: str, console: Console) -> Iterator[tuple[Tell, Tell]]:
+def progress_bar(
+    name: str, work: str, console: Console, clock: Callable[[], float] = process_time
+) -> Iterator[tuple[Tell, Tell]]:
     """A bar, where the console is a terminal, as `run` takes it.
 
-    Yields what the share done is told to, and what the seconds of long ``work`` are told to.
+    Yields what the share done is told to, and what the seconds of long ``work`` are told to. Where
+    there is no bar, what takes `QUIET` seconds of the ``clock`` without a word gets one.
     """
     if not console.is_terminal:
-        yield lambda _: None, lambda seconds: announce(work, seconds)
+        quiet = _Quiet(work, clock)
+        try:
+            yield lambda _: None, quiet.tell
+        finally:
+            quiet.stop()
         return
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:

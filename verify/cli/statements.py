@@ -23,7 +23,7 @@ from typing import Any
 
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import duration, fail, interrupted
-from verify.cli.console import finished, print_lines, table_console, tracked
+from verify.cli.console import finished, print_lines, say_open_end, table_console, tracked
 from verify.cli.exporting import write_scripts
 from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
@@ -49,6 +49,9 @@ LEAST, LONGEST = 0.01, 1e6
 
 QUIET = 3.0
 """Seconds after which what is left is announced: how long a proof takes nobody knows before."""
+
+MANY = 100
+"""Statements that are announced before they are read: the 737 of the library take 5 s for it."""
 
 GRACE = 1.0
 """Seconds after the limit in which a process may say how far it came."""
@@ -146,6 +149,8 @@ def _problems(options: Options) -> list[StatedProblem]:
     if options.library is not None:
         texts = chosen(options.library)
     if texts:
+        if len(texts) > MANY:
+            say_open_end(f"{len(texts)} statements to be read and decided")
         return [text.problem() for text in tracked(texts, len(texts), "reading")]
     statement = read_statement(
         options.equations,

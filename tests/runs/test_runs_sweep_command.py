@@ -1,0 +1,50 @@
+"""What ``longwave sweep`` overwrites, and what it says before it is done."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from runs import sweep_command
+from runs.sweep_command import SweepOptions, sweep_and_print
+from verify.cli import console
+
+TEXT = 'scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("sw.toml", "end in .nc"), ("sw.nc", "which is another file")]
+)
+def test_force_overwrites_nothing_but_results(
+    name: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "sw.toml"
+    for file in (path, tmp_path / name):
+        file.write_text(TEXT, encoding="utf-8")
+    options = SweepOptions(str(path), 1, output=str(tmp_path / name), force=True)
+    assert sweep_and_print(options, "longwave sweep") == 2
+    assert told in capsys.readouterr().err
+    assert (tmp_path / name).read_text(encoding="utf-8") == TEXT
+
+
+def test_a_sweep_that_takes_its_time_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before a cell is done: the first worker alone takes seconds to start."""
+    said = ""
+
+    def nothing_yet(*_: object) -> None:
+        nonlocal said
+        end = time.monotonic() + 30.0
+        while "2 cells" not in said and time.monotonic() < end:
+            time.sleep(0.01)
+            said += capsys.readouterr().err
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(console, "QUIET", 0.0)
+    monkeypatch.setattr(sweep_command, "run_sweep", nothing_yet)
+    path = tmp_path / "sw.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    options = SweepOptions(str(path), 1, store=str(tmp_path / "store"))
+    assert sweep_and_print(options, "longwave sweep") == 1
+    assert "sw, 2 cells: takes more than some seconds (Ctrl-C stops it)" in said
