@@ -34,8 +34,9 @@ SECONDS, MEGABYTES = 5.0, 1000.0
 AFTER_ANNOUNCEMENT = 0.5
 """Seconds of the processor until an announced input is stopped by Ctrl-C."""
 
-END_SECONDS = 2.0
-"""Seconds of the processor until a command ends after Ctrl-C."""
+END_SECONDS = 2.0 * (os.cpu_count() or 1)
+"""Seconds of the processor until a command and its workers end after Ctrl-C: 2 s of the clock on
+all cores."""
 
 STILL = 5.0
 """Seconds of the clock without any of the processor after which an input hangs."""
