@@ -33,7 +33,11 @@ def test_a_cluster_gives_every_verdict_though_a_worker_is_killed() -> None:
     speeds = [4, 2, 4, 3, 4, 5]
     problems = [StatedProblem(soliton(speed)) for speed in speeds]
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+        n_workers=2,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
     ) as cluster:
         verdicts = decided_on_cluster(problems, 60.0, 0.0, cluster.scheduler_address)
         found = [next(verdicts)]
