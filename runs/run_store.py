@@ -87,9 +87,10 @@ class RunStore:
 
     def path(self, scene: Scene | LatticeScene) -> Path:
         """Where the scene's run is, or would be."""
-        return self._path(self.key(scene))
+        return self.file_of(self.key(scene))
 
-    def _path(self, key: str) -> Path:
+    def file_of(self, key: str) -> Path:
+        """Where the run of that key is, or would be."""
         return self.folder / key[:2] / f"{key}.nc"
 
     def find(self, scene: Scene | LatticeScene) -> Path | None:
@@ -119,11 +120,10 @@ class RunStore:
         `run_any_scene`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
-        found = self.find(scene)
-        if found is not None:
-            LOG.info("%s: found in %s, not run again", scene.name, found)
-            return found
         path = self.path(scene)
+        if is_whole(path):
+            LOG.info("%s: found in %s, not run again", scene.name, path)
+            return path
         with self._alone(path):
             if is_whole(path):
                 return path

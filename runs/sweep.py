@@ -22,7 +22,7 @@ from runs.run_pack import (
     read_pack,
     write_pack,
 )
-from runs.run_store import RunStore
+from runs.run_store import RunStore, is_whole
 from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
 from runs.sweep_workers import Promise, Workers
 
@@ -176,7 +176,7 @@ class _March:
                 self.state.found += 1
                 continue
             key = self.store.key(scene)
-            if key in settled or self.store.find(scene) is not None:
+            if key in settled or is_whole(self.store.file_of(key)):
                 self.state.found += 1
             else:
                 yield Cell(number, key, scene)
