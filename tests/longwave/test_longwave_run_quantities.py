@@ -116,9 +116,10 @@ def test_rounding_is_as_large_as_its_line_says(stated: xr.Dataset) -> None:
 def test_hostile_strains_are_drawn(stated: xr.Dataset, value: float) -> None:
     broken = stated.copy(deep=True)
     broken["strain"].values[1] = value
-    for kind in ("spectra", "snapshots"):
-        plot(broken, kind=kind)
-    plot(stated.isel(time=[0]), kind="spectra")
+    figures = [plot(broken, kind=kind) for kind in ("spectra", "snapshots")]
+    figures.append(plot(stated.isel(time=[0]), kind="spectra"))
+    for axes in (axes for figure in figures for axes in figure.axes):
+        assert np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all()
 
 
 def test_a_lattices_snapshots_make_map_crest_and_errors(toda: xr.Dataset) -> None:

@@ -149,7 +149,10 @@ def test_a_file_of_a_sweep_is_drawn(tmp_path: Path, suffix: str, capsys: Any) ->
 def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
     data = cube().assign(error=xr.full_like(cube()["error"], value))
     for at in ({}, {"wave": "wave_dn"}, {"wave": "wave_dn", "k": 0.1}):
-        plot(data, tmp_path / "x.png", at=at)
+        figure = plot(data, tmp_path / "x.png", at=at)
+        assert (tmp_path / "x.png").stat().st_size > 0
+        for axes in figure.axes:
+            assert np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all()
 
 
 @pytest.mark.parametrize(

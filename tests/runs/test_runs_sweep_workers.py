@@ -6,7 +6,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -90,34 +89,21 @@ def test_a_killed_process_costs_a_repeat(plain: np.ndarray[Any, Any], tmp_path: 
         np.testing.assert_array_equal(plain[cell], wanted)
 
 
-@pytest.fixture
-def cluster() -> Iterator[Any]:
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-    ) as found:
-        yield found
-
-
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:distributed", "ignore::ResourceWarning")
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_dask_cluster_gives_the_same_bits_though_a_worker_is_killed(
-    plain: np.ndarray[Any, Any], cluster: Any, tmp_path: Path
+    plain: np.ndarray[Any, Any], dask_cluster: Any, tmp_path: Path
 ) -> None:
     sweep, store = soliton_sweep(24), RunStore(tmp_path)
     killed: list[int] = []
 
     def kill(_: SweepState) -> None:
         if not killed:
-            killed.append(cluster.workers[0].process.process.pid)
+            killed.append(dask_cluster.workers[0].process.process.pid)
             os.kill(killed[0], signal.SIGKILL)
 
-    with sweep_workers(None, cluster.scheduler_address) as workers:
+    with sweep_workers(None, dask_cluster.scheduler_address) as workers:
         assert workers.count == 2
         state = run_sweep(sweep, store, workers, kill)
     assert killed

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from typing import Any
 
 import pytest
 
@@ -28,21 +29,13 @@ def test_a_statement_decided_apart_keeps_its_limit() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:distributed", "ignore::ResourceWarning")
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_a_cluster_gives_every_verdict_though_a_worker_is_killed() -> None:
-    distributed = pytest.importorskip("distributed")
+def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: Any) -> None:
     speeds = [4, 2, 4, 3, 4, 5]
     problems = [StatedProblem(soliton(speed)) for speed in speeds]
-    with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-    ) as cluster:
-        verdicts = decided_on_cluster(problems, 60.0, 0.0, cluster.scheduler_address)
-        found = [next(verdicts)]
-        os.kill(cluster.workers[0].process.process.pid, signal.SIGKILL)
-        found += verdicts
+    verdicts = decided_on_cluster(problems, 60.0, 0.0, dask_cluster.scheduler_address)
+    found = [next(verdicts)]
+    os.kill(dask_cluster.workers[0].process.process.pid, signal.SIGKILL)
+    found += verdicts
     assert sorted(place for place, _ in found) == list(range(len(speeds)))
     for place, verdict in found:
         assert verdict.outcome is (Outcome.PROVED if speeds[place] == 4 else Outcome.REFUTED)
