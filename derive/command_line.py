@@ -199,6 +199,11 @@ def cut(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
+def fail_for_memory(error: MemoryError, what: str = "sites") -> int:
+    """`fail` for a scene with too many ``what``."""
+    return fail(f"{what} must fit the memory, got a scene that does not: {error} (take fewer)")
+
+
 def one_line(message: object) -> str:
     r"""The message in one line of at most ``LONGEST``, what would steer the terminal written out.
 

@@ -16,10 +16,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from derive.command_line import fail, interrupted, one_line
+from derive.command_line import fail, fail_for_memory, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
-from longwave.plotting import Source, read_source, shown_half_width
+from longwave.plotting import Source, default_output, read_source, shown_half_width
 from longwave.run_quantities import RunFrame, check_run, frame_of
 from reports.figures.drawing import Snapshot, styled
 from reports.figures.film import ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
@@ -219,8 +219,7 @@ def draw_film(source: str, output: str | None, options: dict[str, Any], program:
 
     Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
     """
-    stem = Path(source).name.removesuffix(".nc").removesuffix(".toml")
-    path = output or f"{stem}{'.mp4' if has_ffmpeg() else '.gif'}"
+    path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
         check_output(path, "run.gif")
@@ -231,7 +230,7 @@ def draw_film(source: str, output: str | None, options: dict[str, Any], program:
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:
-        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail_for_memory(error)
     if count < FEW:
         print(f"{source} has {count} snapshots: so many frames (a scene has more)", file=sys.stderr)
     print(path)

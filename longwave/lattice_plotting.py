@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from derive.command_line import fail, interrupted
+from derive.command_line import fail, fail_for_memory, interrupted
 from reports.figures.drawing import (
     CURVES,
     TEXT_WIDTH,
@@ -63,5 +63,5 @@ def converge_and_draw(
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:
-        return fail(f"cells must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail_for_memory(error, "cells")
     return 0

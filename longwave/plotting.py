@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.figure import Figure, FigureBase
 
 from derive.algebra.exact_numbers import shown
-from derive.command_line import fail, interrupted, one_line
+from derive.command_line import fail, fail_for_memory, interrupted, one_line
 from lattice.refine import Announce
 from lattice.trial import Progress
 from longwave.run_quantities import (
@@ -47,7 +47,7 @@ from reports.figures.drawing import (
 from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
 from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
-from runs.run_file import REMEDY, is_run_file
+from runs.run_file import REMEDY, names_a_run
 from verify.cli.console import check_output, picture_path, plain_console, progress_bar
 from verify.comparison import Scene, run
 from verify.comparison.stated_run import UnfinishedRun
@@ -166,9 +166,8 @@ def read_source(source: Source) -> xr.Dataset | Scene | LatticeScene:
             f"source must be a run, a scene, or the path or name of one, got {shown(source)} "
             "(such as 'run.nc')"
         )
-    path = Path(source)
-    if path.suffix == ".nc" or (path.is_file() and is_run_file(path)):
-        return _read_run(path)
+    if names_a_run(source):
+        return _read_run(Path(source))
     return find_any_scene(str(source))
 
 
@@ -397,15 +396,15 @@ def draw(source: str, output: str | None, words: PlotWords, program: str) -> int
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:
-        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail_for_memory(error)
     print(path)
     return 0
 
 
-def default_output(source: str) -> str:
+def default_output(source: str, suffix: str = ".png") -> str:
     """The picture's file in the working folder, named after the run or scene.
 
     >>> default_output("runs/rogue_cn_k_0.5.nc"), default_output("rogue_cn_k_0.5")
     ('rogue_cn_k_0.5.png', 'rogue_cn_k_0.5.png')
     """
-    return f"{Path(source).name.removesuffix('.nc').removesuffix('.toml')}.png"
+    return Path(source).name.removesuffix(".nc").removesuffix(".toml") + suffix

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
-from derive.command_line import fail, interrupted
+from derive.command_line import fail_for_memory, interrupted
 from runs.rescue import fail_or_rescue, save_or_rescue
-from runs.told_store import fetch_told
+from runs.told_store import fetch_told, kept_in
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import run_lattice_scene
@@ -38,14 +38,12 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
             scene = scene.changed(tolerance=options.tolerance)
         run = run_with_bar(scene, options.store)
     except KeyboardInterrupt:
-        if options.store is not None:
-            told = f"what was done is kept in {options.store}; the same command goes on"
-            return interrupted(program, told)
-        return interrupted(program, "nothing was kept")
+        nothing = "nothing was kept"
+        return interrupted(program, nothing if options.store is None else kept_in(options.store))
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
     except MemoryError as error:
-        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail_for_memory(error)
     print_lattice_run(run, scene, plain_console())
     return 0 if options.output is None else save_or_rescue(run, options.output, options.force)
 

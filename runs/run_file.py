@@ -154,12 +154,17 @@ def scene_of_run(run: xr.Dataset) -> Scene | LatticeScene:
 
 def is_run_file(path: Path) -> bool:
     """Whether a file begins as runs do, older ones as well."""
+    return _kind(path) is not None
+
+
+def _kind(path: Path) -> str | None:
+    """What a file is by its beginning; None for what is no run."""
     with path.open("rb") as file:
         begun = file.read(8)
-    return any(begun.startswith(signature) for signature in SIGNATURES)
+    return next((kind for sign, kind in SIGNATURES.items() if begun.startswith(sign)), None)
 
 
-def names_a_run(source: str) -> bool:
+def names_a_run(source: str | Path) -> bool:
     """Whether what is to be run is the file of a run, and no scene."""
     path = Path(source)
     return path.suffix == ".nc" or (path.is_file() and is_run_file(path))
@@ -173,9 +178,7 @@ def _checked_size(path: Path) -> int:
     state = os.stat(path)
     if not stat.S_ISREG(state.st_mode):
         raise ValueError(f"run must be a file, got {path}, which is none ({REMEDY})")
-    with path.open("rb") as file:
-        begun = file.read(8)
-    kind = next((kind for sign, kind in SIGNATURES.items() if begun.startswith(sign)), "no run")
+    kind = _kind(path) or "no run"
     if kind != "NetCDF-4":
         remedy = REMEDY if kind == "no run" else "of an earlier longwave; run its scene again"
         raise ValueError(f"run must be a NetCDF-4 file, got {path}, which is {kind} ({remedy})")

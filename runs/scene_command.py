@@ -8,11 +8,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from derive.command_line import fail, interrupted
+from derive.command_line import fail, fail_for_memory, interrupted
 from derive.interruption import keeping
 from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
 from runs.run_file import names_a_run, record_with_trust
-from runs.told_store import fetch_told
+from runs.told_store import fetch_told, kept_in
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.expected_cost import check_cost
 from verify.comparison.recorders import Variables
@@ -63,21 +63,15 @@ def run_and_print(options: RunOptions, program: str) -> int:
             status = _give(stop.record, scene, options)
         where = f" in {options.output}" if options.output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
-        return interrupted(program, _kept_by(options) or count)
+        return interrupted(program, count if options.store is None else kept_in(options.store))
     except KeyboardInterrupt:
-        return interrupted(program, _kept_by(options) or "nothing was recorded yet")
+        nothing = "nothing was recorded yet"
+        return interrupted(program, nothing if options.store is None else kept_in(options.store))
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
     except MemoryError as error:
-        return fail(f"sites must fit the memory, got a scene that does not: {error} (take fewer)")
+        return fail_for_memory(error)
     return _give(run, scene, options) or int(bool(run.attrs["blow_up"]))
-
-
-def _kept_by(options: RunOptions) -> str:
-    """What Ctrl-C leaves in a store, if there is one."""
-    if options.store is None:
-        return ""
-    return f"what was done is kept in {options.store}; the same command goes on"
 
 
 def _give(run: RunRecord, scene: Scene, options: RunOptions) -> int:

@@ -41,6 +41,11 @@ def store_told() -> Iterator[None]:
         LOG.removeHandler(handler)
 
 
+def kept_in(store: str) -> str:
+    """What Ctrl-C leaves in a store, in words."""
+    return f"what was done is kept in {store}; the same command goes on"
+
+
 def fetch_told(
     folder: str, scene: Scene | LatticeScene, progress: Progress, announce: Announce
 ) -> xr.Dataset:
