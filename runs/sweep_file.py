@@ -162,7 +162,7 @@ def load_sweep(source: str | Path) -> Sweep:
 
 
 def _read(path: Path) -> Sweep:
-    document = read_document(path)
+    document = read_document(path, "sweep")
     try:
         return sweep_of(document, path.stem, path.parent)
     except ValueError as error:

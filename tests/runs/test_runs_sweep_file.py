@@ -195,3 +195,9 @@ def test_every_shipped_sweep_has_admissible_ends(name: str) -> None:
     assert sweep.title
     for cell in (0, len(sweep) - 1):
         sweep.scene(cell)
+
+
+def test_what_is_no_toml_is_called_a_sweep(tmp_path: Path) -> None:
+    (tmp_path / "broken.toml").write_text("x = [", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"^sweep must be a TOML file, got .*broken\.toml"):
+        load_sweep(str(tmp_path / "broken.toml"))

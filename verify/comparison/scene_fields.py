@@ -256,19 +256,19 @@ LARGEST_FILE = 100_000
 """Bytes of a scene's file."""
 
 
-def read_document(path: str | Path) -> Mapping[str, Any]:
-    """The tables of a TOML file, or of the standard input for ``-``.
+def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
+    """The tables of a TOML file, or of the standard input for ``-``; ``what`` it is to be.
 
     Raises ValueError, in one line, for what is none.
     """
     from derive.user_files import read_toml, shown_path
 
     try:
-        return read_toml(path, "scene", LARGEST_FILE)
+        return read_toml(path, what, LARGEST_FILE)
     except OSError as error:
         raise ValueError(
-            f"scene must be a file that can be read, got {shown_path(path)}: {error.strerror} "
-            "(or the name of a shipped scene)"
+            f"{what} must be a file that can be read, got {shown_path(path)}: {error.strerror} "
+            f"(or the name of a shipped {what})"
         ) from None
 
 
