@@ -137,11 +137,18 @@ class DisorderedLattice(NumericLattice):
 
     def largest_slope(self, place: int, stretches: Array) -> float:
         """The largest size of the slope of a bond's force at these stretches, in any cell."""
-        found = super().largest_slope(place, stretches)
+        return super().largest_slope(place, stretches) + self._added_slope(place, stretches)
+
+    def steepest(self, place: int, stretches: Array) -> float:
+        """The largest slope of a bond's force at these stretches, in any cell."""
+        return super().steepest(place, stretches) + self._added_slope(place, stretches)
+
+    def _added_slope(self, place: int, stretches: Array) -> float:
         part = self.variation.forces[place] if self.variation.forces else None
         if part is None:
-            return found
-        return found + self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
+            return 0.0
+        with np.errstate(all="ignore"):
+            return self.variation.bound * float(np.max(np.abs(part.slope(stretches))))
 
     def _varied(self) -> list[tuple[ForceProgram, Array] | None]:
         """The varied part of each bond's force and its deviations in all cells."""

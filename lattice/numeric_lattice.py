@@ -152,6 +152,11 @@ class NumericLattice:
         with np.errstate(all="ignore"):
             return float(np.max(np.abs(self.bonds[place].force.slope(stretches))))
 
+    def steepest(self, place: int, stretches: Array) -> float:
+        """The largest slope of a bond's force at these stretches; may be nan."""
+        with np.errstate(all="ignore"):
+            return float(np.max(self.bonds[place].force.slope(stretches)))
+
     def rest_slopes(self) -> list[float]:
         """The slope of each bond's force at the mean stretch."""
         return [float(bond.force.slope(np.array(bond.offset))) for bond in self.bonds]

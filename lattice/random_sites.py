@@ -47,9 +47,12 @@ def site_deviations(
     return np.asarray((bits >> np.uint64(11)) * 2.0**-52 - (1.0 - 2.0**-53))
 
 
-def moments(distribution: str, spread: float) -> tuple[float, float]:
-    """Means of ``1/(1 + d)`` and of ``d^2`` over deviations d of at most ``spread``."""
+def mean_inverse(distribution: str, spread: float) -> float:
+    """The mean of ``1/(1 + d)`` over deviations d of at most ``spread`` < 1.
+
+    >>> mean_inverse("uniform", 0.0), round(mean_inverse("uniform", 0.3), 4)
+    (1.0, 1.0317)
+    """
     if distribution == "binary":
-        return 1.0 / (1.0 - spread * spread), spread * spread
-    inverse = float(np.arctanh(spread)) / spread if spread else 1.0
-    return inverse, spread * spread / 3.0
+        return 1.0 / (1.0 - spread * spread)
+    return float(np.arctanh(spread)) / spread if spread else 1.0
