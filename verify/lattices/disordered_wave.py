@@ -29,7 +29,8 @@ class DisorderedWave(LatticeWave):
     """``wave``, whose lattice is ordered, on rings of the same lattice with ``disorder``.
 
     Data and theory are the ordered lattice's. ``symbolic`` is its declaration and ``values`` are
-    its constants. Raises ValueError in one line for a lattice without such a disorder.
+    its constants. A wave ``has_crest`` if its largest force is where it is: an envelope's is not.
+    Raises ValueError in one line for a lattice without such a disorder.
     """
 
     def __init__(
@@ -38,7 +39,9 @@ class DisorderedWave(LatticeWave):
         disorder: Disorder,
         symbolic: Lattice,
         values: Mapping[str, Expr],
+        has_crest: bool = True,
     ) -> None:
+        self._has_crest = has_crest
         self.disorder, self._wave = disorder, wave
         self.eps, self.order, self.power = wave.eps, wave.order, wave.power
         self.slow, self.speed = wave.slow, wave.speed
@@ -106,9 +109,9 @@ class DisorderedWave(LatticeWave):
         share = abs(float(part.slope(rest) / bond.force.slope(rest)))
         return mean_inverse(self.disorder.distribution, share * self.disorder.spread) ** -0.5
 
-    def meter(self, ring: CellRing, places: slice) -> PulseMeter:
-        """What measures the wave on its way."""
-        return PulseMeter(ring, places)
+    def meter(self, ring: CellRing, places: slice) -> PulseMeter | None:
+        """What measures the crest on its way."""
+        return PulseMeter(ring, places) if self._has_crest else None
 
 
 def variation_of(

@@ -265,7 +265,8 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
 
     values = dict(_formulas(scene.constants, {"eps": exact("eps", scene.eps)}))
     disorder = Disorder.of_pairs(scene.disorder)
-    return DisorderedWave(wave, disorder, declared_lattice(scene), values)
+    lattice = declared_lattice(scene)
+    return DisorderedWave(wave, disorder, lattice, values, has_crest=not scene.is_envelope)
 
 
 def _ordered_wave(scene: LatticeScene) -> LatticeWave:

@@ -217,7 +217,8 @@ def _track(run: LatticeRun, record: RingRecord, engine: RingRuns) -> PulseTrack:
     wave = zip(run.cells, run.theory[:, 0] - run.background[:, 0], strict=True)
     track = pulse_track(record.metered, engine.metered, [crest(*at) for at in wave])
     speed = engine.wave.effective_speed
-    return replace(track, numbers={**track.numbers, "effective_speed": speed})
+    told = {} if math.isnan(speed) else {"effective_speed": speed}
+    return replace(track, numbers={**track.numbers, **told})
 
 
 def _cost(record: RingRecord, seconds: float, whole: float, wave: LatticeWave) -> dict[str, Any]:
