@@ -197,15 +197,13 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
     repeats = _repeats(data, values)
     rest = [str(name) for name in values.dims if name not in families]
     along = min(rest, key=lambda name: name in repeats)
-    what = _label(data, values)
-    own = BARS.get(str(values.name))
-    bars = data[own].astype(float) if own in data else xr.full_like(values, np.nan)
-    told = _median if repeats == [SAMPLE] else _mean
+    what, bars = _label(data, values), _bars(data, values)
+    told, common = _own_told(values, bars), _median if repeats == [SAMPLE] else _mean
 
     def curve(label: str, where: Mapping[str, int]) -> SweptCurve:
         found, its = values.isel(where), bars.isel(where)
         if len(rest) == 2:
-            return told(label, found.transpose(repeats[0], along).values)
+            return common(label, found.transpose(repeats[0], along).values)
         return SweptCurve(label, found.values, np.array([its.values, its.values]))
 
     if families:
@@ -214,16 +212,32 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
     else:
         curves = [curve("", {})]
     if len(rest) == 2:
-        what += (BY_MEAN if told is _mean else BY_MEDIAN).format(values.sizes[repeats[0]])
+        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(values.sizes[repeats[0]])
     axis, joined = axis_of(data, along), along not in repeats
     return SweepPart(
-        CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined)
+        CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined, told)
     )
 
 
-BY_MEDIAN = ", median of {} with quartiles"
-BY_MEAN = "\nmean of {}, standard error; band: deviation"
-"""How repeats are told, behind what they are of."""
+BY_MEDIAN = "median of {}, bars to the quartiles"
+BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
+"""How repeats are told."""
+
+
+def _own_told(values: xr.DataArray, bars: xr.DataArray) -> str:
+    """How large the errors of the values themselves are, which may be too small to be seen."""
+    known = np.isfinite(bars.values) & (np.abs(values.values) > 0.0)
+    if not known.any():
+        return ""
+    with np.errstate(over="ignore"):
+        share = float(np.max(bars.values[known] / np.abs(values.values[known])))
+    return f"bars: own error, at most {100.0 * share:.2g}% of the value"
+
+
+def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """The errors of the values themselves, NaN where they are not known."""
+    own = BARS.get(str(values.name))
+    return data[own].astype(float) if own in data else xr.full_like(values, np.nan)
 
 
 def _median(label: str, values: Array) -> SweptCurve:
@@ -236,11 +250,9 @@ def _mean(label: str, values: Array) -> SweptCurve:
     """The mean over the first axis, its standard error as bars, the standard deviation as band."""
     count = np.sum(np.isfinite(values), axis=0)
     with np.errstate(all="ignore"):
-        mean = np.nansum(values, axis=0) / np.where(count, count, np.nan)
-        spread = np.sqrt(
-            np.nansum((values - mean) ** 2, axis=0) / np.where(count > 1, count - 1, np.nan)
-        )
-    error = spread / np.sqrt(count)
+        mean = np.nansum(values, axis=0) / count
+        spread = np.sqrt(np.nansum((values - mean) ** 2, axis=0) / (count - 1))
+        error = spread / np.sqrt(count)
     return SweptCurve(label, mean, np.array([error, error]), spread)
 
 
@@ -259,14 +271,16 @@ def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
     x, y = (name for name in names if name not in over)
     ended = xr.DataArray(np.isin(data["status"].values, (*ENDED, "missing")), dims=values.dims)
     faulty = (~ended).transpose(*over, x, y)
+    bars = _bars(data, values).transpose(*over, x, y).values
     values = values.transpose(*over, x, y)
     if over:
         titles = [
             f"{axis_of(data, over[0]).name} = {_text(v)}" for v in axis_of(data, over[0]).values
         ]
-        maps = [HeatMap(*each) for each in zip(titles, values.values, faulty.values, strict=True)]
+        held = zip(titles, values.values, faulty.values, bars, strict=True)
+        maps = [HeatMap(*each) for each in held]
     else:
-        maps = [HeatMap("", values.values, faulty.values)]
+        maps = [HeatMap("", values.values, faulty.values, bars)]
     axes, what = (axis_of(data, x), axis_of(data, y)), _label(data, values)
     return SweepPart(
         heat_height(len(maps)), lambda figure: draw_heat_maps(figure, axes, maps, what)

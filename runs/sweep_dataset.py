@@ -13,7 +13,7 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import EVERYWHERE, NUMBERS, REFUSED, CellRecord, PackedRun
+from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun
 from runs.run_store import RunStore
 from runs.sweep import packed_records
 from runs.sweep_cells import record_of
@@ -65,7 +65,7 @@ def _found(
         return record, place
     path = store.find(scene)
     if path is not None and record is None:
-        record = record_of(key, load_run(path))
+        record = record_of(key, scene, load_run(path))
     return record or CellRecord(key, MISSING), path
 
 
@@ -108,8 +108,9 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
 
 def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
-    for place, (name, meaning) in enumerate(NUMBERS.items()):
-        if place >= EVERYWHERE and not any(name in record.numbers for record in records):
+    for name, meaning in NUMBERS.items():
+        known = (record.numbers.get(name, np.nan) for record in records)
+        if name in OPTIONAL and np.isnan([*known]).all():
             continue
         yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
 
