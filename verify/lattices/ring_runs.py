@@ -137,6 +137,8 @@ class RingRecord:
     sites: int
     step: float
     steps: int
+    metered: Array
+    """What the wave's meter gave at each time, (times, numbers); empty without one."""
 
 
 class RingRuns(StepSearch):
@@ -162,6 +164,7 @@ class RingRuns(StepSearch):
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
         sites = sites_of(compared.ring(self.times, self.signals, 0))
+        self.metered: list[Array] = []
         self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
 
@@ -203,19 +206,22 @@ class RingRuns(StepSearch):
             f, v = nudged(ring.f, ring.v)
             ring = replace(ring, f=f, v=v)
         energy = _energy(ring, ring.f, ring.v)
+        meter = self.wave.meter(ring, self.compared.places(ends, self.times[0])[0])
         march = March(ring, self.times, choices.step, loop)
         for t in march.through():
             found = self.wave.measured(march.f, ring.mean_strain)
-            places = (slice(None), *self.compared.places(ends, t))
-            march.measured.append(found[places] / self.wave.scale)
+            places = self.compared.places(ends, t)
+            march.measured.append(found[(slice(None), *places)] / self.wave.scale)
+            if meter is not None:
+                march.metered.append(np.array(meter(march.f, march.v, places[0])))
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
         measured, steps = march.measured, march.steps
+        self.metered.append(np.array(march.metered))
+        energies = energy, _energy(ring, march.f, march.v)
+        if march.metered:
+            energies = float(march.metered[0][-1]), float(march.metered[-1][-1])
         record = RingRecord(
-            measured,
-            (energy, _energy(ring, march.f, march.v)),
-            sites_of(ends),
-            choices.step,
-            steps,
+            measured, energies, sites_of(ends), choices.step, steps, self.metered[-1]
         )
         values = np.array(measured)
         largest = float(np.max(np.abs(ring.f))) / self.wave.scale
@@ -255,7 +261,8 @@ def _stiffest(ring: CellRing) -> list[float]:
 
     Raises ValueError where a force is not defined.
     """
-    found = [float(np.max(slopes)) for slopes in ring.slopes]
+    stretches = ring.lattice.stretches(ring.f)
+    found = [ring.lattice.steepest(place, x) for place, x in enumerate(stretches)]
     if not all(map(math.isfinite, found)):
         raise ValueError(
             f"eps must leave every bond of {ring.lattice.name} within its force, got a wave that "
@@ -264,14 +271,15 @@ def _stiffest(ring: CellRing) -> list[float]:
     return found
 
 
-REMEMBERED = ("f", "v", "measured", "steps", "_done")
+REMEMBERED = ("f", "v", "measured", "metered", "steps", "_done")
 """What a march is gone on with."""
 
 
 class March:
     """A ring on its way: ``f`` and ``v`` when the last of the times passed that was still finite.
 
-    ``measured`` is its user's, a row for each of the times that was come to; ``steps`` lead there.
+    ``measured`` and ``metered`` are its user's, a row for each of the times that was come to;
+    ``steps`` lead there.
     """
 
     def __init__(
@@ -279,6 +287,7 @@ class March:
     ) -> None:
         self.f, self.v = ring.f.copy(), ring.v.copy()
         self.measured: list[Array] = []
+        self.metered: list[Array] = []
         self.steps = 0
         self._times, self._step, self._loop = times, step, loop or Loop()
         self._done = 0
