@@ -8,7 +8,6 @@ file ends with its checksum, as a store's other files do.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,11 +18,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derive.atomic_file import write_atomically
-from runs.run_store import SEAL, is_whole
+from runs.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
+
+PACKS, SUFFIX = "packs", ".h5"
+"""The folder of a store for packs, and their suffix."""
 
 DONE, BLOWN_UP, REFUSED, FAILED = "done", "blown up", "refused", "failed"
 """How a cell ended: as asked, before its last time, with a scene that is not admissible, and by
@@ -107,9 +108,7 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    content = image.getvalue()
-    seal = SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
-    write_atomically(path, lambda draft: draft.write_bytes(content + seal), force=False)
+    write_sealed(path, image.getbuffer(), force=False)
 
 
 def _kind(run: xr.Dataset | None) -> str:
@@ -175,3 +174,31 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
                 place = PackedRun(path, name, row) if has_runs else None
                 found.append((CellRecord(key, status, message, numbers), place))
     return found
+
+
+def packed_records(folder: Path) -> dict[str, tuple[CellRecord, PackedRun | None]]:
+    """What the packs of the store in that folder hold, by key; of several attempts one that settled
+    it. Damaged packs count as missing."""
+    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
+    for path in _packs(folder):
+        for record, place in read_pack(path):
+            if record.status in SETTLED or record.key not in found:
+                found[record.key] = record, place
+    return found
+
+
+def packed_run(folder: Path, key: str) -> PackedRun | None:
+    """The run of that key in a pack of the store in that folder; None if no whole pack has it.
+
+    Keys stand in a pack as they are: the others need not be read as HDF5.
+    """
+    for path in _packs(folder):
+        if key.encode() in path.read_bytes():
+            for record, place in read_pack(path):
+                if record.key == key and place is not None:
+                    return place
+    return None
+
+
+def _packs(folder: Path) -> list[Path]:
+    return sorted((folder / PACKS).glob(f"[!.]*{SUFFIX}"))

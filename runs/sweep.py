@@ -15,15 +15,17 @@ from typing import TYPE_CHECKING
 from derive.atomic_file import write_atomically
 from runs.run_pack import (
     FAILED,
+    PACKS,
     REFUSED,
     SETTLED,
+    SUFFIX,
     CellRecord,
-    PackedRun,
-    read_pack,
+    packed_records,
     write_pack,
 )
-from runs.run_store import RunStore, is_whole
-from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
+from runs.run_store import RunStore
+from runs.sealed_file import is_whole
+from runs.sweep_cells import Batch, Cell, run_cells
 from runs.sweep_workers import Promise, Workers
 
 if TYPE_CHECKING:
@@ -83,19 +85,6 @@ class SweepState:
         self.first_fault = self.first_fault or batch.first_fault
         mean = batch.seconds / len(batch.statuses)
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
-
-
-def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
-    """What the store's packs hold, by key; of several attempts one that settled it.
-
-    Damaged packs count as missing.
-    """
-    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
-    for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
-        for record, place in read_pack(path):
-            if record.status in SETTLED or record.key not in found:
-                found[record.key] = record, place
-    return found
 
 
 def run_sweep(
@@ -164,7 +153,7 @@ class _March:
         """The cells that the store does not hold, as they are asked for."""
         settled = {
             key
-            for key, (record, _) in packed_records(self.store).items()
+            for key, (record, _) in packed_records(self.store.folder).items()
             if record.status in SETTLED
         }
         for number in range(len(self.sweep)):

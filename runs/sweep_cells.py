@@ -17,7 +17,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runs.own_error import own_error_at
-from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
+from runs.run_pack import (
+    BLOWN_UP,
+    DONE,
+    FAILED,
+    NUMBERS,
+    PACKS,
+    REFUSED,
+    SUFFIX,
+    CellRecord,
+    write_pack,
+)
 from runs.run_store import RunStore
 from solutions.run.cores import keep_to_one_core
 
@@ -25,9 +35,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from runs.sweep_scene import AnyScene
-
-PACKS, SUFFIX = "packs", ".h5"
-"""The folder of a store for packs, and their suffix."""
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""

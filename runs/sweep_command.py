@@ -19,6 +19,7 @@ from runs.run_store import RunStore
 from runs.sweep import SweepState, run_sweep
 from runs.sweep_file import Sweep, load_sweep
 from runs.sweep_workers import Workers, sweep_workers
+from runs.told_store import store_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_run import Announcer
 
@@ -57,10 +58,11 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
             _check_overwriting(sweep, Path(output), options.force)
         store = RunStore(Path(options.store or f"{sweep.name}.store"))
         told.cells = len(sweep)
-        with sweep_workers(options.processes, options.scheduler) as workers:
-            told.workers = workers.count
-            _run_with_bar(sweep, store, workers, told)
-        found = write_sweep(sweep, store, output)
+        with store_told():
+            with sweep_workers(options.processes, options.scheduler) as workers:
+                told.workers = workers.count
+                _run_with_bar(sweep, store, workers, told)
+            found = write_sweep(sweep, store, output)
     except KeyboardInterrupt:
         kept = (
             f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"

@@ -13,9 +13,8 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, REFUSED, CellRecord, PackedRun
+from runs.run_pack import NUMBERS, REFUSED, CellRecord, PackedRun, packed_records
 from runs.run_store import RunStore
-from runs.sweep import packed_records
 from runs.sweep_cells import record_of
 from runs.sweep_fields import Place, swept_fields
 from runs.sweep_file import CASE, SAMPLE, Sweep
@@ -39,7 +38,7 @@ class SweptCells:
 
 def swept_cells(sweep: Sweep, store: RunStore) -> SweptCells:
     """What the store holds of the sweep."""
-    packed = packed_records(store)
+    packed = packed_records(store.folder)
     records, places = [], {}
     for number in range(len(sweep)):
         record, place = _found(sweep, number, store, packed)
@@ -146,7 +145,7 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     except ValueError:
         sizes = " x ".join(map(str, sweep.shape))
         raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
-    record, place = _found(sweep, number, store, packed_records(store))
+    record, place = _found(sweep, number, store, packed_records(store.folder))
     if place is None:
         raise ValueError(
             f"cell {indices} must have a run, got none: {record.message or record.status}"
