@@ -12,6 +12,7 @@ import click
 
 from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
 from derive.request_limits import (
+    LONG,
     USUAL_SECONDS,
     ExpectedCost,
     check_request,
@@ -37,9 +38,6 @@ __all__ = [
     "one_line",
     "run_words",
 ]
-
-LONG = 10.0
-"""Seconds from which on a command says beforehand how long it will take."""
 
 WRONG = 2
 """Exit status after wrong input."""

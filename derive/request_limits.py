@@ -22,6 +22,9 @@ SHARE = 0.5
 USUAL_SECONDS = 3600.0
 """What a request of the command line may take unless told."""
 
+LONG = 5.0
+"""Seconds from which on a command says beforehand how long it will take."""
+
 UNKNOWN_MACHINE = 4e9
 """Bytes that a machine is taken to have which does not say."""
 

@@ -26,7 +26,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     """Run the scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
-    Ctrl-C, which ``program`` tells. More than 10 s are announced.
+    Ctrl-C, which ``program`` tells. More than 5 s are announced.
     """
     try:
         if options.engine is not None:

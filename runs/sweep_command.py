@@ -43,7 +43,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
 
     Exit status 0, 1 if a cell did not come to its end, 2 for bad input, told in one line, and 130
     after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
-    goes on with what is missing. More than 10 s are announced, and 2 s that nobody foresaw.
+    goes on with what is missing. More than 5 s are announced, and 2 s that nobody foresaw.
     """
     from runs.sweep_dataset import write_sweep
 

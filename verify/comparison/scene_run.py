@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derive.request_limits import LONG
 from lattice.checkpoint import spared_seconds
 from lattice.model import State
 from lattice.refine import Announce
@@ -21,7 +22,6 @@ from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import (
-    LONG,
     RunRecord,
     UnfinishedRun,
     run_from,
