@@ -7,6 +7,7 @@ written is made anew.
 """
 
 import hashlib
+import os
 import pickle
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,8 +20,9 @@ from solutions.run.source_digest import Files, all_sources, runs_as_written, tex
 
 __all__ = ["DataStore", "kept_data", "open_store"]
 
-MOST_FILES = 512
-"""Files in a folder; the oldest go first. A wave has up to five, of 1 to 40 kB."""
+MOST_FILES, SPARE_FILES = 512, 128
+"""Files that stay in a folder; the oldest go first, when there are so many more: to look for them
+takes as long as a small run. A wave has up to five, of 1 to 40 kB."""
 
 Data = TypeVar("Data")
 
@@ -61,9 +63,11 @@ class DataStore:
         with suppress(pickle.PicklingError, TypeError, AttributeError):
             write_whole(self._path(part), pickle.dumps(value))
         with suppress(OSError):
-            files = sorted(self._stem.parent.iterdir(), key=lambda path: path.stat().st_mtime)
-            for path in files[:-MOST_FILES]:
-                path.unlink(missing_ok=True)
+            folder = self._stem.parent
+            if len(os.listdir(folder)) > MOST_FILES + SPARE_FILES:
+                files = sorted(folder.iterdir(), key=lambda path: path.stat().st_mtime)
+                for path in files[:-MOST_FILES]:
+                    path.unlink(missing_ok=True)
 
     def _path(self, part: str) -> Path:
         return self._stem.with_name(f"{self._stem.name}.{part}")

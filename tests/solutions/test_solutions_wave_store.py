@@ -83,10 +83,17 @@ def test_what_is_damaged_is_made_anew(folder: Path) -> None:
 
 
 def test_the_oldest_files_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[int] = []
     monkeypatch.setattr(data_store, "MOST_FILES", 3)
+    monkeypatch.setattr(data_store, "SPARE_FILES", 1)
+    counts = []
     for number in range(8):
         kept_data(__name__, str(number), lambda: [1.0])
-    assert len(list(folder.iterdir())) == 3
+        counts.append(len(list(folder.iterdir())))
+    assert counts == [1, 2, 3, 4, 3, 4, 3, 4]
+    kept_data(__name__, "0", lambda: calls.append(1) or [1.0])
+    kept_data(__name__, "7", lambda: calls.append(1) or [1.0])
+    assert calls == [1]
 
 
 def test_data_are_made_once(folder: Path) -> None:
