@@ -9,10 +9,10 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail_for_memory, interrupted
+from derive.request_limits import Announcer
 from runs.rescue import fail_or_rescue, save_or_rescue
 from runs.told_store import fetch_told, kept_in
 from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 

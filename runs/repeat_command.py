@@ -58,7 +58,7 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
 
 
 def _run_again(kept: xr.Dataset, source: str) -> xr.Dataset:
-    from verify.comparison.scene_run import Announcer
+    from derive.request_limits import Announcer
 
     scene = scene_of_run(kept)
     errors = plain_console(stderr=True, soft_wrap=True)
