@@ -34,6 +34,7 @@ SETTLED = (DONE, BLOWN_UP, REFUSED)
 
 NUMBERS: Mapping[str, str] = {
     "error": "largest relative sup error against the wave",
+    "own_error": "how far the run itself may be off, as part of error",
     "error_estimate": "estimated sup error of the run, as in its scene's tolerance",
     "steps": "time steps",
     "sites": "sites, or cells of the lattice",
@@ -167,7 +168,7 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
     with h5py.File(path) as file:
         for name, group in file.items():
             keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
-            columns = {number: group[number][()] for number in NUMBERS}
+            columns = {number: group[number][()] for number in NUMBERS if number in group}
             has_runs = len(group["arrays"]) > 0
             for row, (key, status, message) in enumerate(zip(keys, states, messages, strict=True)):
                 numbers = {number: float(column[row]) for number, column in columns.items()}
