@@ -42,8 +42,14 @@ NUMBERS: Mapping[str, str] = {
     "force_evaluations": "force evaluations a site",
     "seconds": "seconds of the run that is kept",
     "planning_seconds": "seconds of the search for it",
+    "last_peak": "largest force at the end, 1 at the start",
+    "last_energy": "energy about the crest at the end",
+    "last_delay": "sites by which the crest is late at the end",
 }
 """What a cell is told by, and what that means."""
+
+OPTIONAL = ("last_peak", "last_energy", "last_delay")
+"""Those that are told only where some cell has them."""
 
 TEXTS = ("key", "status", "message", "attributes")
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, REFUSED, CellRecord, PackedRun, packed_records
+from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun, packed_records
 from runs.run_store import RunStore
 from runs.sweep_cells import record_of
 from runs.sweep_fields import Place, swept_fields
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
-UNITS = {"seconds": "s", "planning_seconds": "s"}
+UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"}
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
         name: (names, _column([r.numbers.get(name, np.nan) for r in cells.records], shape), told)
-        for name, told in _numbers_told()
+        for name, told in _numbers_told(cells.records)
     }
     for name in ("status", "message", "key"):
         texts = np.array([getattr(record, name) for record in cells.records], dtype=object)
@@ -106,8 +106,11 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     return xr.Dataset(data, coordinates, attributes)
 
 
-def _numbers_told() -> Iterator[tuple[str, dict[str, str]]]:
+def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
     for name, meaning in NUMBERS.items():
+        known = (record.numbers.get(name, np.nan) for record in records)
+        if name in OPTIONAL and np.isnan([*known]).all():
+            continue
         yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
 
 

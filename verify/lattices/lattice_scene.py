@@ -33,6 +33,7 @@ from verify.comparison.scene_fields import (
 )
 from verify.comparison.toml_text import toml_text
 from verify.lattices.lattice_scene_file import document_of, lattice_scene_fields, names_a_lattice
+from verify.lattices.scene_disorder import Stated, disorder_pairs
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -57,7 +58,8 @@ class LatticeScene:
 
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
     of the fields, which may be a formula in the constants; what is not given is found. A
-    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.
+    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
+    (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
 
     Raises ValueError in one line: argument, condition, value, remedy.
 
@@ -84,6 +86,7 @@ class LatticeScene:
     background: Value = 0
     carrier: Value = ""
     branch: str | int = "acoustic"
+    disorder: Stated = ()
     declared: str = ""
     title: str = ""
 
@@ -130,6 +133,7 @@ class LatticeScene:
             self._set(key, _pairs(key, getattr(self, key)))
         self._set("carrier", _value("k", self.carrier))
         self._set("background", _value("background", self.background))
+        self._set("disorder", disorder_pairs(self.disorder))
         self._set("declared", _canonical(self.declared))
         self._check_moments()
         self._check_region()
