@@ -10,11 +10,11 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail_for_memory, interrupted
+from derive.request_limits import Announcer
 from runs.output_checkpoint import OutputCheckpoint
 from runs.rescue import fail_or_rescue, save_or_rescue
 from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
 
@@ -28,7 +28,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     """Run the scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
-    Ctrl-C, which ``program`` tells. More than 10 s are announced.
+    Ctrl-C, which ``program`` tells. More than 5 s are announced.
     """
     checkpoint = OutputCheckpoint(options.output, options.store)
     try:
