@@ -145,6 +145,7 @@ def _run_for_film(
 
 def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
     """The scene at the times of the film's frames, as many as such a scene may have."""
+    scene.check_compared()
     named = "times" if scene.times else "slow_times"
     own = getattr(scene, named)
     count = min(options.count, MOST_TIMES)

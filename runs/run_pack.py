@@ -43,6 +43,16 @@ NUMBERS: Mapping[str, str] = {
 }
 """What a cell is told by, and what that means."""
 
+SCENE_NUMBERS: Mapping[str, tuple[str, str]] = {
+    "growth_rate": ("1/slow time", "growth rate in T, on the lattice"),
+    "growth_rate_error": ("1/slow time", "what the measured growth rate may be off"),
+    "growth_rate_theory": ("1/slow time", "growth rate in T, by the envelope equation"),
+    "carrier_k": ("1/site", "wavenumber of the carrier on the ring"),
+    "perturbation_kappa": ("1/X", "wavenumber of the perturbation, in X"),
+}
+"""What the runs of some scenes are told by as well, variables of theirs without dimensions: units
+and meaning."""
+
 TEXTS = ("key", "status", "message", "attributes")
 
 COMPRESSED = 4096
@@ -131,7 +141,8 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     }
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
-    for name in NUMBERS:
+    own = [name for name in SCENE_NUMBERS if name in alike[0].numbers]
+    for name in (*NUMBERS, *own):
         group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
     arrays = group.create_group("arrays")
     first = alike[0].run
@@ -167,7 +178,8 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
     with h5py.File(path) as file:
         for name, group in file.items():
             keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
-            columns = {number: group[number][()] for number in NUMBERS}
+            told = [number for number in (*NUMBERS, *SCENE_NUMBERS) if number in group]
+            columns = {number: group[number][()] for number in told}
             has_runs = len(group["arrays"]) > 0
             for row, (key, status, message) in enumerate(zip(keys, states, messages, strict=True)):
                 numbers = {number: float(column[row]) for number, column in columns.items()}

@@ -16,7 +16,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
+from runs.run_pack import (
+    BLOWN_UP,
+    DONE,
+    FAILED,
+    NUMBERS,
+    REFUSED,
+    SCENE_NUMBERS,
+    CellRecord,
+    write_pack,
+)
 from runs.run_store import RunStore
 from solutions.run.cores import keep_to_one_core
 
@@ -159,6 +168,9 @@ def record_of(key: str, run: xr.Dataset) -> CellRecord:
 def numbers_of(run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by; NaN where a run has not got it."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    found |= {
+        name: float(run.variables[name].values) for name in SCENE_NUMBERS if name in run.variables
+    }
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)

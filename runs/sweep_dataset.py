@@ -13,7 +13,7 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, REFUSED, CellRecord, PackedRun
+from runs.run_pack import NUMBERS, REFUSED, SCENE_NUMBERS, CellRecord, PackedRun
 from runs.run_store import RunStore
 from runs.sweep import packed_records
 from runs.sweep_cells import record_of
@@ -74,7 +74,8 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
     Its dimensions are the swept ones; a list has ``case``, a random sample ``sample``, along which
     the fields are coordinates. Variables: ``status`` of each cell (done, blown up, refused, failed,
-    missing), ``message``, ``key`` and the numbers of `runs.run_pack.NUMBERS`. With ``fields`` also
+    missing), ``message``, ``key``, the numbers of `runs.run_pack.NUMBERS`, and those of
+    `SCENE_NUMBERS` that the runs have. With ``fields`` also
     those of the runs that have one shape in all cells, which are read from the store when they are
     used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
     """
@@ -82,7 +83,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
         name: (names, _column([r.numbers.get(name, np.nan) for r in cells.records], shape), told)
-        for name, told in _numbers_told()
+        for name, told in _numbers_told(cells.records)
     }
     for name in ("status", "message", "key"):
         texts = np.array([getattr(record, name) for record in cells.records], dtype=object)
@@ -107,9 +108,12 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     return xr.Dataset(data, coordinates, attributes)
 
 
-def _numbers_told() -> Iterator[tuple[str, dict[str, str]]]:
+def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
     for name, meaning in NUMBERS.items():
         yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
+    for name, (units, meaning) in SCENE_NUMBERS.items():
+        if any(name in record.numbers for record in records):
+            yield name, {"long_name": meaning, "units": units}
 
 
 def _column(values: Sequence[float], shape: tuple[int, ...]) -> NDArray[np.float64]:
