@@ -44,6 +44,7 @@ from reports.figures.drawing import (
     snapshot_height,
     styled,
 )
+from reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
 from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
 from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
@@ -146,8 +147,10 @@ def _run_of_lattice(
     scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
     """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
-    from verify.lattices.lattice_run import run_lattice_scene
+    from verify.lattices.lattice_run import lattice_scene_dataset, run_lattice_scene
 
+    if scene.is_growth:
+        return lattice_scene_dataset(scene, progress, announce)
     named = "slow_times" if scene.slow_times else "times"
     own: tuple[float, ...] = getattr(scene, named)
     times = own
@@ -329,6 +332,12 @@ def _draw_errors(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
     draw_error_panels(figure, [(rf"$\epsilon={frame.eps:g}$", curves)])
 
 
+def _draw_sizes(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+    names = ("slow_time", "sideband_size", "sideband_theory")
+    T, sizes, theory = (np.asarray(data[name], dtype=float) for name in names)
+    draw_sideband_sizes(figure, T, sizes, theory, one_line(data.attrs.get("verdict", ""))[:MOST])
+
+
 PICTURES: Mapping[str, Picture] = {
     "snapshots": Picture(
         "strain",
@@ -349,6 +358,12 @@ PICTURES: Mapping[str, Picture] = {
         {"crest_position": 1, "crest_strain": 1},
         lambda _: CREST_HEIGHT,
         _draw_crest,
+    ),
+    "growth": Picture(
+        "perturbed_plane",
+        {"sideband_size": 1, "sideband_theory": 1, "slow_time": 1},
+        lambda _: SIZES_HEIGHT,
+        _draw_sizes,
     ),
 }
 """The kinds of pictures, in the order in which they are drawn."""

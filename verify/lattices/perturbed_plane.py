@@ -24,6 +24,12 @@ SIZE = 1e-5
 rate; rounding is as much smaller."""
 
 
+def squared_rate(p: Any, q: Any, a: Any, kappa: Any) -> Any:
+    """lambda^2 of a perturbation: ``p kappa^2 (2 q a^2 - p kappa^2)``; numbers or arrays."""
+    linear = p * kappa**2
+    return linear * (2 * q * a**2 - linear)
+
+
 @dataclass(frozen=True)
 class PerturbedPlane:
     """The plane wave of amplitude ``a`` with the one perturbation that grows, or moves."""
@@ -36,8 +42,7 @@ class PerturbedPlane:
     @property
     def rate(self) -> complex:
         """lambda: the growth rate in T, or an imaginary number where the wave is stable."""
-        linear, steep = self._terms
-        squared = linear * (2 * steep - linear)
+        squared = squared_rate(self.p, self.q, self.a, self.kappa)
         return complex(np.sqrt(squared)) if squared >= 0 else self._turning(np.sqrt(-squared))
 
     def _turning(self, frequency: float) -> complex:

@@ -136,9 +136,13 @@ class SidebandGrowth:
 
     def verdict(self) -> str:
         """Measurement and theory in one line."""
-        found = f"growth rate {self.measured:.4g} +- {self.error:.1g} in T"
+        ring, wave = self.plan.ring, self.plan.wave
+        found = (
+            f"k = {float(ring.k):.6g}, kappa = {wave.kappa:.4g}: growth rate {self.measured:.4g} "
+            f"+- {self.error:.1g} in T"
+        )
         if self.theory == 0.0:
-            why = "p q < 0" if self.plan.wave.p * self.plan.wave.q < 0 else "kappa beyond its band"
+            why = "p q < 0" if wave.p * wave.q < 0 else "kappa beyond its band"
             seen = "grows all the same" if self.grows else "no growth is seen"
             return f"{found}, theory 0: the plane wave is stable ({why}), and {seen}"
         percent = 100 * (self.measured / self.theory - 1)
@@ -151,7 +155,6 @@ class SidebandGrowth:
             "growth_rate": (self.measured, RATE, "growth rate in T, on the lattice"),
             "growth_rate_error": (self.error, RATE, "what the measured rate may be off"),
             "growth_rate_theory": (self.theory, RATE, "growth rate in T, by the envelope equation"),
-            "error": (abs(self.difference), "1", "difference of the rates over |q| A^2"),
             "carrier_k": (float(ring.k), "1/site", "wavenumber of the carrier on the ring"),
             "perturbation_kappa": (wave.kappa, "1/X", "wavenumber of the perturbation, in X"),
             "p": (wave.p, "1", "p of the envelope equation"),
@@ -181,6 +184,7 @@ class SidebandGrowth:
             "lattice_scene": self.scene.toml(),
             "equation": f"i A_T + p A_XX + q |A|^2 A = 0, p = {wave.p:.6g}, q = {wave.q:.6g}",
             "verdict": self.verdict(),
+            "error": abs(self.difference),
             "own_error": self.error / wave.largest_growth,
             "error_estimate": self.run_error / wave.largest_growth,
             "tolerance": self.scene.tolerance,
@@ -234,13 +238,14 @@ def measure_growth(
 def growth_plan(scene: LatticeScene) -> GrowthPlan:
     """What is run for a scene, all but its step; ValueError where there is no such plane wave."""
     found, constants = scene_envelope(scene)
-    given = {name: _number(name, value) for name, value in scene.parameters}
+    given = plane_wave_numbers(scene)
     a, k = given["amplitude"], formula("k", scene.carrier, {})
     p, q = _coefficients(found, k, constants)
     kappa = given.get("kappa", given.get("share", 1.0) * a * math.sqrt(abs(q / p)))
     _check_length(2 * math.pi / (kappa * scene.eps))
     ring = wave_ring(k, kappa * scene.eps)
-    p, q = _coefficients(found, ring.k, constants)
+    if ring.k != k:
+        p, q = _coefficients(found, ring.k, constants)
     wave = PerturbedPlane(a, p, q, ring.perturbation / scene.eps)
     data = EnvelopeData(found, constants, wave, scene.eps, scene.order, k=ring.k, mean_square=a**2)
     period = 2 * math.pi / data.carrier.omega
@@ -250,6 +255,11 @@ def growth_plan(scene: LatticeScene) -> GrowthPlan:
         first, last = 0.0, BEATS * math.pi / abs(wave.rate) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
+
+
+def plane_wave_numbers(scene: LatticeScene) -> dict[str, float]:
+    """The parameters of a scene's perturbed plane wave; ValueError unless they are positive."""
+    return {name: _number(name, value) for name, value in scene.parameters}
 
 
 def _number(name: str, value: float | str) -> float:
