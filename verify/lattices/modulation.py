@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +17,9 @@ from sympy import Expr
 from derive import Envelope, Lattice, envelope
 from derive.algebra.exact_numbers import exact
 from derive.algebra.rational_functions import RationalFunction
-from verify.lattices.lattice_derivation import scene_envelope
-from verify.lattices.lattice_scene import LatticeScene
+
+if TYPE_CHECKING:
+    from verify.lattices.lattice_scene import LatticeScene
 
 Array = NDArray[np.float64]
 
@@ -78,6 +79,8 @@ def scene_modulation(scene: LatticeScene, k: Array, amplitude: float) -> Modulat
 
     Raises ValueError as the scene's derivation does.
     """
+    from verify.lattices.lattice_derivation import scene_envelope
+
     found, numbers = scene_envelope(scene.changed(carrier=1))
     fixed = {str(symbol): value for symbol, value in found.constants.items()} | {**numbers}
     return _grid(found, _values(found, fixed, {}), k, amplitude)
