@@ -21,7 +21,6 @@ from lattice.refine import Announce
 from lattice.trial import Progress
 from longwave.run_quantities import (
     LEAST_LOOKS,
-    MEASURED,
     RunFrame,
     frame_of,
     own_relative_error,
@@ -48,6 +47,7 @@ from reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
 from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
 from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
+from runs.own_error import MEASURED
 from runs.run_file import REMEDY, names_a_run
 from verify.cli.console import check_output, picture_path, plain_console, progress_bar
 from verify.comparison import Scene, run

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NoReturn, cast
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from derive.algebra.exact_numbers import shown
-from lattice.model import State
 from reports.figures.run_figures import SpectrumPanel
 from runs import scene_of_run
+from runs.own_error import scaled_own_error, wave_size
 from verify.comparison.observables import amplitudes, cell_width, extremum
-from verify.comparison.view import View
 from verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
@@ -39,9 +38,6 @@ LARGEST_POWER = 20
 
 UNIT_ROUNDOFF = 2.0**-53
 """Half a unit in the last place of 1."""
-
-MEASURED = ("time_step_error", "domain_error")
-"""Differences of y/eps to finer runs, at the snapshots; they add up to the run's error."""
 
 
 @dataclass(frozen=True)
@@ -128,16 +124,9 @@ def _refuse(what: str) -> NoReturn:
 
 
 def own_error(data: xr.Dataset, frame: RunFrame) -> Array | None:
-    """The run's own error in the strain, at each snapshot; None if the run did not measure it.
-
-    With a tolerance it is the estimate, the same at all times; with a stated step what half the
-    step and twice the sites change.
-    """
-    estimate = data.attrs.get("error_estimate")
-    if estimate is not None:
-        return np.full(data.sizes["time"], frame.unit * float(estimate))
-    measured = [np.asarray(data[name], dtype=float) for name in MEASURED if name in data]
-    return frame.unit * np.sum(measured, axis=0) if measured else None
+    """The run's own error in the strain, at each snapshot; None if the run did not measure it."""
+    found = scaled_own_error(data)
+    return None if found is None else frame.unit * found
 
 
 def spectrum_panel(data: xr.Dataset, frame: RunFrame, place: int) -> SpectrumPanel:
@@ -181,16 +170,9 @@ def own_relative_error(
     _, here, there = np.intersect1d(times, data["time"].values, return_indices=True)
     found[here] = own[there]
     known = np.isfinite(found)
-    found[known] /= [_amplitude(frame, float(t), far_field) for t in times[known]]
+    scene = cast("Scene", frame.scene)
+    found[known] /= [wave_size(scene, float(t), far_field) for t in times[known]]
     return found
-
-
-def _amplitude(frame: RunFrame, t: float, far_field: bool) -> float:
-    none = np.zeros(0)
-    view = View(frame.scene.moving_wave, State(t, 0, none, none))  # type: ignore[union-attr]
-    from_what = view.far_field if far_field else view.background
-    size = float(np.max(np.abs(view.analytic - from_what)))
-    return size if size > 0.0 else np.nan
 
 
 def with_looks(data: xr.Dataset, frame: RunFrame, least: int = LEAST_LOOKS) -> xr.Dataset:

@@ -196,9 +196,8 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
     """Curves along one dimension: one, one for each value of another, or of all samples."""
     rest = [str(name) for name in values.dims if name not in families]
     along = min(rest, key=lambda name: name == SAMPLE)
-    what = _label(data, values)
-    own = BARS.get(str(values.name))
-    bars = data[own].astype(float) if own in data else xr.full_like(values, np.nan)
+    what, bars = _label(data, values), _bars(data, values)
+    told = _own_told(values, bars)
     if families:
         labels = [str(one) for one in axis_of(data, families[0]).values]
         places = [{families[0]: place} for place in range(len(labels))]
@@ -208,13 +207,29 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
         ]
     elif len(rest) == 2:
         curves = [_ensemble(values, along)]
-        what = f"{what}, median of {values.sizes[SAMPLE]} with quartiles"
+        told = f"median of {values.sizes[SAMPLE]}, bars to the quartiles"
     else:
         curves = [_curve("", values, bars)]
     axis, joined = axis_of(data, along), along != SAMPLE
     return SweepPart(
-        CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined)
+        CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined, told)
     )
+
+
+def _own_told(values: xr.DataArray, bars: xr.DataArray) -> str:
+    """How large the errors of the values themselves are, which may be too small to be seen."""
+    known = np.isfinite(bars.values) & (np.abs(values.values) > 0.0)
+    if not known.any():
+        return ""
+    with np.errstate(over="ignore"):
+        share = float(np.max(bars.values[known] / np.abs(values.values[known])))
+    return f"bars: own error, at most {100.0 * share:.2g}% of the value"
+
+
+def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """The errors of the values themselves, NaN where they are not known."""
+    own = BARS.get(str(values.name))
+    return data[own].astype(float) if own in data else xr.full_like(values, np.nan)
 
 
 def _curve(label: str, values: xr.DataArray, bars: xr.DataArray) -> SweptCurve:
@@ -243,14 +258,16 @@ def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
     x, y = (name for name in names if name not in over)
     ended = xr.DataArray(np.isin(data["status"].values, (*ENDED, "missing")), dims=values.dims)
     faulty = (~ended).transpose(*over, x, y)
+    bars = _bars(data, values).transpose(*over, x, y).values
     values = values.transpose(*over, x, y)
     if over:
         titles = [
             f"{axis_of(data, over[0]).name} = {_text(v)}" for v in axis_of(data, over[0]).values
         ]
-        maps = [HeatMap(*each) for each in zip(titles, values.values, faulty.values, strict=True)]
+        held = zip(titles, values.values, faulty.values, bars, strict=True)
+        maps = [HeatMap(*each) for each in held]
     else:
-        maps = [HeatMap("", values.values, faulty.values)]
+        maps = [HeatMap("", values.values, faulty.values, bars)]
     axes, what = (axis_of(data, x), axis_of(data, y)), _label(data, values)
     return SweepPart(
         heat_height(len(maps)), lambda figure: draw_heat_maps(figure, axes, maps, what)

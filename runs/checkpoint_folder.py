@@ -9,8 +9,9 @@ from __future__ import annotations
 import hashlib
 import io
 import logging
+import os
 import pickle
-import shutil
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -20,6 +21,8 @@ from lattice.checkpoint import Memory
 from solutions.run.kernel_folder import read_whole
 
 LOG = logging.getLogger("longwave.store")
+
+ANEW = "%s: begins anew: %s holds nothing of this scene, code and machine"
 
 LEAST = 5.0
 """Seconds between two checkpoints of a loop: what a kill loses at most."""
@@ -38,6 +41,14 @@ PLAIN = {
     ("numpy._core.numeric", "_frombuffer"),
 }
 """What may stand in a checkpoint beside numbers, texts, lists and dictionaries: arrays."""
+
+
+def run_stamp(key: str) -> str:
+    """What the bits of the run of that key follow from: another machine's may be others."""
+    from solutions.run.entry_point import processor
+
+    settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
+    return "\n".join([key, processor(), *settings])
 
 
 class CheckpointFolder:
@@ -60,13 +71,10 @@ class CheckpointFolder:
         path = self._path(name)
         data = read_whole(path)
         if data is None:
-            if path.exists():
+            if path in self._loops():
                 LOG.warning("%s is damaged: that part of the run is done again", path)
             return None
-        try:
-            stamp, kept_task, memory = _Reader(io.BytesIO(data)).load()
-        except Exception:  # of another version of NumPy, say
-            return None
+        stamp, kept_task, memory = _read(data)
         return memory if (stamp, kept_task) == (self._stamp, task) else None
 
     def write(self, name: str, task: str, memory: Memory) -> None:
@@ -85,8 +93,15 @@ class CheckpointFolder:
 
     @property
     def is_begun(self) -> bool:
-        """Whether anything was kept."""
-        return self._folder.is_dir()
+        """Whether anything was kept that this run can go on with."""
+        return any(_read(read_whole(path) or b"")[0] == self._stamp for path in self._loops())
+
+    def tell(self, name: str) -> None:
+        """Tell whether the run of that name goes on with what was kept, or can not."""
+        if self.is_begun:
+            LOG.info("%s: goes on where it was broken off", name)
+        elif self._loops():
+            LOG.info(ANEW, name, self._folder)
 
     def spared(self, seconds: float) -> None:
         """Count what need not be done again."""
@@ -99,11 +114,29 @@ class CheckpointFolder:
         return self._spared
 
     def clear(self) -> None:
-        """Remove the folder: the run is finished."""
-        shutil.rmtree(self._folder, ignore_errors=True)
+        """Remove what was kept: the run is finished. A folder that holds other files stays."""
+        with suppress(OSError):
+            for path in (*self._loops(), *self._folder.glob(".*.draft.loop")):
+                path.unlink(missing_ok=True)
+            self._folder.rmdir()
+
+    def _loops(self) -> list[Path]:
+        try:
+            return sorted(self._folder.glob("*.loop"))
+        except OSError:  # a name that is too long, say
+            return []
 
     def _path(self, name: str) -> Path:
         return self._folder / f"{name}.loop"
+
+
+def _read(data: bytes) -> tuple[Any, Any, Any]:
+    """Stamp, task and memory; none of them in what this process cannot read."""
+    try:
+        stamp, task, memory = _Reader(io.BytesIO(data)).load()
+    except Exception:  # of another version of NumPy, say
+        return None, None, None
+    return stamp, task, memory
 
 
 class _Reader(pickle.Unpickler):

@@ -9,8 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail_for_memory, interrupted
+from runs.output_checkpoint import OutputCheckpoint
 from runs.rescue import fail_or_rescue, save_or_rescue
-from runs.told_store import fetch_told, kept_in
+from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import lattice_scene_dataset
@@ -28,6 +29,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
     Ctrl-C, which ``program`` tells. More than 10 s are announced.
     """
+    checkpoint = OutputCheckpoint(options.output, options.store)
     try:
         if options.engine is not None:
             raise ValueError(
@@ -36,16 +38,19 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
             )
         if options.tolerance is not None:
             scene = scene.changed(tolerance=options.tolerance)
-        run = run_with_bar(scene, options.store)
+        with checkpoint.kept(scene):
+            run = run_with_bar(scene, options.store)
     except KeyboardInterrupt:
-        nothing = "nothing was kept"
-        return interrupted(program, nothing if options.store is None else kept_in(options.store))
+        return interrupted(program, checkpoint.left("nothing was kept"))
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
     print_lattice_run(run, scene, plain_console())
-    return 0 if options.output is None else save_or_rescue(run, options.output, options.force)
+    status = 0 if options.output is None else save_or_rescue(run, options.output, options.force)
+    if status == 0:
+        checkpoint.clear()
+    return status
 
 
 def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:

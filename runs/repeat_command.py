@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from derive.command_line import fail, interrupted
+from runs.output_checkpoint import OutputCheckpoint
 from runs.repeated_run import compare_runs
 from runs.rescue import save_or_rescue
 from runs.run_file import load_run, run_any_scene, scene_of_run
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from runs.scene_command import RunOptions
+    from verify.comparison.scene import Scene
+    from verify.lattices.lattice_scene import LatticeScene
 
 
 def repeat_and_print(options: RunOptions, program: str) -> int:
@@ -22,9 +25,12 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
     Exit status 0 for the same bits, 1 for others, 2 for a file that is no finished run, 130 after
     Ctrl-C.
     """
+    checkpoint = OutputCheckpoint(options.output)
     try:
         kept = _finished_run(options)
-        made = _run_again(kept, options.scene)
+        scene = scene_of_run(kept)
+        with checkpoint.kept(scene):
+            made = _run_again(scene, options.scene)
     except KeyboardInterrupt:
         return interrupted(program, f"{options.scene} is as it was")
     except (ValueError, OSError) as error:
@@ -36,7 +42,10 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
     print_lines(plain_console(), [f"{options.scene}: {first}", *further])
     status = 0 if found.is_same else 1
     if options.output is not None:
-        return save_or_rescue(made, options.output, options.force) or status
+        broken = save_or_rescue(made, options.output, options.force)
+        if not broken:
+            checkpoint.clear()
+        return broken or status
     return status
 
 
@@ -57,10 +66,9 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
     return run
 
 
-def _run_again(kept: xr.Dataset, source: str) -> xr.Dataset:
+def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
     from verify.comparison.scene_run import Announcer
 
-    scene = scene_of_run(kept)
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):
         return run_any_scene(scene, advance, Announcer(tell))

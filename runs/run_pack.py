@@ -34,6 +34,7 @@ SETTLED = (DONE, BLOWN_UP, REFUSED)
 
 NUMBERS: Mapping[str, str] = {
     "error": "largest relative sup error against the wave",
+    "own_error": "how far the run itself may be off, as part of error",
     "error_estimate": "estimated sup error of the run, as in its scene's tolerance",
     "steps": "time steps",
     "sites": "sites, or cells of the lattice",
@@ -141,7 +142,7 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     }
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
-    own = [name for name in SCENE_NUMBERS if name in alike[0].numbers]
+    own = [name for name in SCENE_NUMBERS if any(name in one.numbers for one in alike)]
     for name in (*NUMBERS, *own):
         group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
     arrays = group.create_group("arrays")

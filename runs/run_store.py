@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from derive.atomic_file import write_atomically
-from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder
+from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 from runs.file_lock import locked
 
 if TYPE_CHECKING:
@@ -72,18 +72,8 @@ class RunStore:
         self._pace = least, share
 
     def key(self, scene: Scene | LatticeScene) -> str:
-        """The key of the scene's run, 40 hexadecimal digits; equal scenes have equal keys.
-
-        Raises ValueError for a scene with a wave of one's own, of which only the name is known.
-        """
-        if not isinstance(scene.wave, str):
-            raise ValueError(
-                f"wave must be a shipped one for its run to be kept in a store, got one of your "
-                f"own, {scene.wave.name} (run it and save it)"
-            )
-        asked = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
-        text = f"{type(scene).__name__}\n{asked}\n{code_that_matters()}"
-        return hashlib.sha256(text.encode()).hexdigest()[:40]
+        """`run_key` of the scene."""
+        return run_key(scene)
 
     def path(self, scene: Scene | LatticeScene) -> Path:
         """Where the scene's run is, or would be."""
@@ -129,8 +119,7 @@ class RunStore:
                 return path
             check_sources()
             checkpoint = self._checkpoint(path)
-            if checkpoint.is_begun:
-                LOG.info("%s: goes on where it was broken off", scene.name)
+            checkpoint.tell(scene.name)
             run = _gone_on_with(checkpoint, scene, progress, announce)
             try:
                 _kept(path, run)
@@ -140,12 +129,9 @@ class RunStore:
             return path
 
     def _checkpoint(self, path: Path) -> CheckpointFolder:
-        """Where the unfinished run of that file is kept; another machine's bits may be others."""
-        from solutions.run.entry_point import processor
-
-        settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
-        stamp = "\n".join([path.stem, processor(), *settings])
-        return CheckpointFolder(path.with_suffix(".unfinished"), stamp, *self._pace)
+        """Where the unfinished run of that file is kept."""
+        folder = path.with_suffix(".unfinished")
+        return CheckpointFolder(folder, run_stamp(path.stem), *self._pace)
 
     @contextmanager
     def _alone(self, path: Path) -> Iterator[None]:
@@ -156,6 +142,21 @@ class RunStore:
                 with suppress(OSError):
                     draft.unlink()
             yield
+
+
+def run_key(scene: Scene | LatticeScene) -> str:
+    """The key of a scene's run, 40 hexadecimal digits; equal scenes have equal keys.
+
+    Raises ValueError for a scene with a wave of one's own, of which only the name is known.
+    """
+    if not isinstance(scene.wave, str):
+        raise ValueError(
+            f"wave must be a shipped one for its run to be kept in a store, got one of your "
+            f"own, {scene.wave.name} (run it and save it)"
+        )
+    asked = json.dumps(_canonical(json.loads(scene.json())), sort_keys=True)
+    text = f"{type(scene).__name__}\n{asked}\n{code_that_matters()}"
+    return hashlib.sha256(text.encode()).hexdigest()[:40]
 
 
 def is_whole(path: Path) -> bool:
@@ -242,15 +243,20 @@ def code_that_matters() -> str:
 
 
 @lru_cache
-def check_sources() -> None:
-    """Raise ValueError if what is in memory may not be what the files say: no run is kept then."""
+def runs_its_sources() -> bool:
+    """Whether what is in memory is what the files say."""
     from solutions.run.source_digest import HOUSE, runs_as_written
     from verify.provenance import CODE
 
     paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
     stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]
     names = [".".join(parts).removesuffix(".__init__") for parts in stems]
-    if not runs_as_written(tuple(zip(names, paths, strict=True))):
+    return runs_as_written(tuple(zip(names, paths, strict=True)))
+
+
+def check_sources() -> None:
+    """Raise ValueError if what is in memory may not be what the files say: no run is kept then."""
+    if not runs_its_sources():
         raise ValueError(
             "sources must be what this process runs for its runs to be kept in a store, got some "
             "that changed since it began (start it again)"

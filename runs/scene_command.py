@@ -10,9 +10,10 @@ from rich.table import Table
 
 from derive.command_line import fail, fail_for_memory, interrupted
 from derive.interruption import keeping
+from runs.output_checkpoint import OutputCheckpoint
 from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
 from runs.run_file import names_a_run, record_with_trust
-from runs.told_store import fetch_told, kept_in
+from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.comparison.expected_cost import check_cost
 from verify.comparison.recorders import Variables
@@ -54,24 +55,28 @@ def run_and_print(options: RunOptions, program: str) -> int:
         from runs.lattice_scene_command import run_lattice_and_print
 
         return run_lattice_and_print(found, options, program)
+    checkpoint = OutputCheckpoint(options.output, options.store)
     try:
         scene = _changed(found, options.tolerance, options.engine)
         check_cost(scene)
-        run = _run_with_bar(scene, options.store)
+        with checkpoint.kept(scene):
+            run = _run_with_bar(scene, options.store)
     except UnfinishedRun as stop:
         with keeping():
             status = _give(stop.record, scene, options)
         where = f" in {options.output}" if options.output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
-        return interrupted(program, count if options.store is None else kept_in(options.store))
+        return interrupted(program, checkpoint.left(count, written=bool(where)))
     except KeyboardInterrupt:
-        nothing = "nothing was recorded yet"
-        return interrupted(program, nothing if options.store is None else kept_in(options.store))
+        return interrupted(program, checkpoint.left("nothing was recorded yet"))
     except (ValueError, OSError) as error:
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    return _give(run, scene, options) or int(bool(run.attrs["blow_up"]))
+    status = _give(run, scene, options)
+    if status == 0:
+        checkpoint.clear()
+    return status or int(bool(run.attrs["blow_up"]))
 
 
 def _give(run: RunRecord, scene: Scene, options: RunOptions) -> int:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runs.own_error import own_error_at
 from runs.run_pack import (
     BLOWN_UP,
     DONE,
@@ -155,18 +156,18 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
         return CellRecord(cell.key, REFUSED, _line(error))
     except Exception as error:  # the sweep goes on, and the next attempt may succeed
         return CellRecord(cell.key, FAILED, _line(f"{type(error).__name__}: {error}"))
-    record = record_of(cell.key, run)
+    record = record_of(cell.key, cell.scene, run)
     return record if kept else replace(record, run=None)
 
 
-def record_of(key: str, run: xr.Dataset) -> CellRecord:
-    """The record of a run that came to an end."""
+def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
+    """The record of the scene's run, which came to an end."""
     blown = str(run.attrs.get("blow_up", ""))
-    return CellRecord(key, BLOWN_UP if blown else DONE, blown, numbers_of(run), run)
+    return CellRecord(key, BLOWN_UP if blown else DONE, blown, numbers_of(scene, run), run)
 
 
-def numbers_of(run: xr.Dataset) -> Mapping[str, float]:
-    """What a cell is told by; NaN where a run has not got it."""
+def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
+    """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
     found |= {
         name: float(run.variables[name].values) for name in SCENE_NUMBERS if name in run.variables
@@ -175,7 +176,10 @@ def numbers_of(run: xr.Dataset) -> Mapping[str, float]:
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)
             if values.size and not np.all(np.isnan(values)):
-                found["error"] = float(np.nanmax(values))
+                place = int(np.nanargmax(values))
+                found["error"] = float(values[place])
+                if "own_error" not in found:
+                    found["own_error"] = own_error_at(run, scene, name, place)
                 break
     return {name: float(value) for name, value in found.items()}
 

@@ -120,7 +120,10 @@ def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator
         )
     errors = found["error"].values
     if np.any(np.isfinite(errors)):
-        yield f"relative error {np.nanmin(errors):.3g} to {np.nanmax(errors):.3g}"
+        line = f"relative error {np.nanmin(errors):.3g} to {np.nanmax(errors):.3g}"
+        own = found["own_error"].values
+        known = np.any(np.isfinite(own))
+        yield f"{line}, the runs' own part at most {np.nanmax(own):.2g}" if known else line
     faults = found["message"].values[found["status"].values != DONE]
     if faults.size:
         yield f"first fault: {faults.ravel()[0]}"

@@ -65,7 +65,7 @@ def _found(
         return record, place
     path = store.find(scene)
     if path is not None and record is None:
-        record = record_of(key, load_run(path))
+        record = record_of(key, scene, load_run(path))
     return record or CellRecord(key, MISSING), path
 
 

@@ -113,7 +113,7 @@ class FieldOfCells(BackendArray):
             values = _rows(group, self._field, list(inside.values()))
             flat[[asked[cell] for cell in inside]] = values
         inner = _outer(flat, (slice(None), *own))
-        return inner.reshape(*wanted.shape, *inner.shape[1:])
+        return inner.reshape((*wanted.shape, *inner.shape[1:]))
 
 
 def _outer(values: NDArray[Any], key: tuple[Any, ...]) -> NDArray[Any]:

@@ -2,7 +2,7 @@
 
 An axis is a swept dimension: numbers in their places, evenly spaced ones in the logarithm on a
 logarithmic axis, or texts side by side. Cells without a value are grey; those that were run and
-came to no end bear a cross.
+came to no end bear a cross; those whose value has a large error of its own are hatched.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import FigureBase
+from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
@@ -96,10 +98,11 @@ def draw_swept_curves(
     curves: Sequence[SweptCurve],
     what: str,
     joined: bool = True,
+    told: str = "",
 ) -> None:
     """Draw curves over a swept dimension, in logarithms where their values are wide.
 
-    Points are ``joined`` by lines where the axis has numbers.
+    Points are ``joined`` by lines where the axis has numbers. What is ``told`` stands above.
     """
     ax = figure.subplots()
     places, order = axis.places, np.argsort(axis.places, kind="stable")
@@ -116,6 +119,7 @@ def draw_swept_curves(
         ax.set_yscale("log")
     _set_axis(ax, axis, "x")
     ax.set_ylabel(what)
+    ax.set_title(told, loc="left")
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     if len(curves) > 1:
         _plain_legend(ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5)))
@@ -123,11 +127,27 @@ def draw_swept_curves(
 
 @dataclass(frozen=True)
 class HeatMap:
-    """Values over two axes, (x, y), NaN where there is none; ``faulty`` cells came to no end."""
+    """Values over two axes, (x, y), NaN where there is none; ``faulty`` cells came to no end.
+
+    ``bars`` are errors of the values themselves, NaN where they are not known.
+    """
 
     title: str
     values: Array
     faulty: NDArray[np.bool_]
+    bars: Array
+
+    @property
+    def is_unsure(self) -> NDArray[np.bool_]:
+        """Where a value's own error is more than the share ``UNSURE`` of it."""
+        large = np.nan_to_num(self.bars) > UNSURE * np.abs(np.nan_to_num(self.values))
+        return np.asarray(large & np.isfinite(self.values))
+
+
+UNSURE = 0.1
+"""Of a value in a heat map: it is hatched where its own error is more."""
+
+HATCH = "////"
 
 
 def heat_height(count: int) -> float:
@@ -148,12 +168,16 @@ def draw_heat_maps(
         for axis, order in zip(axes, orders, strict=True)
     )
     for ax, found in zip(grid.flat, maps, strict=False):
-        values, faulty = (part[np.ix_(*orders)].T for part in (found.values, found.faulty))
+        held = (found.values, found.faulty, found.is_unsure)
+        values, faulty, unsure = (part[np.ix_(*orders)].T for part in held)
         ax.set_facecolor(EMPTY)
         shown = np.ma.masked_invalid(values)
         drawn = ax.pcolormesh(x.edges, y.edges, shown, cmap="viridis", norm=norm, rasterized=True)
         rows, columns = np.nonzero(faulty)
         ax.plot(x.places[columns], y.places[rows], "x", color="black", markersize=4.0)
+        dark = np.asarray(norm(shown) < DARK)
+        _hatch(ax, x.edges, y.edges, unsure & dark, "white")
+        _hatch(ax, x.edges, y.edges, unsure & ~dark, "black")
         ax.set_title(found.title, loc="left", parse_math=False)
         _set_axis(ax, x, "x")
         _set_axis(ax, y, "y")
@@ -166,6 +190,28 @@ def draw_heat_maps(
     for ax in grid[:, 1:].flat:
         ax.set_ylabel("")
     figure.colorbar(drawn, ax=list(grid.flat), label=what)
+    if any(np.isfinite(found.bars).any() for found in maps):
+        some = any(found.is_unsure.any() for found in maps)
+        look = {"hatch": HATCH} if some else {"alpha": 0.0}
+        told = f"own error {'above' if some else 'nowhere above'} {UNSURE:.0%} of the value"
+        sign = Patch(facecolor="none", edgecolor="black", linewidth=0.0, label=told, **look)
+        figure.legend(handles=[sign], loc="outside lower left")
+
+
+DARK = 0.6
+"""Of the range of colours, below which they are dark: hatches are white there, else black."""
+
+
+def _hatch(ax: Axes, x: Array, y: Array, cells: NDArray[np.bool_], colour: str) -> None:
+    """Hatch the cells, (y, x), between the edges."""
+    corners = [
+        [(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1])]
+        for i, j in np.argwhere(cells)
+    ]
+    if corners:
+        ax.add_collection(
+            PolyCollection(corners, facecolor="none", edgecolor=colour, linewidth=0.0, hatch=HATCH)
+        )
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Pictures of sweeps: what is drawn are the cells' numbers, and what cannot be drawn is said."""
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,7 @@ def test_one_dimension_is_a_curve_in_order_with_its_own_errors() -> None:
     assert np.allclose(ends, np.transpose([0.9 * values, 1.1 * values]))
     assert ax.get_xscale() == "log"
     assert ax.get_xlabel() == r"$\epsilon$"
+    assert ax.get_title("left") == "bars: own error, at most 10% of the value"
 
 
 def test_two_dimensions_are_a_heat_map_in_order() -> None:
@@ -93,6 +95,32 @@ def test_texts_make_a_curve_each() -> None:
     assert [text.get_text() for text in ax.get_legend().get_texts()] == WAVES
     heights = [container[0].get_ydata() for container in ax.containers]
     assert np.allclose(heights, cube()["error"].values[:, [1, 2, 0, 3], 0])
+
+
+def hatched(ax: Any) -> set[tuple[float, float]]:
+    """The cells that bear a hatch."""
+    paths = [path for part in ax.collections if part.get_hatch() for path in part.get_paths()]
+    return {place for place in product(EPS, K) if any(path.contains_point(place) for path in paths)}
+
+
+def legend(figure: Any) -> list[str]:
+    return [text.get_text() for text in figure.subfigs[0].legends[0].get_texts()]
+
+
+def test_cells_are_hatched_where_their_own_error_is_large() -> None:
+    data, words = cube(), {"wave": "rogue_cn"}
+    data["own_error"] *= 0.9
+    figure = plot(data, at=words)
+    assert hatched(figure.get_axes()[0]) == set()
+    assert legend(figure) == ["own error nowhere above 10% of the value"]
+    data["own_error"].values[0, 1, 2] = 0.11 * data["error"].values[0, 1, 2]
+    data["own_error"].values[0, 3, 0] = 5.0
+    data["own_error"].values[0, 3, 1] = np.nan
+    data["own_error"].values[0, 0, 0], data["status"].values[0, 0, 0] = 5.0, "failed"
+    figure = plot(data, at=words)
+    assert hatched(figure.get_axes()[0]) == {(EPS[1], K[2]), (EPS[3], K[0])}
+    assert legend(figure) == ["own error above 10% of the value"]
+    assert not plot(data, at=words, variable="seconds").subfigs[0].legends
 
 
 def test_cells_that_came_to_no_end_are_no_numbers_and_bear_a_cross() -> None:

@@ -1,7 +1,7 @@
 """A warm process that fetches scenes from stores in forks of its own: a fork can be killed at once.
 
-It reads lines ``fetch SCENE FOLDER LEAST`` and ``keep SCENE FOLDER``, which it answers by the
-fork's number, and ``wait NUMBER``, by its exit status.
+It reads lines ``fetch SCENE FOLDER LEAST``, ``write SCENE FOLDER LEAST`` and ``keep SCENE FOLDER``,
+which it answers by the fork's number, and ``wait NUMBER``, by its exit status.
 """
 
 from __future__ import annotations
@@ -10,13 +10,16 @@ import os
 import sys
 import time
 import traceback
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import xarray as xr
 
 import runs.run_file
+from runs import output_checkpoint
 from runs.run_store import RunStore
+from runs.scene_command import RunOptions, run_and_print
 from tests.runs.unfinished_scenes import SCENES
 
 
@@ -27,6 +30,16 @@ def fetch(name: str, folder: str, least: str) -> int:
         traceback.print_exc()
         return 1
     return 0
+
+
+def write(name: str, folder: str, least: str) -> int:
+    """``longwave run SCENE.toml --output FOLDER/out.nc``."""
+    output_checkpoint.PACE = float(least), 1e9
+    scene = Path(folder) / "scene.toml"
+    scene.write_text(SCENES[name].toml(), encoding="utf-8")
+    options = RunOptions(str(scene), output=str(Path(folder) / "out.nc"))
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere), redirect_stderr(nowhere):
+        return run_and_print(options, "longwave run")
 
 
 def keep(name: str, folder: str) -> int:
@@ -43,7 +56,7 @@ def answer(*words: str) -> object:
         return os.waitstatus_to_exitcode(os.waitpid(int(words[1]), 0)[1])
     number = os.fork()
     if number == 0:
-        os._exit({"fetch": fetch, "keep": keep}[words[0]](*words[1:]))
+        os._exit({"fetch": fetch, "write": write, "keep": keep}[words[0]](*words[1:]))
     return number
 
 

@@ -91,6 +91,25 @@ def test_a_run_killed_at_any_moments_is_finished_with_the_same_bits(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", ["stated window, refined", "stencil, ring", "spectral", "dimer"])
+def test_a_killed_run_without_a_store_is_finished_beside_its_output(
+    name: str, server: Server, tmp_path: Path, rng: np.random.Generator
+) -> None:
+    output, whole = tmp_path / "out.nc", bits(run_any_scene(SCENES[name]))
+    kills = 0
+    while kills < KILLS:
+        number = server.ask("write", name, tmp_path, float(rng.choice([0.0, 0.02])))
+        kills += server.killed(number, rng.uniform(0.0, server.seconds[name]))
+        if output.exists():
+            assert bits(load_run(output)) == whole
+            output.unlink()
+    assert server.wait(server.ask("write", name, tmp_path, 0.02)) == 0
+    assert bits(load_run(output)) == whole
+    left = {path.name for path in tmp_path.iterdir() if ".draft" not in path.suffixes}
+    assert left == {"out.nc", "scene.toml"}
+
+
+@pytest.mark.slow
 def test_what_one_process_began_another_one_that_waits_finishes(
     server: Server, tmp_path: Path, rng: np.random.Generator
 ) -> None:

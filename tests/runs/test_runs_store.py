@@ -165,10 +165,10 @@ def test_sources_that_changed_keep_no_run(
     store: RunStore, runs_made: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("solutions.run.source_digest.runs_as_written", lambda _: False)
-    runs.run_store.check_sources.cache_clear()
+    runs.run_store.runs_its_sources.cache_clear()
     with pytest.raises(ValueError, match="start it again"):
         store.fetch(SMALL)
-    runs.run_store.check_sources.cache_clear()
+    runs.run_store.runs_its_sources.cache_clear()
     assert runs_made == []
 
 

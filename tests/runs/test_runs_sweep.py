@@ -132,6 +132,58 @@ def test_fields_are_read_when_they_are_used(
     every = found.strain.values
     np.testing.assert_array_equal(every[1], whole)
     np.testing.assert_array_equal(found.strain[::-1, 0, -1].values, every[::-1, 0, -1])
+    assert float(found.strain[1, 0, -1, 20]) == every[1, 0, -1, 20]
+
+
+LATTICE = {
+    "lattice": "toda",
+    "wave": "kdv_soliton",
+    "eps": 0.2,
+    "slow_times": [0, 0.1],
+    "half_width": 6,
+    "constants": {"a": 1, "b": 1},
+    "parameters": {"kappa": 1},
+}
+TO_TOLERANCE = {k: v for k, v in SMALL.items() if k != "scheme"} | {"domain": {"compared": 20}}
+MEASURED = {"observables": ["strain", "time_step_error", "domain_error"]}
+KINDS: dict[str, tuple[dict[str, Any], str, list[float]]] = {
+    "a lattice": (LATTICE, "tolerance", [1e-2, 1e-9]),
+    "snapshots": (TO_TOLERANCE, "tolerance", [1e-2, 1e-9]),
+    "a curve": (TO_TOLERANCE | {"observables": ["error_curve"]}, "tolerance", [1e-2, 1e-9]),
+    "stated steps": (SMALL | MEASURED, "scheme.step", [1.0, 0.1]),
+    "their curve": (
+        SMALL | {"observables": ["error_curve", "time_step_error"]},
+        "scheme.step",
+        [1.0, 0.1],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) -> None:
+    """They hold the error of a much finer run, and are to ``error`` as strains are to strains."""
+    scene, field, values = KINDS[kind]
+    sweep = sweep_of({"scene": scene, "grid": {field: values}})
+    run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store)
+    (coarse, fine), (own, finer) = found.error.values, found.own_error.values
+    assert 0.0 < finer < 0.1 * own
+    assert abs(coarse - fine) <= own
+    measured = [found[name][0, -1] for name in ("time_step_error", "domain_error") if name in found]
+    told = float(sum(measured) if measured else found.error_estimate[0])
+    seen = {} if scene is LATTICE else {"observables": ["strain"]}
+    run = run_any_scene(sweep_of({"scene": scene | seen, "grid": {field: values}}).scene(0))
+    apart = float(abs(run.strain - run.analytic).max())
+    unit = scene["eps"] ** (2 if scene is LATTICE else 1)
+    assert own / coarse == pytest.approx(unit * told / apart, rel=0.01)
+    assert found.own_error.attrs["units"] == found.error.attrs["units"]
+
+
+def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> None:
+    run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
+    (pack,) = packed_records(store).values()
+    assert pack[0].numbers["error"] > 0.0
+    assert np.isnan(pack[0].numbers["own_error"])
 
 
 def test_what_is_there_is_not_run_again(store: RunStore) -> None:

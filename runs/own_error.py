@@ -1,0 +1,65 @@
+"""A run's own error: how far it may be from the infinite lattice, in the units of what it measures.
+
+With a tolerance it is the estimate, the same at all times; with a stated step what half the step
+and twice the sites change, at the snapshots, if the scene asks for that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from lattice.model import State
+from verify.comparison.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from verify.comparison.scene import Scene
+    from verify.lattices.lattice_scene import LatticeScene
+
+MEASURED = ("time_step_error", "domain_error")
+"""Differences of y/eps to finer runs, at the snapshots; they add up to the run's error."""
+
+
+def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
+    """The run's own error at each snapshot, in units of eps or of its power that errors are told
+    in; None if the run did not measure it."""
+    estimate = run.attrs.get("error_estimate")
+    if estimate is not None:
+        return np.full(run.sizes["time"], float(estimate))
+    parts = [run.variables[name].values for name in MEASURED if name in run.variables]
+    return np.sum(parts, axis=0, dtype=np.float64) if parts else None
+
+
+def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:
+    """The wave's largest deviation from its background, or its far field, at a time; NaN for 0."""
+    none = np.zeros(0)
+    view = View(scene.moving_wave, State(t, 0, none, none))
+    return _size(view.analytic, view.far_field if far_field else view.background)
+
+
+def _size(wave: NDArray[np.float64], background: NDArray[np.float64]) -> float:
+    return float(np.max(np.abs(wave - background))) or math.nan
+
+
+def own_error_at(run: xr.Dataset, scene: Scene | LatticeScene, name: str, place: int) -> float:
+    """The run's own error in units of its variable ``name``, ``error`` or ``error_curve``, and at
+    that place of it; NaN where it was not measured."""
+    own, held = scaled_own_error(run), run.variables
+    if own is None:
+        return math.nan
+    if "sup_error" in held:
+        relative, apart = (float(held[part].values[place]) for part in ("error", "sup_error"))
+        return float(own[place]) * relative / apart if apart > 0.0 else math.nan
+    if name == "error":
+        size = _size(*(held[part].values[place] for part in ("analytic", "background")))
+        return float(own[place]) * scene.eps / size
+    t = float(held["curve_time"].values[place])
+    here = own if "error_estimate" in run.attrs else own[held["time"].values == t]
+    if not here.size:
+        return math.nan
+    return float(here[0]) * scene.eps / wave_size(cast("Scene", scene), t)

@@ -1,0 +1,98 @@
+"""Catches: a run without a store that a kill costs more than its last seconds, or others' bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from runs import output_checkpoint
+from runs.checkpoint_folder import CheckpointFolder
+from runs.run_file import load_run, run_any_scene
+from runs.scene_command import RunOptions, run_and_print
+from tests.runs.unfinished_scenes import SCENES, Killed, bits
+
+NAME = "stated window, refined"
+
+
+@pytest.fixture
+def kept(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """All that is offered is kept, until the write of that number raises something instead."""
+    told: dict[str, Any] = {"writes": 0, "at": 10**9, "raised": Killed}
+    write = CheckpointFolder.write
+
+    def counted(folder: CheckpointFolder, *memory: Any) -> None:
+        if told["writes"] == told["at"]:
+            raise told["raised"]
+        told["writes"] += 1
+        write(folder, *memory)
+
+    monkeypatch.setattr(CheckpointFolder, "write", counted)
+    monkeypatch.setattr(output_checkpoint, "PACE", (0.0, 1e9))
+    monkeypatch.setattr("os.fsync", lambda _: None)
+    return told
+
+
+def run(folder: Path, output: str = "run.nc", **changes: Any) -> int:
+    scene = folder / "scene.toml"
+    scene.write_text(SCENES[NAME].changed(**changes).toml(), encoding="utf-8")
+    return run_and_print(RunOptions(str(scene), output=str(folder / output)), "longwave run")
+
+
+def test_a_run_is_gone_on_with_beside_its_output(
+    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(tmp_path, "whole.nc") == 0
+    whole, kept["writes"], kept["at"] = kept["writes"], 0, 5
+    with pytest.raises(Killed):
+        run(tmp_path)
+    assert (tmp_path / "run.nc.checkpoint").is_dir()
+    capsys.readouterr()
+    kept["writes"], kept["at"] = 0, 10**9
+    assert run(tmp_path) == 0
+    assert capsys.readouterr().err == "window: goes on where it was broken off\n"
+    assert kept["writes"] < whole
+    assert bits(load_run(tmp_path / "run.nc")) == bits(run_any_scene(SCENES[NAME]))
+    assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "run.nc", "whole.nc"}
+
+
+def test_what_another_scene_left_is_not_used_and_what_is_no_checkpoint_stays(
+    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    kept["at"] = 5
+    with pytest.raises(Killed):
+        run(tmp_path, eps=0.11)
+    mine = tmp_path / "run.nc.checkpoint" / "mine.txt"
+    mine.write_text("mine", encoding="utf-8")
+    kept["at"] = 10**9
+    capsys.readouterr()
+    assert run(tmp_path) == 0
+    said = f"window: begins anew: {mine.parent} holds nothing of this scene, code and machine\n"
+    assert capsys.readouterr().err == said
+    assert bits(load_run(tmp_path / "run.nc")) == bits(run_any_scene(SCENES[NAME]))
+    assert list(mine.parent.iterdir()) == [mine]
+
+
+def test_ctrl_c_says_what_goes_on(
+    tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    kept.update(at=5, raised=KeyboardInterrupt)
+    assert run(tmp_path) == 130
+    assert "run.nc; the same command with --force goes on" in capsys.readouterr().err
+    assert "Ctrl-C" in load_run(tmp_path / "run.nc").attrs["unfinished"]
+    assert (tmp_path / "run.nc.checkpoint").is_dir()
+
+
+@pytest.mark.parametrize("taken", [True, False])
+def test_where_no_checkpoint_can_be_the_run_goes_on(
+    taken: bool, tmp_path: Path, kept: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file has its name, or the name is too long."""
+    name = "run.nc" if taken else "a" * 250 + ".nc"
+    if taken:
+        (tmp_path / "run.nc.checkpoint").write_text("mine", encoding="utf-8")
+    assert run(tmp_path, name) == 0
+    assert "the run goes on without a checkpoint" in capsys.readouterr().err
+    assert load_run(tmp_path / name).attrs["title"]
+    assert not taken or (tmp_path / "run.nc.checkpoint").read_text(encoding="utf-8") == "mine"
