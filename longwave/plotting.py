@@ -54,7 +54,7 @@ from verify.comparison import Scene, run
 from verify.comparison.stated_run import UnfinishedRun
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
 
-ALL = "all"
+ALL, GROWTH = "all", "growth"
 
 ACROSS, MOST_PANELS = 3, 12
 """Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
@@ -74,8 +74,8 @@ Source = xr.Dataset | Scene | LatticeScene | str | Path
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the observable and the variables (with their number of dimensions)
-    that it is drawn from, its height in inches, and the function that draws it."""
+    """One kind of picture: the observable ("" if no scene can ask for it) and the variables (with
+    their number of dimensions) that it is drawn from, its height in inches, and what draws it."""
 
     observable: str
     variables: Mapping[str, int]
@@ -193,6 +193,12 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
         kinds = [
             name for name in PICTURES if name != "errors" or "error_curve" in scene.observables
         ]
+        kinds.remove(GROWTH)
+    elif kind == GROWTH:
+        raise ValueError(
+            f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
+            "has its growth measured)"
+        )
     else:
         kinds = [kind]
     wanted = [PICTURES[name].observable for name in kinds]
@@ -247,7 +253,7 @@ def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
     found = [picture for picture in wanted if _has(data, picture)]
     if not found:
         missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
-        asked = ", ".join(dict.fromkeys(picture.observable for picture in wanted))
+        asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
         held = ", ".join(map(str, data)) or "nothing"
         raise ValueError(
             f"source must hold what is drawn ({missing}), got {held} "
@@ -359,8 +365,8 @@ PICTURES: Mapping[str, Picture] = {
         lambda _: CREST_HEIGHT,
         _draw_crest,
     ),
-    "growth": Picture(
-        "perturbed_plane",
+    GROWTH: Picture(
+        "",
         {"sideband_size": 1, "sideband_theory": 1, "slow_time": 1},
         lambda _: SIZES_HEIGHT,
         _draw_sizes,
