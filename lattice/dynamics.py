@@ -155,6 +155,12 @@ class FieldDynamics:
                     f"{axes} axes, got {values.shape} (a chain of one field has (1, cells))"
                 )
             _check_finite(name, values)
+        _, variation, shares = self.lattice.cellwise
+        if variation is not None and found.f.shape[1] != shares.shape[1]:
+            raise ValueError(
+                f"state must have the {shares.shape[1]} cells of the disordered lattice, got "
+                f"{found.f.shape[1]} (each has deviations of its own)"
+            )
         return found
 
     def in_order(self, state: FieldState) -> tuple[Array, Array]:
@@ -188,12 +194,12 @@ class FieldDynamics:
     def highest_frequency(self, ranges: Array) -> float:
         """With the largest slope of each bond in its range, of either sign, and at rest."""
         found = []
-        for bond, (least, most) in zip(self.lattice.bonds, ranges, strict=False):
+        for place, bond in enumerate(self.lattice.bonds):
+            least, most = ranges[place]
             if not math.isfinite(float(most) - float(least)):
                 return math.inf
-            places = np.append(np.linspace(least, most, SLOPES), bond.offset)
-            with np.errstate(all="ignore"):
-                found.append(float(np.max(np.abs(bond.force.slope(places)))))
+            stretches = np.append(np.linspace(least, most, SLOPES), bond.offset)
+            found.append(self.lattice.largest_slope(place, stretches))
         if not all(map(math.isfinite, found)):
             return math.inf
         return self.lattice.highest_frequency(found)

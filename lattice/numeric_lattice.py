@@ -20,6 +20,7 @@ from lattice.force_program import ForceProgram, force_program
 if TYPE_CHECKING:
     from derive.algebra.exact_numbers import Number
     from derive.lattice import Bond, Lattice, Stencil
+    from lattice.disordered_lattice import Variation
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -81,6 +82,11 @@ class NumericLattice:
         )
 
     @property
+    def cellwise(self) -> tuple[NumericLattice, Variation | None, Array]:
+        """What is the same in all cells, what is not, and how much of it a cell has: nothing."""
+        return self, None, np.zeros((0, 0))
+
+    @property
     def conserves_energy(self) -> bool:
         """Whether every bond acts on what it is stretched by, so that `energy` is conserved."""
         return all(
@@ -140,6 +146,16 @@ class NumericLattice:
         pairs = zip(self.bonds, stretches, strict=True)
         with np.errstate(all="ignore"):
             return [np.asarray(bond.force.slope(stretch)) for bond, stretch in pairs]
+
+    def largest_slope(self, place: int, stretches: Array) -> float:
+        """The largest size of the slope of a bond's force at these stretches; may be nan."""
+        with np.errstate(all="ignore"):
+            return float(np.max(np.abs(self.bonds[place].force.slope(stretches))))
+
+    def steepest(self, place: int, stretches: Array) -> float:
+        """The largest slope of a bond's force at these stretches; may be nan."""
+        with np.errstate(all="ignore"):
+            return float(np.max(self.bonds[place].force.slope(stretches)))
 
     def rest_slopes(self) -> list[float]:
         """The slope of each bond's force at the mean stretch."""

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure, FigureBase
 
 from derive.algebra.exact_numbers import shown
 from derive.command_line import fail, fail_for_memory, interrupted, one_line
+from derive.request_limits import Announcer
 from lattice.refine import Announce
 from lattice.trial import Progress
 from longwave.run_quantities import (
@@ -406,7 +407,7 @@ def draw(source: str, output: str | None, words: PlotWords, program: str) -> int
         check_output(path, "run.png")
         chosen = words.choice
         with progress_bar(Path(source).name, source, errors) as (advance, tell):
-            plot(source, path, words.kind, advance, tell, chosen, words.variable)
+            plot(source, path, words.kind, advance, Announcer(tell), chosen, words.variable)
     except UnfinishedRun as stop:
         with suppress(ValueError, OSError):
             plot(stop.run, path, words.kind)

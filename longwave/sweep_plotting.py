@@ -1,7 +1,8 @@
 """Pictures of a sweep: a number of each cell over the swept dimensions, and work against precision.
 
-Of one dimension curves are drawn, of two a heat map, of three several; of more, and of what has too
-many values to be told apart, some are to be chosen: ``at`` says where.
+Of one dimension curves are drawn, of two a heat map, of three several; samples and realisations of
+disorder are told by what they have in common. Of more dimensions, and of what has too many values
+to be told apart, some are to be chosen: ``at`` says where.
 """
 
 from __future__ import annotations
@@ -36,6 +37,9 @@ Array = NDArray[np.float64]
 
 SAMPLE = "sample"
 """The dimension of a random sample."""
+
+REALISATION = "disorder.seed"
+"""The field whose values are realisations of one disorder."""
 
 MOST_CURVES, MOST_MAPS = 8, 12
 """Curves that colours tell apart, and heat maps on one page."""
@@ -140,16 +144,25 @@ def growth_part(data: xr.Dataset) -> SweepPart:
 def values_part(data: xr.Dataset, variable: str) -> SweepPart:
     """A number of each cell over the dimensions that are left."""
     values = _numbers(data, variable)
-    samples = [name for name in values.dims if name == SAMPLE]
+    drawn = [str(name) for name in values.dims if name not in _repeats(data, values)]
+    repeated = len(drawn) < len(values.dims)
     if len(values.dims) == 1:
         return _curves(data, values, [])
-    if len(values.dims) == 2 and (samples or _families(data, values)):
-        return _curves(data, values, _families(data, values))
-    if len(values.dims) in (2, 3) and not samples:
+    families = _families(data, values)
+    if len(drawn) == 1 + len(families) and (repeated or families):
+        return _curves(data, values, families)
+    if len(drawn) in (2, 3) and not repeated:
         return _maps(data, values)
     sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items()) or "one cell"
     remedy = "choose with --at NAME=VALUE" if values.dims else "choose less"
     raise ValueError(f"a picture must be of one to three dimensions, got {sizes} ({remedy})")
+
+
+def _repeats(data: xr.Dataset, values: xr.DataArray) -> list[str]:
+    """The dimension of samples, or of realisations, along which nothing is drawn."""
+    names = [str(name) for name in values.dims]
+    seeds = [n for n in names if n in data.coords and data[n].attrs.get("field") == REALISATION]
+    return [name for name in names if name == SAMPLE] or seeds
 
 
 def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
@@ -193,27 +206,35 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
 
 
 def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> SweepPart:
-    """Curves along one dimension: one, one for each value of another, or of all samples."""
+    """Curves along one dimension: one, one for each value of another, or of all repeats."""
+    repeats = _repeats(data, values)
     rest = [str(name) for name in values.dims if name not in families]
-    along = min(rest, key=lambda name: name == SAMPLE)
+    along = min(rest, key=lambda name: name in repeats)
     what, bars = _label(data, values), _bars(data, values)
-    told = _own_told(values, bars)
+    told, common = _own_told(values, bars), _median if repeats == [SAMPLE] else _mean
+
+    def curve(label: str, where: Mapping[str, int]) -> SweptCurve:
+        found, its = values.isel(where), bars.isel(where)
+        if len(rest) == 2:
+            return common(label, found.transpose(repeats[0], along).values)
+        return SweptCurve(label, found.values, np.array([its.values, its.values]))
+
     if families:
         labels = [str(one) for one in axis_of(data, families[0]).values]
-        places = [{families[0]: place} for place in range(len(labels))]
-        curves = [
-            _curve(label, values.isel(where), bars.isel(where))
-            for label, where in zip(labels, places, strict=True)
-        ]
-    elif len(rest) == 2:
-        curves = [_ensemble(values, along)]
-        told = f"median of {values.sizes[SAMPLE]}, bars to the quartiles"
+        curves = [curve(label, {families[0]: place}) for place, label in enumerate(labels)]
     else:
-        curves = [_curve("", values, bars)]
-    axis, joined = axis_of(data, along), along != SAMPLE
+        curves = [curve("", {})]
+    if len(rest) == 2:
+        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(values.sizes[repeats[0]])
+    axis, joined = axis_of(data, along), along not in repeats
     return SweepPart(
         CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined, told)
     )
+
+
+BY_MEDIAN = "median of {}, bars to the quartiles"
+BY_MEAN = "mean of {}, bars: standard error, band: standard deviation"
+"""How repeats are told."""
 
 
 def _own_told(values: xr.DataArray, bars: xr.DataArray) -> str:
@@ -232,15 +253,20 @@ def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     return data[own].astype(float) if own in data else xr.full_like(values, np.nan)
 
 
-def _curve(label: str, values: xr.DataArray, bars: xr.DataArray) -> SweptCurve:
-    return SweptCurve(label, values.values, np.array([bars.values, bars.values]))
+def _median(label: str, values: Array) -> SweptCurve:
+    """The median over the first axis, with bars to the quartiles."""
+    low, middle, high = np.nanquantile(values, (0.25, 0.5, 0.75), axis=0)
+    return SweptCurve(label, middle, np.array([middle - low, high - middle]))
 
 
-def _ensemble(values: xr.DataArray, along: str) -> SweptCurve:
-    """The median over samples, with bars to the quartiles."""
-    found = np.nanquantile(values.transpose(SAMPLE, along).values, (0.25, 0.5, 0.75), axis=0)
-    low, middle, high = found
-    return SweptCurve("", middle, np.array([middle - low, high - middle]))
+def _mean(label: str, values: Array) -> SweptCurve:
+    """The mean over the first axis, its standard error as bars, the standard deviation as band."""
+    count = np.sum(np.isfinite(values), axis=0)
+    with np.errstate(all="ignore"):
+        mean = np.nansum(values, axis=0) / count
+        spread = np.sqrt(np.nansum((values - mean) ** 2, axis=0) / (count - 1))
+        error = spread / np.sqrt(count)
+    return SweptCurve(label, mean, np.array([error, error]), spread)
 
 
 def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:

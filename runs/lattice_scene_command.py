@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from derive.command_line import fail_for_memory, interrupted
+from derive.request_limits import Announcer
 from runs.output_checkpoint import OutputCheckpoint
 from runs.rescue import fail_or_rescue, save_or_rescue
 from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_run import Announcer
 from verify.lattices.lattice_run import lattice_scene_dataset
 from verify.lattices.lattice_scene import LatticeScene
 
@@ -27,7 +28,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
     """Run the scene, print its errors and its cost, and write it if asked.
 
     Exit status 0, 1 if it could not be written, 2 for bad input, told in one line, and 130 after
-    Ctrl-C, which ``program`` tells. More than 10 s are announced.
+    Ctrl-C, which ``program`` tells. More than 5 s are announced.
     """
     checkpoint = OutputCheckpoint(options.output, options.store)
     try:
@@ -74,7 +75,7 @@ def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) ->
     for t, T, *values in zip(*(run[name].values for name in names), strict=True):
         table.add_row(f"{t:.6g}", f"{T:.3g}", *(f"{value:.3g}" for value in values))
     console.print(table)
-    for line in _lines(run.attrs, scene):
+    for line in (*_lines(run.attrs, scene), *_pulse_lines(run)):
         console.print(line, markup=False, soft_wrap=True)
 
 
@@ -90,3 +91,18 @@ def _lines(told: Mapping[str, Any], scene: LatticeScene) -> Iterator[str]:
     )
     drift = told.get("energy_drift")
     yield line if drift is None else f"{line}; energy kept to {drift:.1g}"
+
+
+def _pulse_lines(run: xr.Dataset) -> Iterator[str]:
+    """What disorder left of a wave."""
+    if "peak" not in run:
+        return
+    peak, energy, delay = (
+        f"{run[name].values[-1]:.4g} +- {run[name + '_error'].values[-1]:.1g}"
+        for name in ("peak", "energy", "delay")
+    )
+    held = "" if np.isnan(run["energy"].values[-1]) else f" and energy {energy}"
+    yield f"at the end: largest force {peak}{held} of the start's, {delay} sites late"
+    speed = run.attrs.get("effective_speed")
+    if speed is not None:
+        yield f"very long waves: {speed:.6g} of the ordered lattice's speed"

@@ -216,6 +216,8 @@ def _encoded(run: xr.Dataset) -> xr.Dataset:
         if values.dtype.kind == "c":
             parts = np.ascontiguousarray(values).view(values.real.dtype)
             dims, values = (*dims, PARTS), parts.reshape(*values.shape, 2)
+        elif values.dtype.kind == "O":
+            values = values.astype(str)  # as objects, xarray 2025.1 writes none
         variables[name] = xr.Variable(dims, values, attributes)
     coordinates = {name: variables.pop(name) for name in run.coords}
     return xr.Dataset(variables, coordinates, _plain(run.attrs))

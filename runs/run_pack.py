@@ -41,18 +41,22 @@ NUMBERS: Mapping[str, str] = {
     "force_evaluations": "force evaluations a site",
     "seconds": "seconds of the run that is kept",
     "planning_seconds": "seconds of the search for it",
+    "last_peak": "largest force at the end, 1 at the start",
+    "last_energy": "energy about the crest at the end",
+    "last_delay": "sites by which the crest is late at the end",
+    "growth_rate": "growth rate in T, on the lattice",
+    "growth_rate_error": "what the measured growth rate may be off",
+    "growth_rate_theory": "growth rate in T, by the envelope equation",
+    "carrier_k": "wavenumber of the carrier on the ring",
+    "perturbation_kappa": "wavenumber of the perturbation, in X",
 }
 """What a cell is told by, and what that means."""
 
-SCENE_NUMBERS: Mapping[str, tuple[str, str]] = {
-    "growth_rate": ("1/slow time", "growth rate in T, on the lattice"),
-    "growth_rate_error": ("1/slow time", "what the measured growth rate may be off"),
-    "growth_rate_theory": ("1/slow time", "growth rate in T, by the envelope equation"),
-    "carrier_k": ("1/site", "wavenumber of the carrier on the ring"),
-    "perturbation_kappa": ("1/X", "wavenumber of the perturbation, in X"),
-}
-"""What the runs of some scenes are told by as well, variables of theirs without dimensions: units
-and meaning."""
+OPTIONAL = (
+    *("last_peak", "last_energy", "last_delay"),
+    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k", "perturbation_kappa"),
+)
+"""Those that are told only where some cell has them."""
 
 TEXTS = ("key", "status", "message", "attributes")
 
@@ -142,8 +146,9 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     }
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
-    own = [name for name in SCENE_NUMBERS if any(name in one.numbers for one in alike)]
-    for name in (*NUMBERS, *own):
+    for name in NUMBERS:
+        if name in OPTIONAL and not any(name in one.numbers for one in alike):
+            continue
         group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
     arrays = group.create_group("arrays")
     first = alike[0].run
@@ -179,8 +184,7 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
     with h5py.File(path) as file:
         for name, group in file.items():
             keys, states, messages = (group[text].asstr()[()] for text in TEXTS[:3])
-            told = [number for number in (*NUMBERS, *SCENE_NUMBERS) if number in group]
-            columns = {number: group[number][()] for number in told}
+            columns = {number: group[number][()] for number in NUMBERS if number in group}
             has_runs = len(group["arrays"]) > 0
             for row, (key, status, message) in enumerate(zip(keys, states, messages, strict=True)):
                 numbers = {number: float(column[row]) for number, column in columns.items()}

@@ -7,7 +7,7 @@ import sys
 import threading
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,14 +16,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derive.request_limits import RequestLimits, TooMuchError, request_limits
 from runs.own_error import own_error_at
 from runs.run_pack import (
     BLOWN_UP,
     DONE,
     FAILED,
     NUMBERS,
+    OPTIONAL,
     REFUSED,
-    SCENE_NUMBERS,
     CellRecord,
     write_pack,
 )
@@ -74,11 +75,14 @@ class LongCell(Exception):
     """A cell that is expected to take ``LONG`` or more."""
 
 
-def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
+def run_cells(
+    cells: Sequence[Cell], folder: Path, token: str, limits: RequestLimits | None = None
+) -> Batch:
     """Run the cells one after the other and write one pack of them into the store ``folder``.
 
-    What a cell raises is its record. A worker that is told to end packs what it has. ``token`` is
-    the name of a file by which a worker on another machine knows the store.
+    What a cell raises is its record, as is that it would take more than the ``limits``. A worker
+    that is told to end packs what it has. ``token`` is the name of a file by which a worker on
+    another machine knows the store.
     """
     keep_to_one_core()
     begun = process_time()
@@ -87,7 +91,7 @@ def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
     seconds = processor = 0.0
     pack = None
     try:
-        with _ending():
+        with _ending(), _limited(limits):
             for cell in cells:
                 clock, spent = perf_counter(), process_time()
                 found.append(run_cell(cell, store))
@@ -99,6 +103,12 @@ def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
     statuses = [record.status for record in found]
     faults = (record.message for record in found if record.status in (REFUSED, FAILED))
     return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
+
+
+def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:
+    if limits is None:
+        return nullcontext()
+    return request_limits(limits.memory_bytes, limits.seconds)
 
 
 def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:
@@ -152,6 +162,8 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
         except LongCell:
             assert store is not None
             run, kept = load_run(store.fetch(cell.scene)), False
+    except TooMuchError as error:  # the next attempt may be allowed more
+        return CellRecord(cell.key, FAILED, _line(error))
     except ValueError as error:
         return CellRecord(cell.key, REFUSED, _line(error))
     except Exception as error:  # the sweep goes on, and the next attempt may succeed
@@ -169,9 +181,7 @@ def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
 def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
-    found |= {
-        name: float(run.variables[name].values) for name in SCENE_NUMBERS if name in run.variables
-    }
+    found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)

@@ -13,7 +13,7 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, REFUSED, SCENE_NUMBERS, CellRecord, PackedRun
+from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun
 from runs.run_store import RunStore
 from runs.sweep import packed_records
 from runs.sweep_cells import record_of
@@ -26,7 +26,13 @@ if TYPE_CHECKING:
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
-UNITS = {"seconds": "s", "planning_seconds": "s"}
+UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"} | {
+    "growth_rate": "1/slow time",
+    "growth_rate_error": "1/slow time",
+    "growth_rate_theory": "1/slow time",
+    "carrier_k": "1/site",
+    "perturbation_kappa": "1/X",
+}
 
 
 @dataclass(frozen=True)
@@ -74,8 +80,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
     Its dimensions are the swept ones; a list has ``case``, a random sample ``sample``, along which
     the fields are coordinates. Variables: ``status`` of each cell (done, blown up, refused, failed,
-    missing), ``message``, ``key``, the numbers of `runs.run_pack.NUMBERS`, and those of
-    `SCENE_NUMBERS` that the runs have. With ``fields`` also
+    missing), ``message``, ``key`` and the numbers of `runs.run_pack.NUMBERS`. With ``fields`` also
     those of the runs that have one shape in all cells, which are read from the store when they are
     used; NaN, or 0, where there is no run. `cell_run` reads the whole run of one cell.
     """
@@ -110,10 +115,10 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
 def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
     for name, meaning in NUMBERS.items():
+        known = (record.numbers.get(name, np.nan) for record in records)
+        if name in OPTIONAL and np.isnan([*known]).all():
+            continue
         yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
-    for name, (units, meaning) in SCENE_NUMBERS.items():
-        if any(name in record.numbers for record in records):
-            yield name, {"long_name": meaning, "units": units}
 
 
 def _column(values: Sequence[float], shape: tuple[int, ...]) -> NDArray[np.float64]:

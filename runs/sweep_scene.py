@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -14,6 +15,7 @@ from verify.comparison.scene_fields import read_document, shown
 from verify.lattices import lattice_scene_file
 from verify.lattices.lattice_scene import LatticeScene, find_any_scene
 from verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
+from verify.lattices.scene_disorder import Disorder
 
 AnyScene: TypeAlias = Scene | LatticeScene
 
@@ -38,6 +40,7 @@ ANY_LATTICE = {
     **{key: () for key in (*lattice_scene_file.TOP, "lattice") if key not in LABELS},
     "long_wave": lattice_scene_file.LONG_WAVE,
     "envelope": tuple(lattice_scene_file.ENVELOPE),
+    "disorder": tuple(field.name for field in fields(Disorder)),
 }
 """The same of a `LatticeScene`."""
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lattice.kernels.native_code import ALIGNMENT, aligned, native_function
-from lattice.kernels.streams import Flow, flow_of
+from lattice.kernels.streams import Flow, varied_flow
 
 if TYPE_CHECKING:
     from lattice.numeric_lattice import NumericLattice
@@ -109,7 +109,9 @@ def advance_stages(
     lattice: NumericLattice, f: Array, v: Array, drifts: Array, kicks: Array, stages: int
 ) -> None:
     """So many stages, ``f += drift v`` and ``v += kick f''``, their weights in turn."""
-    flow, numbers = flow_of(lattice)
+    ordered, variation, shares = lattice.cellwise
+    flow, numbers, units = varied_flow(ordered, variation)
+    resting = shares * np.array(units)[:, None] if units else f[:0]
     size = f.shape[1]
     lanes = LANES if size >= LEAST_ROWED else 1
     height, halo = -(-size // lanes), max(1, flow.skew + flow.below)
@@ -121,8 +123,8 @@ def advance_stages(
     plane = margin + layout.cells.size + ALIGNMENT
     rings = [aligned(flow.fields * plane) for _ in range(2)]
     planes = [ring[: flow.fields * plane].reshape(flow.fields, plane) for ring in rings]
-    for held, ring in zip(planes, (f, v), strict=True):
-        held[:, margin : margin + layout.cells.size] = ring[:, layout.cells.ravel()]
+    for held, ring in zip(planes, (np.vstack([f, resting]), v), strict=True):
+        held[: len(ring), margin : margin + layout.cells.size] = ring[:, layout.cells.ravel()]
     repeated = kicks.size + each
     a, b = (np.ascontiguousarray(np.resize(weights, repeated)) for weights in (drifts, kicks))
     carried = aligned((each + together) * flow.kept(together) * lanes)
@@ -149,4 +151,4 @@ def advance_stages(
     run(stages // each, each, 0)
     run(int(stages % each > 0), stages % each, stages // each * each % kicks.size)
     for held, ring in zip(planes, (f, v), strict=True):
-        ring[:] = held[:, margin + layout.home]
+        ring[:] = held[: len(ring), margin + layout.home]

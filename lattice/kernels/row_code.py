@@ -246,6 +246,8 @@ class _Stage:
             values = [self.value(tap, stream.lag) for tap in stream.taps]
             if stream.kind == "force":
                 made = lane_force(code, values[0], stream.law, self._numbers)
+            elif stream.kind == "varied":
+                made = code.fma(values[1], values[2], values[0])
             elif stream.kind == "kicked":
                 made = code.fma(self._kicks[stream.field], values[1], values[0])
             else:

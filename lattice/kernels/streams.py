@@ -20,10 +20,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
+    from lattice.disordered_lattice import MassKind, Variation
     from lattice.force_program import ForceProgram
     from lattice.numeric_lattice import Entry, NumericLattice
 
-Kind = Literal["position", "velocity", "sum", "force", "kicked"]
+Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked"]
 Polynomial = Mapping[int, float]
 """A stencil: weights by shift."""
 
@@ -124,7 +125,7 @@ class Flow(NamedTuple):
                 total += max(len(stream.taps) - 1, 0) + scaled + (stream.number is not None)
             elif stream.kind == "force":
                 total += _operations(stream.law)
-            elif stream.kind == "kicked":
+            elif stream.kind in ("varied", "kicked"):
                 total += 1
         return total
 
@@ -150,28 +151,59 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
     >>> flow.operations, flow.skew, numbers
     (6, 1, (4.0, 1.0))
     """
+    flow, numbers, _ = varied_flow(lattice, None)
+    return flow, numbers
+
+
+class VariedFlow(NamedTuple):
+    """A stage of a chain whose masses or springs differ from cell to cell.
+
+    What differs stands in fields of its own behind the lattice's, which rest; each holds shares
+    times its unit.
+    """
+
+    flow: Flow
+    numbers: tuple[float, ...]
+    units: tuple[float, ...]
+
+
+@lru_cache(maxsize=256)
+def varied_flow(lattice: NumericLattice, variation: Variation | None) -> VariedFlow:
+    """`flow_of` with what differs from cell to cell, if anything does."""
     if lattice.dimension != 1:
         raise ValueError(
             f"lattice must be a chain, got {lattice.name} in {lattice.dimension} dimensions "
             "(rows of cells go up one axis)"
         )
-    builder = _Builder(len(lattice.fields))
+    fields = len(lattice.fields)
+    builder = _Builder(fields + (0 if variation is None else variation.rows(fields)))
     acting: list[list[_Part]] = [[] for _ in lattice.fields]
-    for bond in lattice.bonds:
+    units: list[float] = []
+    for place, bond in enumerate(lattice.bonds):
         law, unit = law_of(bond.force, builder.number)
         if law is None:
             continue
-        force = builder.force(builder.stretch(bond.stretch, bond.offset), law)
-        for place, parts in enumerate(acting):
-            stencil = _merged(entry for entry in bond.action if entry.field == place)
+        stretch = builder.stretch(bond.stretch, bond.offset)
+        force = builder.force(stretch, law)
+        part = None if variation is None or not variation.forces else variation.forces[place]
+        if part is not None:
+            share, own = law_of(part, builder.number)
+            assert share is not None
+            weight, units = Tap(fields + len(units)), [*units, own / unit]
+            force = builder.varied(Tap(force), weight, Tap(builder.force(stretch, share)))
+        for of, parts in enumerate(acting):
+            stencil = _merged(entry for entry in bond.action if entry.field == of)
             if stencil:
                 parts.append(_part(unit, force, stencil))
+    masses = variation.masses if variation is not None else None
     kicked = [
-        builder.kicked(place, parts, mass)
+        builder.kicked(place, parts, mass, None if masses is None else fields + place, masses)
         for place, (parts, mass) in enumerate(zip(acting, lattice.masses, strict=True))
     ]
-    flow = Flow(len(lattice.fields), tuple(builder.streams), tuple(kicked))
-    return flow, tuple(builder.numbers)
+    kicked += range(builder.fields + fields, 2 * builder.fields)
+    flow = Flow(builder.fields, tuple(builder.streams), tuple(kicked))
+    units += [1.0] * (builder.fields - fields - len(units))
+    return VariedFlow(flow, tuple(builder.numbers), tuple(units))
 
 
 class _Part(NamedTuple):
@@ -284,12 +316,37 @@ class _Builder:
         """The force of such a bond."""
         return self.add("force", [stretch], law=law)
 
-    def kicked(self, place: int, parts: Sequence[_Part], mass: float) -> int:
-        """The velocity of a field after the kick."""
+    def varied(self, whole: Tap, share: Tap, part: Tap) -> int:
+        """``whole + share part``, cell by cell."""
+        return self.add("varied", [whole, share, part])
+
+    def kicked(
+        self,
+        place: int,
+        parts: Sequence[_Part],
+        mass: float,
+        share: int | None = None,
+        masses: MassKind | None = None,
+    ) -> int:
+        """The velocity of a field after the kick.
+
+        ``share``: the field by which a cell's inverse mass is larger, of what ``masses`` says.
+        """
         if not parts:
             return self.fields + place
         unit = parts[0].factor
-        total = self.total([part._replace(factor=part.factor / unit) for part in parts])
+        scaled = [part._replace(factor=part.factor / unit) for part in parts]
+        if share is None:
+            total = self.total(scaled)
+        elif masses == "strains":
+            pulls = self._divided(scaled, 1, -1)
+            assert pulls is not None
+            pull = self.total(pulls)
+            moved = self.varied(pull, Tap(share), pull)
+            total = Tap(self.add("sum", [Tap(moved, 1), Tap(moved, 0, -1.0)]))
+        else:
+            pull = self.total(scaled)
+            total = Tap(self.varied(pull, Tap(share), pull))
         velocity = Tap(self.fields + place)
         number = self.number(unit / mass)
         return self.add("kicked", [velocity, total], 0, field=place, number=number)

@@ -134,6 +134,11 @@ def spectral_integrate(
 
 def _checked_ring(lattice: NumericLattice, state: FieldRing) -> FieldRing:
     """The ring with arrays of doubles, if they are the lattice's."""
+    if lattice.cellwise[1] is not None:
+        raise ValueError(
+            f"lattice must be the same in all cells, got disorder in {lattice.name} (a wave's "
+            "points lie between cells; lattice.integrate runs it)"
+        )
     found = replace(state, f=np.asarray(state.f, np.float64), v=np.asarray(state.v, np.float64))
     for name, values in (("f", found.f), ("v", found.v)):
         shape = values.shape

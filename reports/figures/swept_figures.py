@@ -85,11 +85,15 @@ class SweptAxis:
 
 @dataclass(frozen=True)
 class SweptCurve:
-    """Values along an axis, and their ``bars``, (2, values): how far down and up; NaN for none."""
+    """Values along an axis, and their ``bars``, (2, values): how far down and up; NaN for none.
+
+    ``band`` is how far what they are the mean of is spread, on either side.
+    """
 
     label: str
     values: Array
     bars: Array
+    band: Array | None = None
 
 
 def draw_swept_curves(
@@ -115,6 +119,10 @@ def draw_swept_curves(
         if logarithmic:
             bars[0] = np.minimum(bars[0], 0.99 * np.nan_to_num(values))
         ax.errorbar(places[order], values, bars, label=curve.label, capsize=3.0, **look)
+        if curve.band is not None:
+            band = np.nan_to_num(curve.band[order])
+            ends = values - band, values + band
+            ax.fill_between(places[order], *ends, color=look["color"], alpha=0.2, linewidth=0.0)
     if logarithmic:
         ax.set_yscale("log")
     _set_axis(ax, axis, "x")

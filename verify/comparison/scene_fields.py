@@ -287,6 +287,11 @@ def scene_fields(document: Mapping[str, Any]) -> dict[str, Any]:
     ...
     ValueError: keys must be known ones, got colour (one of name, title, ..., domain, parameters)
     """
+    if "disorder" in document:
+        raise ValueError(
+            "disorder must be in a scene that names its lattice, got one with constants alone "
+            '(lattice = "fput_strain", with K2, K3 and K4 in [constants])'
+        )
     refuse_unknown(document, (*TOP, *TABLES, "parameters"), "")
     fields = {key: document[key] for key in TOP if key in document}
     for name, renamed in TABLES.items():

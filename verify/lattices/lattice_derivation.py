@@ -26,6 +26,7 @@ from verify.comparison.scene_fields import shown
 from verify.lattices.lattice_scene import LatticeScene, Value
 from verify.lattices.lattice_wave import LatticeWave
 from verify.lattices.long_wave_data import LongWaveData
+from verify.lattices.scene_disorder import Disorder
 
 if TYPE_CHECKING:
     from derive import Envelope
@@ -101,7 +102,7 @@ def derivation(scene: LatticeScene) -> LatticeDerivation:
     Raises ValueError for constants that are missing or wrong, where there is no equation, and for
     a wave of another one: the line says which is derived and which waves it has.
     """
-    return _derivation(scene.changed(eps=0.1, name="", title=""))
+    return _derivation(scene.changed(eps=0.1, name="", title="", disorder=()))
 
 
 @lru_cache(maxsize=8)
@@ -280,8 +281,21 @@ def wave_of(scene: LatticeScene) -> Wave:
 def lattice_wave(scene: LatticeScene) -> LatticeWave:
     """The wave on the scene's lattice: data, theory and what is compared.
 
-    Raises ValueError as `derivation` and `wave_of` do.
+    Raises ValueError as `derivation` and `wave_of` do, and for a disorder that the lattice cannot
+    have.
     """
+    wave = _ordered_wave(scene)
+    if not scene.disorder:
+        return wave
+    from verify.lattices.disordered_wave import DisorderedWave
+
+    values = dict(_formulas(scene.constants, {"eps": exact("eps", scene.eps)}))
+    disorder = Disorder.of_pairs(scene.disorder)
+    lattice = declared_lattice(scene)
+    return DisorderedWave(wave, disorder, lattice, values, has_crest=not scene.is_envelope)
+
+
+def _ordered_wave(scene: LatticeScene) -> LatticeWave:
     found, wave = derivation(scene), wave_of(scene)
     interval = correction_interval(scene, wave)
     if isinstance(found.source, Reduction):

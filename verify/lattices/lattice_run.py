@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.request_limits import ExpectedCost
 from lattice.checkpoint import spared_seconds
 from lattice.refine import Announce, refine
 from lattice.trial import Progress
@@ -18,7 +19,8 @@ from verify.comparison.observables import RATIO, SITES, STRAIN, TIME
 from verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.lattice_wave import LatticeWave
-from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
+from verify.lattices.pulse_meter import PULSE_VARIABLES, PulseTrack, crest, pulse_track
+from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns, expected_rings
 from verify.provenance import provenance
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class LatticeRun:
     ``cells``, (time, sites) or (time, axes, *sites); ``measured``, ``theory``, ``background``:
     (time, quantities, *sites). All are what is compared, as it stands; errors are in units of
     eps to the ``power``. ``error_estimate`` is how far the lattice is estimated to be from the
-    infinite one.
+    infinite one. ``pulse`` is what disorder left of the wave.
     """
 
     scene: LatticeScene
@@ -51,6 +53,7 @@ class LatticeRun:
     background: Array
     error_estimate: float
     cost: dict[str, Any]
+    pulse: PulseTrack | None = None
 
     @property
     def scale(self) -> float:
@@ -113,6 +116,8 @@ class LatticeRun:
             values["analytics"] = (("time", "quantity", *places[1:]), self.theory)
         if len(places) == 3:
             values["row"] = (("row",), self.cells[0, 1, 0].astype(np.int64))
+        pulse = {} if self.pulse is None else self.pulse.columns
+        values |= {name: (("time",), column) for name, column in pulse.items()}
         told = {name: (*value, self._attributes(name)) for name, value in values.items()}
         axes = {name: told.pop(name) for name in ("site", "row") if name in told}
         attributes = {
@@ -123,13 +128,14 @@ class LatticeRun:
             "error_estimate": self.error_estimate,
             "tolerance": self.scene.tolerance,
             **self.cost,
+            **({} if self.pulse is None else self.pulse.numbers),
             **provenance(),
         }
         return xr.Dataset(told, {"time": ("time", list(self.times), TIME), **axes}, attributes)
 
     def _attributes(self, name: str) -> dict[str, str]:
         """Unit and long name of a variable."""
-        units, long_name = VARIABLES[name]
+        units, long_name = (VARIABLES | PULSE_VARIABLES)[name]
         return {"units": self.unit if name == "sup_error" else units, "long_name": long_name}
 
 
@@ -180,6 +186,20 @@ def lattice_scene_dataset(
     return run_lattice_scene(scene, progress, announce).dataset
 
 
+def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
+    """What the scene is expected to cost, by its lattice's waves about the rest.
+
+    Raises ValueError as `run_lattice_scene` does for what is wrong before anything is run.
+    """
+    if scene.is_growth:
+        from verify.lattices.sideband_growth import expected_growth_cost, growth_plan
+
+        return expected_growth_cost(growth_plan(scene))
+    wave = lattice_wave(scene)
+    times = lattice_times(scene, wave.slow)
+    return expected_rings(wave, compared_cells(scene, wave), times)
+
+
 def run_lattice_scene(
     scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
 ) -> LatticeRun:
@@ -197,7 +217,7 @@ def run_lattice_scene(
     compared = compared_cells(scene, wave)
     engine = RingRuns(wave, compared, times)
     announce = announce or (lambda _: None)
-    announce(engine.expected)
+    announce(engine.expected.seconds)
     found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
     if math.isinf(found.error):
         raise ValueError(
@@ -206,7 +226,7 @@ def run_lattice_scene(
         )
     record: RingRecord = found.trial.payload
     cells = [compared.cells(t) for t in times]
-    return LatticeRun(
+    made = LatticeRun(
         scene,
         derived,
         times,
@@ -219,6 +239,15 @@ def run_lattice_scene(
         found.error,
         _cost(record, found.trial.seconds, perf_counter() - begun + spared_seconds(), wave),
     )
+    return made if not record.metered.size else replace(made, pulse=_track(made, record, engine))
+
+
+def _track(run: LatticeRun, record: RingRecord, engine: RingRuns) -> PulseTrack:
+    wave = zip(run.cells, run.theory[:, 0] - run.background[:, 0], strict=True)
+    track = pulse_track(record.metered, engine.metered, [crest(*at) for at in wave])
+    speed = engine.wave.effective_speed
+    told = {} if math.isnan(speed) else {"effective_speed": speed}
+    return replace(track, numbers={**track.numbers, **told})
 
 
 def _cost(record: RingRecord, seconds: float, whole: float, wave: LatticeWave) -> dict[str, Any]:
@@ -231,7 +260,8 @@ def _cost(record: RingRecord, seconds: float, whole: float, wave: LatticeWave) -
         "seconds": seconds,
         "planning_seconds": whole - seconds,
     }
-    if wave.lattice.conserves_energy:
-        begin, end = record.energies
+    begin, end = record.energies
+    told = wave.lattice.conserves_energy or record.metered.size
+    if told and math.isfinite(begin):
         found["energy_drift"] = abs(end - begin) / abs(begin) if begin else 0.0
     return found

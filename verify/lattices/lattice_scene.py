@@ -33,6 +33,7 @@ from verify.comparison.scene_fields import (
 )
 from verify.comparison.toml_text import toml_text
 from verify.lattices.lattice_scene_file import document_of, lattice_scene_fields, names_a_lattice
+from verify.lattices.scene_disorder import Stated, disorder_pairs
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -64,7 +65,8 @@ class LatticeScene:
 
     A long wave takes ``amplitude``, ``time`` (powers of eps) and ``background``, the uniform mean
     of the fields, which may be a formula in the constants; what is not given is found. A
-    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.
+    ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
+    (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
 
     With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
     (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the ``tolerance``
@@ -95,6 +97,7 @@ class LatticeScene:
     background: Value = 0
     carrier: Value = ""
     branch: str | int = "acoustic"
+    disorder: Stated = ()
     declared: str = ""
     title: str = ""
 
@@ -141,6 +144,7 @@ class LatticeScene:
             self._set(key, _pairs(key, getattr(self, key)))
         self._set("carrier", _value("k", self.carrier))
         self._set("background", _value("background", self.background))
+        self._set("disorder", disorder_pairs(self.disorder))
         self._set("declared", _canonical(self.declared))
         if self.is_growth:
             self._check_growth()
@@ -166,6 +170,11 @@ class LatticeScene:
             raise ValueError(
                 f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
                 '(such as k = "pi/2")'
+            )
+        if self.disorder:
+            raise ValueError(
+                f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
+                f"{shown(dict(self.disorder))} (its waves would be scattered into all others)"
             )
         names = [name for name, _ in self.parameters]
         unknown = [name for name in names if name not in PERTURBATION]

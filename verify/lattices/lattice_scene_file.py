@@ -5,6 +5,7 @@
     [parameters]  the wave's
     [long_wave]   amplitude, time (powers of eps), background (a mean strain); all may be left out
     [envelope]    k (the carrier's wavenumber, such as "pi/2"), branch
+    [disorder]    of, spread, seed, distribution, sites: see `scene_disorder.py`
 
 ``lattice`` is a name of the catalogue, the file of a lattice (in the scene's folder), or the
 lattice itself, as a table with the keys of such a file.  A scene without a name has that of its
@@ -19,12 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from verify.comparison.scene_fields import read_document, refuse_unknown, shown, table, text
+from verify.lattices.scene_disorder import Disorder
 
 TOP = (
     *("name", "title", "wave", "eps", "order", "slow_times", "times", "half_width", "compared"),
     "tolerance",
 )
-TABLES = ("constants", "parameters", "long_wave", "envelope")
+TABLES = ("constants", "parameters", "long_wave", "envelope", "disorder")
 LONG_WAVE = {"amplitude": None, "time": None, "background": 0}
 """What stands in a file, and what it is where that says nothing."""
 
@@ -58,6 +60,8 @@ def lattice_scene_fields(document: Mapping[str, Any], folder: Path) -> dict[str,
     found |= _lattice(document.get("lattice"), folder)
     for name in ("constants", "parameters"):
         found[name] = tuple(table(document, name).items())
+    if "disorder" in document:
+        found["disorder"] = Disorder.of_pairs(table(document, "disorder")).pairs
     ansatz = table(document, "long_wave")
     refuse_unknown(ansatz, tuple(LONG_WAVE), " in [long_wave]")
     found |= ansatz
@@ -110,6 +114,7 @@ def document_of(given: Mapping[str, Any]) -> dict[str, Any]:
     ansatz = {key: given[key] for key, usual in LONG_WAVE.items() if given[key] != usual}
     found |= {"constants": dict(given["constants"]), "parameters": dict(given["parameters"])}
     found |= {"long_wave": ansatz} if ansatz else {}
+    found["disorder"] = dict(given["disorder"])
     if given["carrier"] != "":
         found["envelope"] = {key: given[field] for key, field in ENVELOPE.items()}
     return {key: value for key, value in found.items() if value != {}}

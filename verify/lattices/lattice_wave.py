@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +39,13 @@ class CellRing:
     def slopes(self) -> list[Array]:
         """The slope of each bond's force in each cell."""
         return self.lattice.slopes(self.lattice.stretches(self.f))
+
+
+class Meter(Protocol):
+    """Measures numbers of a state: fields, velocities, and where its compared cells are."""
+
+    def __call__(self, f: Array, v: Array, places: slice) -> tuple[float, ...]:
+        """The numbers, of which the last is the energy of the ring."""
 
 
 class LatticeWave(ABC):
@@ -125,6 +133,15 @@ class LatticeWave(ABC):
         """
         apart = self.measured(f, ring.mean_strain) - self.strain(ring.cells, t)
         return float(np.max(np.abs(apart[:, within]))) / self.scale
+
+    @property
+    def effective_speed(self) -> float:
+        """The speed of very long waves on its rings, in units of that of the ordered lattice."""
+        return 1.0
+
+    def meter(self, ring: CellRing, places: slice) -> Meter | None:
+        """What else is measured on a ring on its way, compared cells at ``places`` at first."""
+        return None
 
     def signal_speed(self, ring: CellRing) -> float:
         """The largest group velocity of any wave about the stiffest and softest bonds of a state.

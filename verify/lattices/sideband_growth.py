@@ -30,13 +30,10 @@ from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.lattice_derivation import formula, scene_envelope
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.perturbed_plane import MOST_WAVES, SIZE, PerturbedPlane, WaveRing, wave_ring
+from verify.lattices.ring_cost import search_cost
 from verify.lattices.ring_runs import (
-    BYTES_PER_CELL,
     LIMIT_SHARE,
-    PROCESS_BYTES,
     SCHEME,
-    SECONDS_PER_UPDATE,
-    USUAL_RUNS,
     March,
     check_rest,
     stiffest_slopes,
@@ -210,7 +207,7 @@ def measure_growth(
     plan = growth_plan(scene)
     engine = SidebandRuns(plan, scene)
     announce = announce or (lambda _: None)
-    announce(engine.expected)
+    announce(engine.expected.seconds)
     unit = plan.wave.largest_growth
     steepest = LEVER / (float(np.ptp(plan.moments)) * scene.eps**2)
     found = refine(
@@ -291,6 +288,16 @@ def _check_length(cells: float) -> None:
         )
 
 
+def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> ExpectedCost:
+    """What a scene is expected to cost whose ``fastest`` wave has that frequency, or that about
+    the rest.
+    """
+    lattice = plan.data.lattice
+    fastest = fastest or lattice.highest_frequency(lattice.rest_slopes())
+    steps = float(plan.moments[-1]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+    return search_cost(lattice, float(plan.ring.cells), steps, SCHEME.stages, 0.0)
+
+
 class SidebandRuns(StepSearch):
     """Runs of a ring, for `lattice.refine` to judge: the step is varied, values are logarithms of
     the sizes at the moments.
@@ -303,8 +310,7 @@ class SidebandRuns(StepSearch):
         samples = np.add.outer(plan.moments, places * 2 * np.pi / omega)
         self._times, self._rows = np.unique(np.append(0.0, samples), return_inverse=True)
         self._rows = self._rows[1:].reshape(samples.shape)
-        self._fields = len(plan.data.lattice.fields)
-        self._check_cost(plan.data.lattice.highest_frequency(plan.data.lattice.rest_slopes()))
+        self._check_cost()
         self.ring: CellRing = plan.data.ring(np.arange(float(plan.ring.cells)), 0.0)
         lattice, stiffest = self.ring.lattice, stiffest_slopes(self.ring)
         check_rest(self.ring)
@@ -315,18 +321,13 @@ class SidebandRuns(StepSearch):
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
         super().__init__(SCHEME.order, longest, self._times, float(plan.ring.cells))
 
-    def _check_cost(self, fastest: float) -> None:
-        cells, end = self.plan.ring.cells, float(self._times[-1])
-        steps = end * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
-        updates = steps * SCHEME.stages * cells * self._fields
-        taken = USUAL_RUNS * updates * SECONDS_PER_UPDATE[1]
-        held = PROCESS_BYTES + BYTES_PER_CELL * cells * self._fields
+    def _check_cost(self, fastest: float | None = None) -> None:
+        self.expected = expected_growth_cost(self.plan, fastest)
         check_request(
-            f"scene of {cells} cells until t = {end:.3g}",
-            ExpectedCost(taken, held, steps),
+            f"scene of {self.plan.ring.cells} cells until t = {self._times[-1]:.3g}",
+            self.expected,
             "take a larger eps or amplitude, or another k or kappa, where growth is faster",
         )
-        self.expected = taken
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the number of steps."""

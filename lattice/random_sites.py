@@ -1,0 +1,58 @@
+"""Random numbers that belong to a site: the same on any ring that holds it, and on any machine.
+
+They are those of Philox (Salmon et al., SC11 (2011) 16), a generator that is a function of a key
+and a counter; NumPy promises its bits. What follows from them takes no function whose last digit
+depends on a library, as the logarithm of normal numbers would.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+DISTRIBUTIONS = ("uniform", "binary")
+"""Of deviations of at most 1: anything between -1 and 1, or one of the two."""
+
+ORIGIN = 2**60
+"""Counted from here, all sites have positive numbers."""
+
+EACH = 4
+"""Numbers that the generator gives for one counter."""
+
+
+def site_deviations(
+    cells: ArrayLike, seed: int, row: int = 0, distribution: str = "uniform"
+) -> Array:
+    """A deviation between -1 and 1 for each of these consecutive cells.
+
+    ``row`` tells apart what deviates in a cell.
+
+    >>> site_deviations([-1, 0, 1], seed=1).tolist() == [
+    ...     *site_deviations([-1], seed=1), *site_deviations([0, 1], seed=1)]
+    True
+    >>> site_deviations([5, 6, 7, 8], seed=3, distribution="binary").tolist()
+    [...]
+    """
+    where = np.asarray(cells)
+    if not where.size:
+        return np.zeros(0)
+    first = int(where[0]) + ORIGIN
+    block, skipped = divmod(first, EACH)
+    generator = np.random.Philox(key=[seed, row], counter=[block, 0, 0, 0])
+    bits = generator.random_raw(skipped + where.size)[skipped:]
+    if distribution == "binary":
+        return np.where(bits >> np.uint64(63), 1.0, -1.0)
+    return np.asarray((bits >> np.uint64(11)) * 2.0**-52 - (1.0 - 2.0**-53))
+
+
+def mean_inverse(distribution: str, spread: float) -> float:
+    """The mean of ``1/(1 + d)`` over deviations d of at most ``spread`` < 1.
+
+    >>> mean_inverse("uniform", 0.0), round(mean_inverse("uniform", 0.3), 4)
+    (1.0, 1.0317)
+    """
+    if distribution == "binary":
+        return 1.0 / (1.0 - spread * spread)
+    return float(np.arctanh(spread)) / spread if spread else 1.0

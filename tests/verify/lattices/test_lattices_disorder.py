@@ -1,0 +1,159 @@
+"""Scenes with disorder: what is left of a soliton.
+
+Catches: a realisation that changes with the ring or is left out of a store's key, a measure of the
+wrong crest, an energy that is not kept, a loss or a delay that is not that of weak disorder.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from runs.run_store import RunStore
+from verify.comparison.scene_fields import scene_fields
+from verify.lattices.disordered_wave import DisorderedWave
+from verify.lattices.lattice_derivation import lattice_wave
+from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
+from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
+from verify.lattices.pulse_meter import PulseMeter, crest
+from verify.lattices.scene_disorder import Disorder
+
+SOLITON: dict[str, Any] = {
+    "name": "soliton",
+    "lattice": "fput_strain",
+    "wave": "soliton_sech",
+    "constants": {"K2": 1, "K3": 0, "K4": 1},
+    "parameters": {"A": 1},
+    "eps": 0.2,
+    "order": "slaved",
+    "times": (0.0, 150.0, 400.0),
+    "half_width": 20,
+    "tolerance": 1e-4,
+}
+
+MASSES: dict[str, Any] = {"of": "mass", "spread": 0.1, "seed": 1, "sites": [60, 9999]}
+
+
+def run(spread: float, of: str = "mass", **changes: Any) -> LatticeRun:
+    disorder = MASSES | {"spread": spread, "of": of}
+    return run_lattice_scene(LatticeScene.of(**(SOLITON | {"disorder": disorder} | changes)))
+
+
+def last(of: LatticeRun) -> dict[str, float]:
+    assert of.pulse is not None
+    return dict(of.pulse.numbers)
+
+
+@pytest.mark.parametrize("of", ["mass", "K2"])
+def test_a_loss_is_as_the_square_of_a_small_spread(of: str) -> None:
+    """Of one realisation what is scattered is linear in its deviations, its energy quadratic."""
+    none, small, large = (last(run(spread, of)) for spread in (0.0, 0.03, 0.06))
+    losses = [none["last_energy"] - found["last_energy"] for found in (small, large)]
+    assert losses[1] / losses[0] == pytest.approx(4.0, rel=0.1)
+    assert losses[0] > 100 * run(0.03, of).pulse.columns["energy_error"][-1]  # type: ignore[union-attr]
+
+
+def test_springs_delay_by_the_speed_of_the_effective_medium() -> None:
+    runs = [
+        run(0.4, "K2", disorder=MASSES | {"of": "K2", "spread": 0.4, "seed": n}) for n in range(6)
+    ]
+    delays = np.array([last(found)["last_delay"] for found in runs])
+    expected = last(run(0.0))["last_delay"] + 340.0 * (1.0 / last(runs[0])["effective_speed"] - 1.0)
+    assert expected > 8.0
+    assert abs(delays.mean() - expected) < 3.0 * delays.std(ddof=1) / len(runs) ** 0.5 + 0.5
+
+
+def test_no_spread_has_the_bits_of_no_disorder() -> None:
+    ordered = run_lattice_scene(LatticeScene.of(**SOLITON))
+    still = run(0.0, "K2")
+    np.testing.assert_array_equal(still.measured, ordered.measured)
+    assert still.error_estimate == ordered.error_estimate
+    assert ordered.pulse is None
+    assert "peak" not in ordered.dataset
+
+
+def test_strains_and_displacements_lose_alike_and_keep_their_energy() -> None:
+    """They begin half a cell apart."""
+    strained, displaced = run(0.3), run(0.3, lattice="fput")
+    for found in (strained, displaced):
+        assert found.cost["energy_drift"] < 1e-5
+        assert found.dataset["peak"].dims == ("time",)
+    assert last(strained)["last_energy"] == pytest.approx(last(displaced)["last_energy"], abs=2e-3)
+    assert last(strained)["last_delay"] == pytest.approx(last(displaced)["last_delay"], abs=0.1)
+
+
+def test_a_wider_ring_is_the_same_lattice() -> None:
+    wave = lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES | {"sites": [-50, 50]}})))
+    assert isinstance(wave, DisorderedWave)
+    near, wide = (wave.ring(np.arange(-n, n + 1.0), 0.0) for n in (70, 101))
+    deviations = [ring.lattice.deviations[0] for ring in (near, wide)]  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(deviations[0], deviations[1][31:-31])
+    assert np.flatnonzero(deviations[0]).tolist() == list(range(20, 121))
+    assert np.abs(deviations[0]).max() <= 0.1
+
+
+def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:
+    wave = lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES})))
+    ring = wave.ring(np.arange(-100.0, 101.0), 0.0)
+    meter = wave.meter(ring, slice(30, 171))
+    assert isinstance(meter, PulseMeter)
+    found = meter(ring.f, ring.v, slice(30, 171))
+    assert found.place == pytest.approx(0.0, abs=1e-9)
+    assert found.energy == pytest.approx(0.999 * found.whole, rel=2e-3)
+    moved = meter(np.roll(ring.f, 7, 1), np.roll(ring.v, 7, 1), slice(37, 178))
+    assert moved.place == pytest.approx(7.0, abs=1e-9)
+    assert crest(np.arange(5.0), np.array([0.0, -1.0, -3.0, -3.0, -1.0])) == (3.25, 2.5)
+
+
+def test_a_scene_reads_back_and_its_key_is_its_own(tmp_path: Path) -> None:
+    scene = LatticeScene.of(**(SOLITON | {"disorder": MASSES}))
+    assert LatticeScene.from_json(scene.json()) == scene == any_scene_of_toml(scene.toml())
+    assert LatticeScene.of(**(SOLITON | {"disorder": list(MASSES.items())})) == scene
+    store = RunStore(tmp_path)
+    others = [
+        LatticeScene.of(**(SOLITON | {"disorder": given}))
+        for given in ((), *(MASSES | {key: value} for key, value in OTHER))
+    ]
+    assert len({store.key(one) for one in (scene, *others)}) == 1 + len(others)
+    same = scene.changed(disorder=json.loads(json.dumps(scene.disorder)))
+    assert store.key(same) == store.key(scene)
+
+
+OTHER = (("seed", 2), ("seed", 2**62 + 1), ("seed", 2**62), ("of", "K2"), ("spread", 0.2))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"spread": -0.1}, "spread in .disorder. must satisfy 0 <= spread < 1, got -0.1"),
+        ({"spread": 1}, "spread in .disorder. must satisfy 0 <= spread < 1, got 1 "),
+        ({"spread": "large"}, "spread in .disorder. must be a number, got 'large'"),
+        ({"seed": 1.5}, "seed in .disorder. must be a whole number, .*, got 1.5"),
+        ({"seed": -1}, "seed in .disorder. must be a whole number, .*, got -1"),
+        ({"of": "K5"}, "of in .disorder. must be mass or a constant .*, got 'K5' .*mass, K2, K3"),
+        ({"of": "K3"}, "of in .disorder. must name a constant that is not 0, got K3 = 0"),
+        ({"of": 3}, "of in .disorder. must be a text, got 3"),
+        ({"distribution": "normal"}, "distribution in .disorder. must be a known one"),
+        ({"sites": [3, 1]}, "sites in .disorder. must have first <= last, got 3 and 1"),
+        ({"sites": 5}, "sites in .disorder. must be the first and the last cell"),
+        ({"colour": 1}, "must be known ones, got colour"),
+    ],
+)
+def test_what_is_no_disorder_is_one_line(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said) as caught:
+        lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES | changes})))
+    assert "\n" not in str(caught.value)
+
+
+def test_what_has_no_such_disorder_is_one_line() -> None:
+    toda = {"lattice": "toda", "wave": "kdv_soliton", "constants": {"a": 1, "b": 1}}
+    given = SOLITON | toda | {"parameters": {"kappa": 1}, "disorder": MASSES | {"of": "b"}}
+    with pytest.raises(ValueError, match="must name a constant that forces are proportional to"):
+        lattice_wave(LatticeScene.of(**given))
+    with pytest.raises(ValueError, match=r"of in \[disorder\] must be stated, got nothing"):
+        LatticeScene.of(**(SOLITON | {"disorder": {"seed": 1}}))
+    with pytest.raises(ValueError, match="disorder must be in a scene that names its lattice"):
+        scene_fields({"wave": "kink", "disorder": {}})
+    assert Disorder.of_pairs(MASSES).pairs == tuple((MASSES | {"sites": (60, 9999)}).items())
