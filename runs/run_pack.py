@@ -45,10 +45,18 @@ NUMBERS: Mapping[str, str] = {
     "last_peak": "largest force at the end, 1 at the start",
     "last_energy": "energy about the crest at the end",
     "last_delay": "sites by which the crest is late at the end",
+    "growth_rate": "growth rate in T, on the lattice",
+    "growth_rate_error": "what the measured growth rate may be off",
+    "growth_rate_theory": "growth rate in T, by the envelope equation",
+    "carrier_k": "wavenumber of the carrier on the ring",
+    "perturbation_kappa": "wavenumber of the perturbation, in X",
 }
 """What a cell is told by, and what that means."""
 
-OPTIONAL = ("last_peak", "last_energy", "last_delay")
+OPTIONAL = (
+    *("last_peak", "last_energy", "last_delay"),
+    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k", "perturbation_kappa"),
+)
 """Those that are told only where some cell has them."""
 
 TEXTS = ("key", "status", "message", "attributes")
@@ -138,6 +146,8 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
     for name in NUMBERS:
+        if name in OPTIONAL and not any(name in one.numbers for one in alike):
+            continue
         group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
     arrays = group.create_group("arrays")
     first = alike[0].run

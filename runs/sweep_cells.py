@@ -23,6 +23,7 @@ from runs.run_pack import (
     DONE,
     FAILED,
     NUMBERS,
+    OPTIONAL,
     PACKS,
     REFUSED,
     SUFFIX,
@@ -186,6 +187,7 @@ def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
 def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)

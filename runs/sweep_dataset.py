@@ -25,7 +25,13 @@ if TYPE_CHECKING:
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
-UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"}
+UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"} | {
+    "growth_rate": "1/slow time",
+    "growth_rate_error": "1/slow time",
+    "growth_rate_theory": "1/slow time",
+    "carrier_k": "1/site",
+    "perturbation_kappa": "1/X",
+}
 
 
 @dataclass(frozen=True)
