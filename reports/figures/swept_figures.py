@@ -257,6 +257,10 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
     for ax, words in zip(panels, ("seconds of the run", "site updates"), strict=True):
         ax.set_xlabel(words)
         ax.xaxis.set_minor_formatter(NullFormatter())
+        low, high = ax.get_xlim()
+        if high < 10.0 * low:  # no power of ten may be among them
+            ticks = np.geomspace(low, high, 5)[1::2]
+            ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
         ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
