@@ -6,14 +6,17 @@ A room declares its words with click, next to what they do; `run_words` is the w
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from typing import Any, TypeVar
 
 import click
 
 from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
 from derive.request_limits import (
+    LONG,
     USUAL_SECONDS,
     ExpectedCost,
+    RequestLimits,
     check_request,
     duration,
     request_limits,
@@ -35,12 +38,10 @@ __all__ = [
     "interrupted",
     "json_option",
     "limit_options",
+    "limits_of_each",
     "one_line",
     "run_words",
 ]
-
-LONG = 10.0
-"""Seconds from which on a command says beforehand how long it will take."""
 
 WRONG = 2
 """Exit status after wrong input."""
@@ -80,30 +81,52 @@ def example(line: str) -> str:
     return f"\b\nExample:\n  {line}"
 
 
-def _limited(context: click.Context, option: click.Parameter, given: str | None) -> None:
-    """Let the limit hold for the command; the time has one unless the option says otherwise."""
-    key = str(option.name).removeprefix("max_")
-    limit = USUAL_SECONDS if given is None and key == "time" else given
+def _limit_memory(context: click.Context, _: click.Parameter, given: str | None) -> None:
+    """Let the limit hold for the command; half of the machine's unless one is given."""
+    _hold(context, lambda: request_limits(memory=given))
+
+
+def _limit_time(context: click.Context, _: click.Parameter, given: str | None) -> None:
+    _hold(context, lambda: request_limits(seconds=USUAL_SECONDS if given is None else given))
+
+
+def _hold(
+    context: click.Context, limits: Callable[[], AbstractContextManager[RequestLimits]]
+) -> None:
     try:
-        if key == "time":
-            context.with_resource(request_limits(seconds=limit))
-        else:
-            context.with_resource(request_limits(memory=limit))
+        context.with_resource(limits())
     except ValueError as error:
         raise click.BadParameter(str(error).partition(" ")[2]) from None
 
 
 def limit_options(command: Wrapped) -> Wrapped:
     """Give a command `--max-memory` and `--max-time`; both hold while it runs."""
-    for name, metavar, said in (
-        ("--max-memory", "SIZE", "Refuse what takes more, as 4G (default half of the machine's)."),
-        ("--max-time", "TIME", "Refuse what takes longer, as 30min (default 1h)."),
-    ):
-        option = click.option(
-            name, metavar=metavar, help=said, callback=_limited, expose_value=False
-        )
-        command = option(command)
-    return command
+    return _limit_option(_limit_option(command, *_MEMORY), *_TIME)
+
+
+def limits_of_each(memory: str, time: str) -> Callable[[Wrapped], Wrapped]:
+    """The same with other values unless told, for a command that has many runs in turn."""
+    return lambda command: _limit_option(_limit_option(command, *_MEMORY, memory), *_TIME, time)
+
+
+def _limit_option(
+    command: Wrapped, name: str, metavar: str, said: str, usual: str, hold: Any, own: str = ""
+) -> Wrapped:
+    option = click.option(
+        name,
+        metavar=metavar,
+        default=own or None,
+        help=f"{said} (default {own or usual}).",
+        callback=hold,
+        expose_value=False,
+    )
+    return option(command)
+
+
+_MEMORY = (
+    "--max-memory", "SIZE", "Refuse what takes more, as 4G", "half of the machine's", _limit_memory
+)  # fmt: skip
+_TIME = "--max-time", "TIME", "Refuse what takes longer, as 30min", "1h", _limit_time
 
 
 def called_by() -> str:

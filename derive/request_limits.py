@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -21,6 +21,9 @@ SHARE = 0.5
 
 USUAL_SECONDS = 3600.0
 """What a request of the command line may take unless told."""
+
+LONG = 5.0
+"""Seconds from which on a command says beforehand how long it will take."""
 
 UNKNOWN_MACHINE = 4e9
 """Bytes that a machine is taken to have which does not say."""
@@ -103,6 +106,33 @@ def check_request(what: str, cost: ExpectedCost, cheaper: str) -> None:
             f"{what} must take at most {duration(limits.seconds)}, got about "
             f"{duration(cost.seconds)}{steps} ({cheaper}, or raise --max-time)"
         )
+
+
+def is_too_much(cost: ExpectedCost) -> bool:
+    """Whether the cost is beyond the limits that hold here."""
+    limits = current_limits()
+    return cost.memory_bytes > limits.memory_bytes or cost.seconds > limits.seconds
+
+
+class Announcer:
+    """Passes on how many seconds are expected, if they are many and not what was said before.
+
+    >>> told = Announcer(print)
+    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
+    ...     told(seconds)
+    30.0
+    90.0
+    """
+
+    def __init__(self, announce: Callable[[float], None]) -> None:
+        self._announce = announce
+        self._said = LONG / 2.0
+
+    def __call__(self, seconds: float) -> None:
+        """Announce work to come."""
+        if seconds >= max(LONG, 2.0 * self._said):
+            self._said = seconds
+            self._announce(seconds)
 
 
 @cache

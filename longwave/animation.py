@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -17,15 +16,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from derive.command_line import fail, fail_for_memory, interrupted, one_line
+from derive.request_limits import Announcer, ExpectedCost, check_request
 from lattice.refine import Announce
 from lattice.trial import Progress
 from longwave.plotting import Source, default_output, read_source, shown_half_width
 from longwave.run_quantities import RunFrame, check_run, frame_of
 from reports.figures.drawing import Snapshot, styled
-from reports.figures.film import ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
+from reports.figures.film import FILM_SIZE, ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
 from reports.figures.film_files import film_path, has_ffmpeg, save_film
 from reports.figures.lattice_figures import lattice_snapshots
 from runs import run_any_scene
+from runs.run_cost import CHEAPER as CHEAPER_RUN
+from runs.run_cost import expected_run_cost
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
@@ -94,41 +96,60 @@ def animate(
     ``source`` is a run, the path of a file that holds one, or a scene, its TOML file or its name. A
     run is shown at its snapshots, ``duration`` being shared among them; a scene is run for
     ``duration * fps`` of them, from its start to its end, or between two ``times``. ``progress``
-    and ``announce`` are told the share and the seconds of the run and then of the film.
+    is told the share of the run and then of the film, ``announce`` the seconds of both.
 
-    Raises ValueError in one line: source, suffix, numbers out of bounds, a run without snapshots.
+    Raises ValueError in one line: source, suffix, numbers out of bounds, a run without snapshots,
+    and what is expected to take more than the limits allow.
     OSError if ``output`` cannot be written; no part of it is left then.
     """
     path = film_path(output)
     options = FilmOptions(duration, fps, dpi, times)
-    data = _run_for_film(read_source(source), options, progress, announce)
+    told, progress = announce or (lambda _: None), progress or (lambda _: None)
+    found = read_source(source)
+    if isinstance(found, xr.Dataset):
+        data = found
+    else:
+        scene = _scene_of_film(found, options)
+        told(_check_cost(scene.name, options, options.count, path, expected_run_cost(scene)))
+        data = run_any_scene(scene, progress, announce)
     shown = _within(data, options.times)
+    count = shown.sizes["time"]
+    told(_check_cost("the film", options, count, path, ExpectedCost()))
     with styled():
         film = film_of(shown, options.dpi)
-        begun = perf_counter()
-        film.frame(len(film) - 1)
-        if announce is not None:
-            announce(FRAME_COST * (perf_counter() - begun) * len(film))
         rate = min(options.fps, len(film) / options.duration)
-        save_film(film, path, rate, progress or (lambda _: None))
-    return len(film)
+        save_film(film, path, rate, progress)
+    return count
 
 
-FRAME_COST = 2.0
-"""Work on a frame, encoded, by that on drawing it."""
+FRAME_SECONDS, PIXEL_SECONDS = 0.012, 3e-8
+"""To draw and write a frame, and for each of its pixels: 9 to 150 ms from 50 to 400 dpi, of the
+processor and with ffmpeg, on a 3 GHz server."""
+
+FILM_BYTES, PIXEL_BYTES = 4e8, 120.0
+"""Of a process that draws, and for each pixel of a frame on its way."""
 
 
-def _run_for_film(
-    found: xr.Dataset | Scene | LatticeScene,
-    options: FilmOptions,
-    progress: Progress | None,
-    announce: Announce | None,
-) -> xr.Dataset:
-    """The run that was given, or that of the scene at the times of the film's frames."""
-    if isinstance(found, xr.Dataset):
-        return found
+def _check_cost(
+    what: str, options: FilmOptions, frames: int, path: Path, run: ExpectedCost
+) -> float:
+    """The seconds that run and film are expected to take; TooMuchError beyond the limits."""
+    pixels = FILM_SIZE[0] * FILM_SIZE[1] * options.dpi**2
+    held = FILM_BYTES + PIXEL_BYTES * pixels + pixels * frames * (path.suffix == ".gif")
+    cost = ExpectedCost(
+        run.seconds + frames * (FRAME_SECONDS + PIXEL_SECONDS * pixels),
+        max(run.memory_bytes, held),
+        run.steps,
+    )
+    cheaper = "take fewer frames or dpi"
+    check_request(what, cost, f"{CHEAPER_RUN}, or {cheaper}" if run.seconds else cheaper)
+    return cost.seconds
+
+
+def _scene_of_film(found: Scene | LatticeScene, options: FilmOptions) -> Scene | LatticeScene:
+    """The scene at the times of the film's frames."""
     if isinstance(found, LatticeScene):
-        return run_any_scene(_lattice_frames(found, options), progress, announce)
+        return _lattice_frames(found, options)
     first, last = options.times or (found.t0, found.end)
     if first < found.t0:
         raise ValueError(f"times must begin at t0 = {found.t0:g} or later, got {first:g}")
@@ -139,12 +160,12 @@ def _run_for_film(
             f"{sites} x {options.count} (take a shorter duration, fewer fps or fewer sites)"
         )
     moments = _distinct(np.linspace(first, last, options.count))
-    looked = found.changed(snapshots=moments, observables=("strain",))
-    return run_any_scene(looked, progress, announce)
+    return found.changed(snapshots=moments, observables=("strain",))
 
 
 def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
     """The scene at the times of the film's frames, as many as such a scene may have."""
+    scene.check_compared()
     named = "times" if scene.times else "slow_times"
     own = getattr(scene, named)
     count = min(options.count, MOST_TIMES)
@@ -224,7 +245,7 @@ def draw_film(source: str, output: str | None, options: dict[str, Any], program:
     try:
         check_output(path, "run.gif")
         with progress_bar(Path(source).name, f"film of {Path(source).name}", errors) as (bar, tell):
-            count = animate(source, path, **options, progress=bar, announce=tell)
+            count = animate(source, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:
         return interrupted(program, f"{path} was not written")
     except (ValueError, OSError) as error:

@@ -10,7 +10,14 @@ import click
 from click.shell_completion import get_completion_class
 
 from derive.__main__ import derive
-from derive.command_line import Words, called_by, example, json_option, limit_options
+from derive.command_line import (
+    Words,
+    called_by,
+    example,
+    json_option,
+    limit_options,
+    limits_of_each,
+)
 from reports.__main__ import report
 from runs.run_words import complete_scenes, run, sweep
 from verify.cli.commands import prove, verify
@@ -19,8 +26,8 @@ COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
 KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
-PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
-SWEEP_PICTURES = ("values", "work_precision")
+PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest", "growth")
+SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -109,6 +116,7 @@ def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[st
 @click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
 @click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
 @click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
+@limit_options
 def animate(source: str, output: str | None, **options: Any) -> int:
     """Make a film of a run, or of a scene.
 
@@ -154,10 +162,12 @@ def converge(
     help="Any free one if not given.",
 )
 @click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
+@limits_of_each(memory="2G", time="10s")
 def explore(port: int, no_browser: bool) -> int:
     """See lattice against wave in the browser, as you choose them.
 
-    The page is served to this machine alone, until Ctrl-C. It takes the extra `explore`:
+    The page is served to this machine alone, until Ctrl-C. The limits are those of each run that is
+    chosen there. It takes the extra `explore`:
     pip install 'longwave[explore]'.
     """
     from longwave.explore_server import explore as serve

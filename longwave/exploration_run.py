@@ -6,6 +6,7 @@ asked for no longer, and ends what takes too long.
 
 from __future__ import annotations
 
+import math
 import multiprocessing as mp
 import signal
 import time
@@ -20,8 +21,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.command_line import LONG, duration, one_line
+from derive.command_line import duration, one_line
+from derive.request_limits import (
+    ExpectedCost,
+    RequestLimits,
+    TooMuchError,
+    check_request,
+    request_limits,
+)
 from lattice.trial import Progress
+from runs.run_cost import expected_run_cost
 from verify.comparison.scene import Scene
 from verify.lattices.lattice_scene import LatticeScene
 from verify.processes import ignore_interrupt, limit_memory
@@ -33,21 +42,16 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_SECONDS = LONG
-"""A run that is expected to take longer is refused."""
-
-LATTICE_SHARE = 1.0 / 3.0
-"""What lattice scenes take of what is expected of them, at most: the shipped ones from which 9, 15
-and 21 s are expected took 2.8, 1.4 and 6 s (41 times, one core)."""
+USUAL_LIMITS = RequestLimits(memory_bytes=2e9, seconds=10.0)
+"""What a run may take unless told; one that is expected to take more is refused."""
 
 DEADLINE = 6.0
 """A run is ended after so many times what it may be expected to take."""
 
+CHEAPER = "take a larger eps, shorter times or a smaller half_width; `longwave run` takes the file"
+
 MOST_CELLS = 100_000
 """Most compared cells: `FRAMES` pictures of them are sent to the page and drawn."""
-
-MOST_MEMORY = 2 << 30
-"""Bytes that a run may take."""
 
 TOLD_EVERY = 0.1
 """Seconds between two messages on how far a run is."""
@@ -141,26 +145,28 @@ class Comparison:
 
 
 def compare(
-    scene: AnyScene, progress: Progress | None = None, most_seconds: float = MOST_SECONDS
+    scene: AnyScene, progress: Progress | None = None, limits: RequestLimits = USUAL_LIMITS
 ) -> Comparison:
     """Run a scene and keep what is shown of it.
 
     Raises ValueError, in one line, for everything that wave, lattice and scene do not admit, and
-    for a scene that is expected to take longer than ``most_seconds``.
+    for a scene that is expected to take more than the ``limits``: before it is run, or where its
+    search turns out to take longer.
     """
 
     def announce(seconds: float) -> None:
-        if seconds > most_seconds:
-            raise TooDear(
-                f"the run must take at most {duration(most_seconds)} here, got about "
-                f"{duration(seconds)} expected (a larger eps, shorter times or a smaller half_width"
-                " take less; `longwave run` takes the scene's file as it is)"
-            )
+        try:
+            check_request("the run", ExpectedCost(seconds), CHEAPER)
+        except TooMuchError as error:
+            raise TooDear(str(error)) from None
 
+    _check_cells(scene)
     try:
-        if isinstance(scene, LatticeScene):
-            return _of_lattice(scene, progress, lambda told: announce(LATTICE_SHARE * told))
-        return _of_chain(scene, progress, announce)
+        with request_limits(limits.memory_bytes, limits.seconds):
+            check_request("the run", expected_run_cost(scene), CHEAPER)
+            if isinstance(scene, LatticeScene):
+                return _of_lattice(scene, progress, announce)
+            return _of_chain(scene, progress, announce)
     except TooDear as stop:
         raise ValueError(str(stop)) from None
     except MemoryError:
@@ -170,7 +176,15 @@ def compare(
         ) from None
 
 
-def _check_cells(cells: int, scene: AnyScene) -> None:
+def _check_cells(scene: AnyScene) -> None:
+    if isinstance(scene, LatticeScene):
+        from verify.lattices.lattice_derivation import declared_lattice
+
+        half_width, axes = scene.half_width or 0.0, declared_lattice(scene).dimension
+        powers = (1, 2)[:axes]
+        cells = int(np.prod([2.0 * half_width / scene.eps**p + 1.0 for p in powers]))
+    else:
+        cells = 2 * scene.compared + 1
     if cells > MOST_CELLS:
         raise ValueError(
             f"half_width / eps must ask for at most {MOST_CELLS} cells here, got {cells} for eps = "
@@ -183,7 +197,6 @@ def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Compari
     from verify.comparison.scene_run import record_scene
     from verify.comparison.trust import trust_attributes
 
-    _check_cells(2 * scene.compared + 1, scene)
     trust = trust_attributes(scene)
     record = record_scene(scene, progress, announce)
     record.attrs |= trust
@@ -229,12 +242,8 @@ def _derived_chain_equation() -> list[str]:
 
 def _of_lattice(scene: LatticeScene, progress: Progress | None, announce: Any) -> Comparison:
     from derive import Reduction
-    from verify.lattices.lattice_derivation import declared_lattice
     from verify.lattices.lattice_run import run_lattice_scene
 
-    half_width, axes = scene.half_width or 0.0, declared_lattice(scene).dimension
-    powers = (1, 2)[:axes]
-    _check_cells(int(np.prod([2.0 * half_width / scene.eps**p + 1.0 for p in powers])), scene)
     found = run_lattice_scene(scene, progress, announce)
     run, source, cost = found.dataset, found.derived.source, found.cost
     lattice, wave = (_middle_row(run[name].values) for name in ("strain", "analytic"))
@@ -286,8 +295,8 @@ class Explorer:
     The process is started with the first question, and again after one that had to be ended.
     """
 
-    def __init__(self, most_seconds: float = MOST_SECONDS) -> None:
-        self.most_seconds = most_seconds
+    def __init__(self, limits: RequestLimits = USUAL_LIMITS) -> None:
+        self.limits = limits
         self._asked = 0
         self._waiting = False
         self._since = 0.0
@@ -302,7 +311,7 @@ class Explorer:
         self._asked += 1
         self._waiting, self._since = True, time.monotonic()
         with suppress(OSError):  # a process that has just ended is noticed by `answer`
-            self._connection.send((self._asked, scene, self.most_seconds))
+            self._connection.send((self._asked, scene))
 
     def drop(self) -> None:
         """Ask for nothing any more; what is being run ends when something is asked again."""
@@ -321,9 +330,9 @@ class Explorer:
         except (EOFError, OSError):
             self.close()
             found = Refusal("the run's process ended before the run (too little memory?)")
-        if found is None and time.monotonic() - self._since > DEADLINE * self.most_seconds:
+        if found is None and time.monotonic() - self._since > DEADLINE * self.limits.seconds:
             self.close()
-            taken = duration(DEADLINE * self.most_seconds)
+            taken = duration(DEADLINE * self.limits.seconds)
             found = Refusal(f"the run was ended after {taken} (a larger eps takes less)")
         self._waiting = found is None or isinstance(found, float)
         return found
@@ -332,7 +341,7 @@ class Explorer:
         """Start the process, which imports what it takes."""
         context = mp.get_context("spawn")
         self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process = context.Process(target=_serve, args=(theirs, self.limits), daemon=True)
         with _interrupts_ignored():
             self._process.start()
         theirs.close()
@@ -363,22 +372,23 @@ BEFOREHAND = ("runs.scene_command", "verify.lattices.lattice_run", "derive.reduc
 """Modules that a process takes whatever is asked."""
 
 
-def _serve(connection: Connection) -> None:
+def _serve(connection: Connection, limits: RequestLimits) -> None:
     """Compare what is asked for, always the newest, until the page's process has gone."""
     ignore_interrupt()
-    limit_memory(MOST_MEMORY)
+    if math.isfinite(limits.memory_bytes):
+        limit_memory(int(limits.memory_bytes))
     for module in BEFOREHAND:
         import_module(module)
     with suppress(EOFError, OSError):
         while True:
-            asked, scene, most_seconds = connection.recv()
+            asked, scene = connection.recv()
             while connection.poll():
-                asked, scene, most_seconds = connection.recv()
+                asked, scene = connection.recv()
             with suppress(Superseded):
-                connection.send((asked, _answer(scene, most_seconds, asked, connection)))
+                connection.send((asked, _answer(scene, limits, asked, connection)))
 
 
-def _answer(scene: AnyScene, most_seconds: float, asked: int, connection: Connection) -> Answer:
+def _answer(scene: AnyScene, limits: RequestLimits, asked: int, connection: Connection) -> Answer:
     """The comparison, or why there is none; raises Superseded if something else is asked for."""
     told = time.monotonic()
 
@@ -391,6 +401,6 @@ def _answer(scene: AnyScene, most_seconds: float, asked: int, connection: Connec
             connection.send((asked, float(share)))
 
     try:
-        return compare(scene, progress, most_seconds)
+        return compare(scene, progress, limits)
     except (ValueError, OSError, ArithmeticError, RuntimeError) as error:
         return Refusal(one_line(error))

@@ -12,6 +12,7 @@ from contextlib import closing
 from typing import Any
 
 from derive.command_line import fail, interrupted
+from derive.request_limits import RequestLimits, current_limits
 
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""
@@ -52,7 +53,7 @@ def explore(port: int, browser: bool, program: str) -> int:
         )
     for name in ("bokeh", "tornado", "panel"):
         logging.getLogger(name).setLevel(logging.ERROR)
-    pages = Pages()
+    pages = Pages(current_limits())
     server = pn.io.server.get_server(
         pages.open,
         port=found,
@@ -104,10 +105,11 @@ def keep_style_sheets_here(document: Any) -> None:
 class Pages:
     """The pages that are open, each with its process; the first one's is begun beforehand."""
 
-    def __init__(self) -> None:
+    def __init__(self, limits: RequestLimits) -> None:
         from longwave.exploration_run import Explorer
 
-        self._spare = [Explorer()]
+        self._limits = limits
+        self._spare = [Explorer(limits)]
         self._spare[0].start()
         self._open: set[Explorer] = set()
 
@@ -121,7 +123,7 @@ class Pages:
         keep_style_sheets_here(pn.state.curdoc)
         if len(self._open) >= MOST_PAGES:
             return pn.pane.HTML(f"At most {MOST_PAGES} pages may be open: close one, and reload.")
-        explorer = self._spare.pop() if self._spare else Explorer()
+        explorer = self._spare.pop() if self._spare else Explorer(self._limits)
         self._open.add(explorer)
 
         def leave(_: Any) -> None:

@@ -18,6 +18,8 @@ from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
 from derive.algebra.exact_numbers import shown
+from longwave.growth_plotting import growth_panels
+from reports.figures.growth_figures import draw_growth, growth_height
 from reports.figures.swept_figures import (
     CURVE_HEIGHT,
     WORK_HEIGHT,
@@ -45,7 +47,7 @@ MOST_CURVES, MOST_MAPS = 8, 12
 LONGEST_LABEL = 50
 """Characters of a long name that an axis has room for."""
 
-BARS = {"error": "own_error"}
+BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
 WORK = ("tolerance", "order", "scheme", "step", "lattice.order", "scheme.name", "scheme.step")
@@ -81,7 +83,7 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
                 f"{name} must be one of its values, got {shown(value)} (one of {held})"
             )
         data = data.isel({column.dims[0]: places})
-    return data.squeeze(drop=True)
+    return data.squeeze()
 
 
 def _same(held: object, value: str | float) -> bool:
@@ -103,8 +105,8 @@ class SweepPart:
     draw: Callable[[FigureBase], None]
 
 
-VALUES, WORK_PRECISION = "values", "work_precision"
-SWEEP_PICTURES = (VALUES, WORK_PRECISION)
+VALUES, WORK_PRECISION, GROWTH_MAP = "values", "work_precision", "growth_map"
+SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
 """The kinds of pictures of a sweep."""
 
 
@@ -121,11 +123,22 @@ def sweep_parts(
         return [values_part(data, variable)]
     if kind == WORK_PRECISION:
         return [work_part(data)]
+    if kind == GROWTH_MAP:
+        return [growth_part(data)]
+    if "growth_rate" in data and variable == "error":
+        with suppress(ValueError):
+            return [growth_part(data)]
     found = [] if data["status"].ndim == 0 else [values_part(data, variable)]
     if work_dimension(data) is not None:
         with suppress(ValueError):
             found.append(work_part(data))
     return found or [values_part(data, variable)]
+
+
+def growth_part(data: xr.Dataset) -> SweepPart:
+    """Growth rates over the carrier's wavenumber beside the map of them in theory."""
+    panels = growth_panels(data, MOST_CURVES)
+    return SweepPart(growth_height(len(panels)), lambda figure: draw_growth(figure, panels))
 
 
 def values_part(data: xr.Dataset, variable: str) -> SweepPart:
@@ -324,10 +337,10 @@ def _work_curves(data: xr.Dataset, others: Sequence[str]) -> Iterator[WorkCurve]
         _numbers(data, name)
         for name in ("seconds", "force_evaluations", "sites", "error_estimate", "error")
     )
+    updates, own = evaluations * sites, _bars(data, achieved)
     axes = {name: axis_of(data, name) for name in others}
     for places in product(*(range(data.sizes[name]) for name in others)):
         where = dict(zip(others, places, strict=True))
         label = ", ".join(f"{axes[n].name} = {_text(axes[n].values[p])}" for n, p in where.items())
-        updates = (evaluations * sites).isel(where)
-        parts = [found.isel(where).values for found in (seconds, estimated, achieved)]
-        yield WorkCurve(label, parts[0], updates.values, parts[1], parts[2])
+        parts = [found.isel(where).values for found in (seconds, updates, estimated, achieved, own)]
+        yield WorkCurve(label, *parts)

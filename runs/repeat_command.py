@@ -67,7 +67,7 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
 
 
 def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
-    from verify.comparison.scene_run import Announcer
+    from derive.request_limits import Announcer
 
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):

@@ -80,6 +80,7 @@ def complete_sweeps(_: click.Context, __: click.Parameter, begun: str) -> list[C
     "--output", metavar="FILE.nc", type=click.Path(), help="The cells' numbers (SWEEP.nc)."
 )
 @click.option("--force", is_flag=True, help="Overwrite what is no result of this sweep, too.")
+@limit_options
 def sweep(**options: Any) -> int:
     """Run a scene for many values of its fields.
 

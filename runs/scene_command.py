@@ -40,7 +40,7 @@ def run_and_print(options: RunOptions, program: str) -> int:
 
     Exit status 0, 1 if the run blew up, could not be written or has other bits than in its file, 2
     for bad input, told in one line, and 130 after Ctrl-C, which ``program`` tells: what was
-    recorded until then is printed and written, too. More than 10 s are announced.
+    recorded until then is printed and written, too. More than 5 s are announced.
     """
     try:
         check_run_output(options.output, options.force)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
@@ -13,18 +13,23 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 from derive.atomic_file import write_atomically
+from derive.command_line import one_line
+from derive.request_limits import current_limits
 from runs.run_pack import (
     FAILED,
+    PACKS,
     REFUSED,
     SETTLED,
+    SUFFIX,
     CellRecord,
-    PackedRun,
-    read_pack,
+    packed_records,
     write_pack,
 )
-from runs.run_store import RunStore, is_whole
-from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
+from runs.run_store import RunStore
+from runs.sealed_file import is_whole
+from runs.sweep_cells import Batch, Cell, run_cells
 from runs.sweep_workers import Promise, Workers
+from runs.worker_code import code_here
 
 if TYPE_CHECKING:
     from runs.sweep_file import Sweep
@@ -85,17 +90,10 @@ class SweepState:
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
 
-def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
-    """What the store's packs hold, by key; of several attempts one that settled it.
-
-    Damaged packs count as missing.
-    """
-    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
-    for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
-        for record, place in read_pack(path):
-            if record.status in SETTLED or record.key not in found:
-                found[record.key] = record, place
-    return found
+def settled_keys(store: RunStore) -> set[str]:
+    """The keys of what the store's packs hold and is not run again."""
+    records = packed_records(store.folder).items()
+    return {key for key, (record, _) in records if record.status in SETTLED}
 
 
 def run_sweep(
@@ -104,18 +102,21 @@ def run_sweep(
     workers: Workers,
     progress: Tell = lambda _: None,
     state: SweepState | None = None,
+    settled: Collection[str] | None = None,
 ) -> SweepState:
     """Run what the store does not hold of a sweep; all that comes to an end is in the store.
 
     Cells with a fault are recorded and the sweep goes on; they are run again only if they may
-    succeed then. ``progress`` is told now and then how far it is, in the ``state`` that is
-    returned. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was done is
-    kept then, too.
+    succeed then. The limits that hold here hold for each cell. ``progress`` is told now and then
+    how far it is, in the ``state`` that is returned. ``settled`` are the keys in the store's packs,
+    if they are known. Raises OSError if the store cannot be written, and passes on Ctrl-C; what was
+    done is kept then, too.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
     (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
     with _token(Path(store.folder)) as token:
-        march = _March(sweep, store, workers, state, progress, token)
+        known = settled_keys(store) if settled is None else settled
+        march = _March(sweep, store, workers, state, progress, token, known)
         march.run()
     return state
 
@@ -141,6 +142,7 @@ class _March:
     state: SweepState
     progress: Tell
     token: str
+    settled: Collection[str]
     sent: dict[Promise, list[Cell]] = field(default_factory=dict)
     suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
     answered: SimpleQueue[Promise] = field(default_factory=SimpleQueue)
@@ -162,11 +164,6 @@ class _March:
 
     def _missing(self) -> Iterator[Cell]:
         """The cells that the store does not hold, as they are asked for."""
-        settled = {
-            key
-            for key, (record, _) in packed_records(self.store).items()
-            if record.status in SETTLED
-        }
         for number in range(len(self.sweep)):
             try:
                 scene = self.sweep.scene(number)
@@ -176,7 +173,7 @@ class _March:
                 self.state.found += 1
                 continue
             key = self.store.key(scene)
-            if key in settled or is_whole(self.store.file_of(key)):
+            if key in self.settled or is_whole(self.store.file_of(key)):
                 self.state.found += 1
             else:
                 yield Cell(number, key, scene)
@@ -193,7 +190,10 @@ class _March:
 
     def _send(self, cells: list[Cell]) -> None:
         try:
-            promise = self.workers.submit(run_cells, cells, Path(self.store.folder), self.token)
+            folder = Path(self.store.folder).absolute()
+            promise = self.workers.submit(
+                run_cells, cells, folder, self.token, current_limits(), code_here()
+            )
         except Exception as error:
             if not self.workers.has_lost(error):
                 raise
@@ -207,6 +207,7 @@ class _March:
         try:
             promise = self.answered.get(timeout=POLL)
         except Empty:
+            self.workers.look()
             return
         if promise not in self.sent:
             return
@@ -215,10 +216,15 @@ class _March:
         try:
             batch: Batch = promise.result()
         except Exception as error:
-            if not self.workers.has_lost(error):
+            if self.workers.has_lost(error):
+                self._lost(cells, alone)
+                return
+            if isinstance(error, ValueError | OSError):
                 raise
-            self._lost(cells, alone)
-            return
+            raise ValueError(
+                f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
+                "(each needs the longwave of this machine, as a scheduler does)"
+            ) from error
         if alone:
             self.suspects.popleft()
         if batch.pack is not None:

@@ -7,7 +7,7 @@ import sys
 import threading
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,18 +16,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derive.request_limits import RequestLimits, TooMuchError, request_limits
 from runs.own_error import own_error_at
-from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
+from runs.run_pack import (
+    BLOWN_UP,
+    DONE,
+    FAILED,
+    NUMBERS,
+    OPTIONAL,
+    PACKS,
+    REFUSED,
+    SUFFIX,
+    CellRecord,
+    write_pack,
+)
 from runs.run_store import RunStore
+from runs.worker_code import check_code
 from solutions.run.cores import keep_to_one_core
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from runs.sweep_scene import AnyScene
-
-PACKS, SUFFIX = "packs", ".h5"
-"""The folder of a store for packs, and their suffix."""
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""
@@ -65,12 +75,21 @@ class LongCell(Exception):
     """A cell that is expected to take ``LONG`` or more."""
 
 
-def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
+def run_cells(
+    cells: Sequence[Cell],
+    folder: Path,
+    token: str,
+    limits: RequestLimits | None = None,
+    code: Mapping[str, str] | None = None,
+) -> Batch:
     """Run the cells one after the other and write one pack of them into the store ``folder``.
 
-    What a cell raises is its record. A worker that is told to end packs what it has. ``token`` is
-    the name of a file by which a worker on another machine knows the store.
+    What a cell raises is its record, as is that it would take more than the ``limits``. A worker
+    that is told to end packs what it has. ``token`` is the name of a file by which a worker on
+    another machine knows the store. Raises ValueError if it has not the ``code`` of the keys.
     """
+    if code is not None:
+        check_code(code)
     keep_to_one_core()
     begun = process_time()
     store = RunStore(folder) if (folder / token).is_file() else None
@@ -78,7 +97,7 @@ def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
     seconds = processor = 0.0
     pack = None
     try:
-        with _ending():
+        with _ending(), _limited(limits):
             for cell in cells:
                 clock, spent = perf_counter(), process_time()
                 found.append(run_cell(cell, store))
@@ -90,6 +109,12 @@ def run_cells(cells: Sequence[Cell], folder: Path, token: str) -> Batch:
     statuses = [record.status for record in found]
     faults = (record.message for record in found if record.status in (REFUSED, FAILED))
     return Batch(statuses, seconds, processor, process_time() - begun, next(faults, ""), pack)
+
+
+def _limited(limits: RequestLimits | None) -> AbstractContextManager[object]:
+    if limits is None:
+        return nullcontext()
+    return request_limits(limits.memory_bytes, limits.seconds)
 
 
 def _pack(found: Sequence[CellRecord], folder: Path | None) -> bytes | None:
@@ -143,6 +168,8 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
         except LongCell:
             assert store is not None
             run, kept = load_run(store.fetch(cell.scene)), False
+    except TooMuchError as error:  # the next attempt may be allowed more
+        return CellRecord(cell.key, FAILED, _line(error))
     except ValueError as error:
         return CellRecord(cell.key, REFUSED, _line(error))
     except Exception as error:  # the sweep goes on, and the next attempt may succeed
@@ -160,6 +187,7 @@ def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
 def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)

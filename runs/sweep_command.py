@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -12,18 +12,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.command_line import duration, fail, interrupted
+from derive.request_limits import Announcer, check_request
 from runs.rescue import check_run_output
 from runs.run_file import open_run
 from runs.run_pack import DONE
 from runs.run_store import RunStore
-from runs.sweep import SweepState, run_sweep
+from runs.sweep import SweepState, run_sweep, settled_keys
+from runs.sweep_cost import SweepCost, expected_sweep_cost
 from runs.sweep_file import Sweep, load_sweep
-from runs.sweep_workers import Workers, sweep_workers
+from runs.sweep_workers import LocalWorkers, Workers, sweep_workers
+from runs.told_store import store_told
 from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_run import Announcer
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+PACED = 4
+"""Cells of each worker by whose pace the rest is judged: the first ones wait for what is loaded."""
 
 
 @dataclass
@@ -43,24 +49,27 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
 
     Exit status 0, 1 if a cell did not come to its end, 2 for bad input, told in one line, and 130
     after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
-    goes on with what is missing. More than 10 s are announced, and 2 s that nobody foresaw.
+    goes on with what is missing. More than 5 s are announced, and 2 s that nobody foresaw.
     """
     from runs.sweep_dataset import write_sweep
 
     told = SweepState(0)
     try:
         errors = plain_console(stderr=True, soft_wrap=True)
-        with progress_bar("reading", "reading the sweep", errors):
+        with store_told(), progress_bar("reading", "reading the sweep", errors):
             sweep = load_sweep(options.sweep)
             output = options.output or f"{sweep.name}.nc"
             check_run_output(output, force=True)
             _check_overwriting(sweep, Path(output), options.force)
-        store = RunStore(Path(options.store or f"{sweep.name}.store"))
+            store = RunStore(Path(options.store or f"{sweep.name}.store"))
+            settled = settled_keys(store)
+            expected = expected_sweep_cost(sweep, store, settled)
         told.cells = len(sweep)
-        with sweep_workers(options.processes, options.scheduler) as workers:
-            told.workers = workers.count
-            _run_with_bar(sweep, store, workers, told)
-        found = write_sweep(sweep, store, output)
+        with store_told():
+            with sweep_workers(options.processes, options.scheduler) as workers:
+                told.workers = workers.count
+                _run_with_bar(sweep, store, workers, told, expected, settled)
+            found = write_sweep(sweep, store, output)
     except KeyboardInterrupt:
         kept = (
             f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"
@@ -92,18 +101,31 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
         )
 
 
-def _run_with_bar(sweep: Sweep, store: RunStore, workers: Workers, told: SweepState) -> None:
+def _run_with_bar(
+    sweep: Sweep,
+    store: RunStore,
+    workers: Workers,
+    told: SweepState,
+    expected: SweepCost,
+    settled: Collection[str],
+) -> None:
+    """Run it, announced; TooMuchError if it is expected to be beyond the limits."""
+    here = isinstance(workers, LocalWorkers)
+    cost = expected.by(workers.count, together=here)
+    fewer = "fewer --processes, " if here else ""
+    work = f"{sweep.name}, {expected.words},"
+    check_request(work, cost, f"take {fewer}fewer or cheaper cells")
     errors = plain_console(stderr=True, soft_wrap=True)
-    work = f"{sweep.name}, {len(sweep)} cells"
-    with progress_bar(sweep.name, work, errors, perf_counter) as (advance, tell):
+    with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):
         announce = Announcer(tell)
+        announce(cost.seconds)
 
         def show(state: SweepState) -> None:
             advance((state.found + state.done) / state.cells)
-            if state.done >= state.workers:
+            if state.done >= PACED * state.workers:
                 announce(state.seconds_left)
 
-        run_sweep(sweep, store, workers, show, told)
+        run_sweep(sweep, store, workers, show, told, settled)
 
 
 def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator[str]:

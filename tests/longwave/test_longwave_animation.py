@@ -186,7 +186,7 @@ def test_a_long_film_is_announced(
     made: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[float] = []
-    monkeypatch.setattr(animation, "FRAME_COST", 1e9)
+    monkeypatch.setattr(animation, "FRAME_SECONDS", 1e9)
     animate(made, tmp_path / "film.gif", dpi=40, announce=told.append)
     assert told
     assert told[-1] > 1e6

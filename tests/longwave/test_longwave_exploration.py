@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from derive.request_limits import RequestLimits
 from longwave import explore_text as text
 from longwave.exploration import (
     FRAMES,
@@ -120,7 +121,7 @@ def test_what_is_typed_wrong_is_told_in_the_librarys_line(
         (SOLITON.changed(constants={"K2": "1", "K3": "1"}), "K3 must be 0 for an mKdV wave"),
         (SOLITON.changed(half_width="1e6"), "half_width / eps must ask for at most 100000 cells"),
         (SOLITON.changed(eps="1e-4"), "half_width / eps must ask for at most 100000 cells"),
-        (LONG, "the run must take at most 10 s here, got about "),
+        (LONG, "the run must take at most 10 s, got about "),
     ],
 )
 def test_what_cannot_be_run_is_told_in_one_line(choices: Chosen, line: str) -> None:
@@ -130,6 +131,12 @@ def test_what_cannot_be_run_is_told_in_one_line(choices: Chosen, line: str) -> N
     assert str(told.value).startswith(line)
     assert "\n" not in str(told.value)
     assert time.process_time() - begun < 30.0
+
+
+def test_what_a_page_may_take_can_be_said() -> None:
+    limits = RequestLimits(1e8, 60.0)
+    with pytest.raises(ValueError, match=r"must fit 100 MB, got about .* or raise --max-memory"):
+        compare(scene_of_choices(SOLITON), limits=limits)
 
 
 @pytest.fixture(scope="module")

@@ -155,6 +155,8 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     assert np.allclose(seconds.lines[3].get_ydata(), data["error"].values[1])
     assert np.allclose(seconds.lines[2].get_xdata(), data["seconds"].values[1])
     assert np.allclose(updates.lines[2].get_xdata(), 200.0 / data["error"].values[1])
+    ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
+    assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
 
 
@@ -192,7 +194,10 @@ def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
         ),
         ({"at": {"k": 0.3}}, r"k must be one of its values, got 0\.3 \(one of 0\.1, 0\.5, 0\.9\)"),
         ({"variable": "charm"}, r"variable must be a number of each cell, got 'charm' \(one of er"),
-        ({"kind": "snapshots"}, "kind must be all, values, work_precision for a sweep, got 'snap"),
+        (
+            {"kind": "snapshots"},
+            "kind must be all, values, work_precision, growth_map for a sweep, got 'snap",
+        ),
         ({"kind": "work_precision"}, "work_precision must have a sweep over one of tolerance, or"),
         ({"at": {"k": 0.1, "eps": 0.1, "wave": "wave_dn"}}, "a picture must be .* got one cell"),
     ],

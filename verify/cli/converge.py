@@ -33,7 +33,7 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named; ValueError for one of the paper's chain."""
-    from verify.comparison.scene_run import Announcer
+    from derive.request_limits import Announcer
     from verify.lattices.scene_convergence import scene_convergence
 
     values = eps_values(eps)

@@ -7,12 +7,13 @@ A run can be gone on with from a snapshot.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from derive.request_limits import Announcer
 from lattice.checkpoint import spared_seconds
 from lattice.model import State
 from lattice.refine import Announce
@@ -21,7 +22,6 @@ from verify.comparison.scene import Scene, scene_of
 from verify.comparison.scene_fields import shown
 from verify.comparison.spectral_run import run_spectral, spectral_seconds
 from verify.comparison.stated_run import (
-    LONG,
     RunRecord,
     UnfinishedRun,
     run_from,
@@ -33,27 +33,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from solutions import ClosedForm
-
-
-class Announcer:
-    """Passes on how many seconds are expected, if they are many and not what was said before.
-
-    >>> told = Announcer(print)
-    >>> for seconds in (3.0, 30.0, 40.0, 90.0):
-    ...     told(seconds)
-    30.0
-    90.0
-    """
-
-    def __init__(self, announce: Callable[[float], None]) -> None:
-        self._announce = announce
-        self._said = LONG / 2.0
-
-    def __call__(self, seconds: float) -> None:
-        """Announce work to come."""
-        if seconds >= max(LONG, 2.0 * self._said):
-            self._said = seconds
-            self._announce(seconds)
 
 
 SITE_BY_SITE = ("energy", "momentum", "state")

@@ -27,7 +27,6 @@ from verify.comparison.spectral_search import (
     solve_on_rings,
 )
 from verify.comparison.stated_run import (
-    LONG,
     RunRecord,
     unfinished,
 )
@@ -60,11 +59,14 @@ STEPPING = 2.0
 """Runs on the first ring with all longer steps, in units of the last of them."""
 
 FAR_DEARER = 100.0
-"""The spectral engine gives up at so many times what the stencil takes, and not before ``LONG``.
+"""The spectral engine gives up at so many times what the stencil takes, and not before ``WORTH``.
 
 A ring on which short waves come round for ever improves ever more slowly. Where that takes long and
 a window needs next to nothing, the ring is no help to anyone.
 """
+
+WORTH = 10.0
+"""Seconds that a ring may always take."""
 
 SHARE = 0.6
 """Share of the tolerance that doubling the last ring may change."""
@@ -137,7 +139,7 @@ def run_spectral(
     recorders = build_recorders(replace(scene, look_points=looks))
     times = {t for recorder in recorders for t in recorder.moments.times} | {scene.end}
     moving = replace(scene.moving_wave, times=(scene.t0, *sorted(times)))
-    most_work = max(LONG, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
+    most_work = max(WORTH, FAR_DEARER * site_by_site) / SECONDS_PER_WORK
     try:
         found = solve_on_rings(moving, tolerance, progress, announce, most_work)
     except StoppedSearch as stop:

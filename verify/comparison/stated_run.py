@@ -84,10 +84,6 @@ class RunRecord:
         return xr.Dataset(data, coordinates, attributes)
 
 
-LONG = 10.0
-"""Seconds from which work is announced."""
-
-
 class UnfinishedRun(KeyboardInterrupt):
     """Ctrl-C during a run, which had recorded something: ``run``, and ``record`` before it.
 

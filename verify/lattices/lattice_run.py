@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.request_limits import ExpectedCost
 from lattice.checkpoint import spared_seconds
 from lattice.refine import Announce, refine
 from lattice.trial import Progress
@@ -19,7 +20,7 @@ from verify.lattices.lattice_derivation import LatticeDerivation, derivation, la
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.lattice_wave import LatticeWave
 from verify.lattices.pulse_meter import PULSE_VARIABLES, PulseTrack, crest, pulse_track
-from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns
+from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns, expected_rings
 from verify.provenance import provenance
 
 if TYPE_CHECKING:
@@ -171,6 +172,34 @@ def compared_cells(scene: LatticeScene, wave: LatticeWave) -> ComparedCells:
     )
 
 
+def lattice_scene_dataset(
+    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
+    """The run of a scene, whether its wave is compared or a growth rate measured.
+
+    Arguments and errors are as of `run_lattice_scene`.
+    """
+    if scene.is_growth:
+        from verify.lattices.sideband_growth import measure_growth
+
+        return measure_growth(scene, progress, announce).dataset
+    return run_lattice_scene(scene, progress, announce).dataset
+
+
+def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
+    """What the scene is expected to cost, by its lattice's waves about the rest.
+
+    Raises ValueError as `run_lattice_scene` does for what is wrong before anything is run.
+    """
+    if scene.is_growth:
+        from verify.lattices.sideband_growth import expected_growth_cost, growth_plan
+
+        return expected_growth_cost(growth_plan(scene))
+    wave = lattice_wave(scene)
+    times = lattice_times(scene, wave.slow)
+    return expected_rings(wave, compared_cells(scene, wave), times)
+
+
 def run_lattice_scene(
     scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
 ) -> LatticeRun:
@@ -188,7 +217,7 @@ def run_lattice_scene(
     compared = compared_cells(scene, wave)
     engine = RingRuns(wave, compared, times)
     announce = announce or (lambda _: None)
-    announce(engine.expected)
+    announce(engine.expected.seconds)
     found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
     if math.isinf(found.error):
         raise ValueError(

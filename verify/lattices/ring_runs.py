@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from derive.request_limits import ExpectedCost, check_request
 from lattice.checkpoint import Loop, Memory, begin_loop
 from lattice.dynamics import dynamics_of
 from lattice.model import GROWTH
+from lattice.numeric_lattice import NumericLattice
 from lattice.schemes import REDUCED_PHASE_6, stability_limit
 from lattice.trial import (
     Choices,
@@ -32,6 +34,7 @@ from lattice.trial import (
 )
 from verify.comparison.domain import front
 from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
+from verify.lattices.ring_cost import search_cost
 
 Array = NDArray[np.float64]
 
@@ -48,22 +51,6 @@ WIDER = 64
 
 UPDATES = 1e8
 """Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
-
-SECONDS_PER_UPDATE = {1: 6e-10, 2: 2e-8}
-"""Seconds for a force on one field of a cell, by the number of axes (measured: 2e-10 to 5e-10 on a
-chain, 1e-8 on two axes)."""
-
-USUAL_RUNS = 4.0
-"""Runs of a search, in units of the first."""
-
-PROCESS_BYTES = 3e8
-"""Of a process that has run something small."""
-
-BYTES_PER_VALUE = 100.0
-"""Of what is compared at a time, by all runs of a search and in what is made of them."""
-
-BYTES_PER_CELL = 160.0
-"""Of a run, for each field of a cell: state, data, and what is compared."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +115,34 @@ def sites_of(ends: Sequence[Ends]) -> int:
     return math.prod(high - low + 1 for low, high in ends)
 
 
+def _signal_speeds(lattice: NumericLattice, slopes: list[float]) -> list[float]:
+    return [largest_group_velocity(lattice, slopes, axis) for axis in range(lattice.dimension)]
+
+
+def expected_rings(
+    wave: LatticeWave, compared: ComparedCells, times: Sequence[float]
+) -> ExpectedCost:
+    """What a search is expected to take, by the lattice's waves about its rest."""
+    lattice = wave.lattice
+    rest = lattice.rest_slopes()
+    frequency, signals = lattice.highest_frequency(rest), _signal_speeds(lattice, rest)
+    return _cost(wave, compared, times, frequency, signals)[1]
+
+
+def _cost(
+    wave: LatticeWave,
+    compared: ComparedCells,
+    times: Sequence[float],
+    fastest: float,
+    signals: Sequence[float],
+) -> tuple[float, ExpectedCost]:
+    """The cells of the widest ring, and what the search takes."""
+    cells = float(sites_of(compared.ring(times, signals, WIDER)))
+    steps = (times[-1] - times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
+    kept = math.prod(2.0 * reach + 1.0 for reach in compared.reach) * len(times)
+    return cells, search_cost(wave.lattice, cells, steps, SCHEME.stages, kept)
+
+
 @dataclass(frozen=True)
 class RingRecord:
     """What a run on a ring left: what is compared at each time, its energies, its cost."""
@@ -153,13 +168,16 @@ class RingRuns(StepSearch):
         lattice = wave.lattice
         self._fields = len(lattice.fields)
         rest = lattice.rest_slopes()
-        self._check_cost(lattice.highest_frequency(rest), self._signals(rest))
+        self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
-        slopes = _stiffest(near)
+        slopes = stiffest_slopes(near)
         self.signals = [
-            max(pair) for pair in zip(self._signals(rest), self._signals(slopes), strict=True)
+            max(pair)
+            for pair in zip(
+                _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
+            )
         ]
-        self._check_stability(near)
+        check_rest(near)
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
@@ -168,33 +186,13 @@ class RingRuns(StepSearch):
         self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
 
-    def _signals(self, slopes: list[float]) -> list[float]:
-        lattice = self.wave.lattice
-        return [largest_group_velocity(lattice, slopes, axis) for axis in range(lattice.dimension)]
-
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
-        sites = sites_of(self.compared.ring(self.times, signals, WIDER))
-        steps = (self.times[-1] - self.times[0]) * fastest / (LIMIT_SHARE * stability_limit(SCHEME))
-        each = SECONDS_PER_UPDATE[min(self.wave.lattice.dimension, 2)]
-        taken = steps * SCHEME.stages * sites * self._fields * each * USUAL_RUNS
-        kept = math.prod(2.0 * reach + 1.0 for reach in self.compared.reach) * len(self.times)
-        held = PROCESS_BYTES + (BYTES_PER_CELL * sites + BYTES_PER_VALUE * kept) * self._fields
+        cells, self.expected = _cost(self.wave, self.compared, self.times, fastest, signals)
         check_request(
-            f"scene of {sites:.3g} cells, from which signals arrive in time,",
-            ExpectedCost(taken, held, steps),
+            f"scene of {cells:.3g} cells, from which signals arrive in time,",
+            self.expected,
             "take a larger eps, end earlier or compare fewer cells",
         )
-        self.expected = taken
-
-    def _check_stability(self, near: CellRing) -> None:
-        """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
-        corner = (0,) * near.lattice.dimension
-        slopes = [float(found[corner]) for found in near.slopes]
-        if not near.lattice.is_stable(slopes):
-            raise ValueError(
-                f"constants must make waves of {near.lattice.name} stable, got one that grows at "
-                "rest, beside the wave (take stiffer springs)"
-            )
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
@@ -256,7 +254,18 @@ def _energy(ring: CellRing, f: Array, v: Array) -> float:
         return ring.lattice.energy(f, v)
 
 
-def _stiffest(ring: CellRing) -> list[float]:
+def check_rest(ring: CellRing) -> None:
+    """Refuse a lattice whose rest, as it is in the first cell of the ring, is unstable."""
+    corner = (0,) * ring.lattice.dimension
+    slopes = [float(found[corner]) for found in ring.slopes]
+    if not ring.lattice.is_stable(slopes):
+        raise ValueError(
+            f"constants must make waves of {ring.lattice.name} stable, got one that grows at "
+            "rest, beside the wave (take stiffer springs)"
+        )
+
+
+def stiffest_slopes(ring: CellRing) -> list[float]:
     """The largest slope of each bond's force about the stretches of a state.
 
     Raises ValueError where a force is not defined.
@@ -286,7 +295,7 @@ class March:
         self, ring: CellRing, times: Sequence[float], step: float, loop: Loop | None = None
     ) -> None:
         self.f, self.v = ring.f.copy(), ring.v.copy()
-        self.measured: list[Array] = []
+        self.measured: list[Any] = []
         self.metered: list[Array] = []
         self.steps = 0
         self._times, self._step, self._loop = times, step, loop or Loop()

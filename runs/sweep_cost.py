@@ -1,0 +1,81 @@
+"""What a sweep is expected to cost: what its store does not hold of it, by all cells or by some."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from random import Random
+from time import process_time
+from typing import TYPE_CHECKING
+
+from derive.request_limits import ExpectedCost
+from runs.run_cost import expected_cell_cost
+from runs.sealed_file import is_whole
+
+if TYPE_CHECKING:
+    from runs.run_store import RunStore
+    from runs.sweep_file import Sweep
+
+MOST_LOOKED_AT, FEWEST = 200, 5
+"""Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to
+about 20 % then."""
+
+LOOKING_SECONDS, LOOKING_SHARE, MOST_LOOKING_SECONDS = 0.2, 0.01, 3.0
+"""Seconds of the processor that looking at cells may always take after the first, as a share of the
+sweep, and at most. A cell takes 30 ms where an equation is derived anew."""
+
+
+@dataclass(frozen=True)
+class SweepCost:
+    """The cells looked at, the missing ones among them, and the cost of all that are missing.
+
+    ``seconds`` are those of one worker; ``cell`` is the dearest one that was met.
+    """
+
+    cells: int
+    looked_at: int
+    missing: int
+    seconds: float
+    memory_bytes: float
+
+    @property
+    def words(self) -> str:
+        """How many cells there are, and by how many of them all are judged."""
+        by = "" if self.looked_at == self.cells else f", judged by {self.looked_at} of them"
+        return f"{self.cells} cells{by}"
+
+    def by(self, workers: int, together: bool) -> ExpectedCost:
+        """The cost with so many workers; of memory that of all ``together`` on this machine."""
+        held = min(workers, self.missing) if together else 1
+        return ExpectedCost(self.seconds / workers, self.memory_bytes * held)
+
+
+def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str]) -> SweepCost:
+    """What the sweep is expected to cost beside the ``settled`` keys of the store's packs.
+
+    Cells are taken in a random order, always the same. One that is inadmissible costs nothing.
+    """
+    order = Random(0).sample(range(len(sweep)), min(MOST_LOOKED_AT, len(sweep)))
+    begun = process_time()
+    seconds = memory = 0.0
+    looked_at = missing = 0
+    for number in order:
+        share = LOOKING_SHARE * seconds * len(sweep) / max(1, looked_at)
+        allowed = min(max(LOOKING_SECONDS, share), MOST_LOOKING_SECONDS)
+        if looked_at >= FEWEST and process_time() - begun > allowed:
+            break
+        looked_at += 1
+        begun = process_time() if looked_at == 2 else begun
+        try:
+            scene = sweep.scene(number)
+            key = store.key(scene)
+            if key in settled or is_whole(store.file_of(key)):
+                continue
+            cost = expected_cell_cost(scene)
+        except ValueError:
+            continue
+        missing += 1
+        seconds += cost.seconds
+        memory = max(memory, cost.memory_bytes)
+    scale = len(sweep) / looked_at
+    return SweepCost(len(sweep), looked_at, round(scale * missing), scale * seconds, memory)

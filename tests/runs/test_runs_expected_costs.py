@@ -1,0 +1,138 @@
+"""Catches: a sweep that is begun though it takes days, or a cost that misses what a force takes."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from derive.request_limits import ExpectedCost, RequestLimits
+from longwave.__main__ import main
+from runs import sweep_cells, sweep_cost
+from runs.run_cost import expected_run_cost
+from runs.run_store import RunStore
+from runs.sweep import settled_keys
+from runs.sweep_cells import Cell, run_cells
+from runs.sweep_cost import expected_sweep_cost
+from runs.sweep_file import Sweep, sweep_of
+from verify.lattices.lattice_scene import load_lattice_scene
+
+SWEEP = """
+[scene]
+wave = "soliton_sech"
+eps = 0.1
+t0 = 0
+snapshots = [10]
+observables = ["strain"]
+parameters = {{ A = 1 }}
+lattice = {{ K2 = 1, K4 = 1 }}
+scheme = {{ step = {step} }}
+domain = {{ kind = "ring", sites = {sites}, compared = 100 }}
+[grid]
+lattice.K4 = {{ from = 1, to = 2, count = {count} }}
+"""
+
+
+def asked(folder: Path, **changes: Any) -> str:
+    path = folder / "asked.toml"
+    path.write_text(SWEEP.format(**({"step": 0.5, "sites": 4096, "count": 3} | changes)))
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"step": 1e-7}, "asked, 3 cells, must take at most 60 min, got about"),
+        ({"sites": 400_000_000}, "asked, 3 cells, must fit"),
+        ({"step": 1e-3, "count": 100_000}, "asked, 100000 cells, judged by"),
+    ],
+)
+def test_a_sweep_that_takes_too_much_is_refused_before_it_begins(
+    changes: dict[str, Any],
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["sweep", asked(tmp_path, **changes), "--processes", "1"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert message in error
+    assert "or cheaper cells, or raise --max-" in error
+    assert not list(tmp_path.rglob("*.h5"))
+
+
+def test_memory_is_that_of_all_cells_run_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["sweep", asked(tmp_path), "--max-memory", "700M", "--processes", "3"]
+    assert main(words) == 2
+    assert "must fit 700 MB, got about 8" in capsys.readouterr().err
+
+
+def costing(monkeypatch: pytest.MonkeyPatch, seconds: dict[float, float]) -> None:
+    """Let a cell cost what its K4 says."""
+    monkeypatch.setattr(
+        sweep_cost,
+        "expected_cell_cost",
+        lambda scene: ExpectedCost(seconds[dict(scene.constants)["K4"]], 7.0),
+    )
+
+
+def sweep(**grid: list[float]) -> Sweep:
+    return sweep_of({"scene": "gardner_soliton", "grid": grid})
+
+
+def test_what_the_store_holds_costs_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    costing(monkeypatch, {1.0: 3.0, 2.0: 50.0})
+    asked = sweep(**{"constants.K4": [1.0, 2.0]})
+    store = RunStore(tmp_path)
+    whole = expected_sweep_cost(asked, store, ())
+    assert (whole.looked_at, whole.missing, whole.seconds) == (2, 2, 53.0)
+    assert whole.by(2, together=True) == ExpectedCost(26.5, 14.0)
+    assert whole.by(2, together=False) == ExpectedCost(26.5, 7.0)
+    rest = expected_sweep_cost(asked, store, {store.key(asked.scene(1))})
+    assert (rest.missing, rest.seconds) == (1, 3.0)
+    assert rest.by(2, together=True).memory_bytes == 7.0
+
+
+def test_a_large_sweep_is_judged_by_some_of_its_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cost, "LOOKING_SECONDS", 1e9)
+    monkeypatch.setattr(sweep_cost, "MOST_LOOKING_SECONDS", 1e9)
+    costing(monkeypatch, {1.0: 0.0, 2.0: 2.0})
+    eps = [0.1 + 1e-6 * i for i in range(200_000)]
+    found = expected_sweep_cost(
+        sweep(eps=eps, **{"constants.K4": [1.0, 2.0]}), RunStore(tmp_path), ()
+    )
+    assert found.looked_at == 200
+    assert found.words == "400000 cells, judged by 200 of them"
+    assert found.seconds == pytest.approx(4e5, rel=0.2)
+
+
+def test_an_exponential_force_is_known_to_cost_more_than_a_polynomial() -> None:
+    toda = load_lattice_scene("toda_soliton")
+    alpha = load_lattice_scene("alpha_fput_soliton")
+    stiff = toda.changed(constants={"a": 1, "b": 99})
+    # the same cells and steps; it took 25 times as long, and for a stiff one 4.3 s at b = 10
+    assert expected_run_cost(toda).steps == pytest.approx(expected_run_cost(alpha).steps, rel=0.1)
+    assert expected_run_cost(toda).seconds > 2.0 * expected_run_cost(alpha).seconds
+    assert expected_run_cost(stiff).seconds > 60.0
+
+
+def test_a_cell_beyond_a_limit_is_tried_again_under_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cells, "keep_to_one_core", lambda: None)
+    scene = load_lattice_scene("alpha_fput_soliton")
+    cell = Cell(0, "key", scene)
+    (tmp_path / "packs").mkdir()
+    (tmp_path / "mark").touch()
+    batch = run_cells([cell], tmp_path, "mark", RequestLimits(1e6, 1.0))
+    assert batch.statuses == ["failed"]
+    assert "must fit 1 MB, got about" in batch.first_fault
+    assert settled_keys(RunStore(tmp_path)) == set()
