@@ -206,13 +206,13 @@ def seeds(kind: str) -> tuple[str, ...]:
         return LATTICES
     if kind == "sweep":
         shipped = sorted((HOUSE / "runs" / "sweeps").glob("*.toml"))
-        return *(SWEEPS * 6), *(path.read_text(encoding="utf-8") for path in shipped)
+        return *(SWEEPS * 20), *(path.read_text(encoding="utf-8") for path in shipped)
     if kind == "problem":
         return PROBLEMS, *(text for file in _library() for text in file)
     found = sorted((HOUSE / folders[kind]).glob("*.toml"))
     texts = [path.read_text(encoding="utf-8") for path in found]
     small = [SMALL_SCENE, STATED_SCENE] if kind == "scene" else [SMALL_LATTICE_SCENE] * 2
-    return *(small * 6), *texts
+    return *(small * 20), *texts
 
 
 def _library() -> Iterator[list[str]]:

@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 
 from derive.command_line import fail, one_line
 from derive.user_files import QUOTED, read_text, shown_path
-from verify.cli.exporting import write_scripts
+from verify.cli.exporting import check_written, write_scripts
 from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
@@ -38,6 +38,11 @@ def print_certificates(
     """
     accepted: list[dict[str, str]] = []
     status = 0
+    try:
+        if scripts is not None:
+            check_written(scripts[0], [path])
+    except ValueError as error:
+        return fail(error)
     try:
         certificates = read_certificates(path)
         for certificate in certificates:

@@ -24,7 +24,7 @@ from typing import Any
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import duration, fail, interrupted
 from verify.cli.console import finished, print_lines, say_open_end, table_console, tracked
-from verify.cli.exporting import write_scripts
+from verify.cli.exporting import check_written, write_scripts
 from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
@@ -99,6 +99,8 @@ def print_statement_verdicts(options: Options, program: str) -> int:
     0 if all are proved or as expected, 1 if not, 2 for what cannot be read, 130 after Ctrl-C.
     """
     try:
+        for written in (options.certificate, options.scripts):
+            check_written(written, options.files)
         problems = _problems(options)
         limit = _limit(options)
         path = None if options.certificate is None else Path(options.certificate)

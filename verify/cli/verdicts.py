@@ -18,7 +18,7 @@ from rich.table import Table
 from derive.command_line import check_and_announce, fail, interrupted
 from solutions.catalogue import CATALOGUE
 from verify.cli.console import finished, print_lines, table_console, tracked
-from verify.cli.exporting import write_scripts
+from verify.cli.exporting import check_written, write_scripts
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import Sampling, check_residual, scientific
 from verify.proof import ProofVerdict, prove_stable
@@ -87,6 +87,7 @@ def print_verdicts(options: VerdictOptions, program: str) -> int:
     """
     names = options.only or NAMES
     try:
+        check_written(options.certificate)
         _settle_method(options)
         work = _verdicts(names, options)
         expected = _law(options).total(names) * _effort(options)
