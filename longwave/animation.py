@@ -165,6 +165,7 @@ def _scene_of_film(found: Scene | LatticeScene, options: FilmOptions) -> Scene |
 
 def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
     """The scene at the times of the film's frames, as many as such a scene may have."""
+    scene.check_compared()
     named = "times" if scene.times else "slow_times"
     own = getattr(scene, named)
     count = min(options.count, MOST_TIMES)

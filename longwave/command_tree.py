@@ -26,8 +26,8 @@ COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
 
 KINDS = ("lattices", "waves", "schemes", "scenes", "lattice-scenes", "sweeps", "observables")
-PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest")
-SWEEP_PICTURES = ("values", "work_precision")
+PICTURES = ("all", "snapshots", "space_time", "spectra", "errors", "crest", "growth")
+SWEEP_PICTURES = ("values", "work_precision", "growth_map")
 SHELLS = ("bash", "zsh", "fish")
 
 

@@ -44,6 +44,7 @@ from reports.figures.drawing import (
     snapshot_height,
     styled,
 )
+from reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
 from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
 from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
@@ -54,7 +55,7 @@ from verify.comparison import Scene, run
 from verify.comparison.stated_run import UnfinishedRun
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
 
-ALL = "all"
+ALL, GROWTH = "all", "growth"
 
 ACROSS, MOST_PANELS = 3, 12
 """Snapshots side by side, and most of them; of more snapshots some are taken, evenly."""
@@ -74,8 +75,8 @@ Source = xr.Dataset | Scene | LatticeScene | str | Path
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the observable and the variables (with their number of dimensions)
-    that it is drawn from, its height in inches, and the function that draws it."""
+    """One kind of picture: the observable ("" if no scene can ask for it) and the variables (with
+    their number of dimensions) that it is drawn from, its height in inches, and what draws it."""
 
     observable: str
     variables: Mapping[str, int]
@@ -147,8 +148,10 @@ def _run_of_lattice(
     scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
     """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
-    from verify.lattices.lattice_run import run_lattice_scene
+    from verify.lattices.lattice_run import lattice_scene_dataset, run_lattice_scene
 
+    if scene.is_growth:
+        return lattice_scene_dataset(scene, progress, announce)
     named = "slow_times" if scene.slow_times else "times"
     own: tuple[float, ...] = getattr(scene, named)
     times = own
@@ -191,6 +194,12 @@ def _for_pictures(scene: Scene, kind: str) -> Scene:
         kinds = [
             name for name in PICTURES if name != "errors" or "error_curve" in scene.observables
         ]
+        kinds.remove(GROWTH)
+    elif kind == GROWTH:
+        raise ValueError(
+            f'kind must not be {GROWTH} for the scene of a wave, got it (wave = "perturbed_plane" '
+            "has its growth measured)"
+        )
     else:
         kinds = [kind]
     wanted = [PICTURES[name].observable for name in kinds]
@@ -245,7 +254,7 @@ def _pictures(data: xr.Dataset, kind: str) -> Sequence[Picture]:
     found = [picture for picture in wanted if _has(data, picture)]
     if not found:
         missing = ", ".join(dict.fromkeys(name for picture in wanted for name in picture.variables))
-        asked = ", ".join(dict.fromkeys(picture.observable for picture in wanted))
+        asked = ", ".join(dict.fromkeys(p.observable for p in wanted if p.observable))
         held = ", ".join(map(str, data)) or "nothing"
         raise ValueError(
             f"source must hold what is drawn ({missing}), got {held} "
@@ -330,6 +339,12 @@ def _draw_errors(figure: FigureBase, data: xr.Dataset, frame: RunFrame) -> None:
     draw_error_panels(figure, [(rf"$\epsilon={frame.eps:g}$", curves)])
 
 
+def _draw_sizes(figure: FigureBase, data: xr.Dataset, _: RunFrame) -> None:
+    names = ("slow_time", "sideband_size", "sideband_theory")
+    T, sizes, theory = (np.asarray(data[name], dtype=float) for name in names)
+    draw_sideband_sizes(figure, T, sizes, theory, one_line(data.attrs.get("verdict", ""))[:MOST])
+
+
 PICTURES: Mapping[str, Picture] = {
     "snapshots": Picture(
         "strain",
@@ -350,6 +365,12 @@ PICTURES: Mapping[str, Picture] = {
         {"crest_position": 1, "crest_strain": 1},
         lambda _: CREST_HEIGHT,
         _draw_crest,
+    ),
+    GROWTH: Picture(
+        "",
+        {"sideband_size": 1, "sideband_theory": 1, "slow_time": 1},
+        lambda _: SIZES_HEIGHT,
+        _draw_sizes,
     ),
 }
 """The kinds of pictures, in the order in which they are drawn."""

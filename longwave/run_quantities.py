@@ -55,6 +55,8 @@ def frame_of(data: xr.Dataset) -> RunFrame:
     check_run(data)
     try:
         scene = scene_of_run(data)
+        if isinstance(scene, LatticeScene) and scene.is_growth:
+            return RunFrame(scene, scene.eps, 0.0, 1.0)
         if isinstance(scene, LatticeScene):
             power = int(data["sup_error"].attrs["units"].partition("^")[2] or 1)
             if not 0 <= power <= LARGEST_POWER:
@@ -79,6 +81,8 @@ DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     "error": TIME,
     "sup_error": TIME,
     "slow_time": TIME,
+    "sideband_size": TIME,
+    "sideband_theory": TIME,
     "time_step_error": TIME,
     "domain_error": TIME,
     "error_curve": CURVE,

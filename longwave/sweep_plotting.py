@@ -18,6 +18,8 @@ from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
 from derive.algebra.exact_numbers import shown
+from longwave.growth_plotting import growth_panels
+from reports.figures.growth_figures import draw_growth, growth_height
 from reports.figures.swept_figures import (
     CURVE_HEIGHT,
     WORK_HEIGHT,
@@ -81,7 +83,7 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
                 f"{name} must be one of its values, got {shown(value)} (one of {held})"
             )
         data = data.isel({column.dims[0]: places})
-    return data.squeeze(drop=True)
+    return data.squeeze()
 
 
 def _same(held: object, value: str | float) -> bool:
@@ -103,8 +105,8 @@ class SweepPart:
     draw: Callable[[FigureBase], None]
 
 
-VALUES, WORK_PRECISION = "values", "work_precision"
-SWEEP_PICTURES = (VALUES, WORK_PRECISION)
+VALUES, WORK_PRECISION, GROWTH_MAP = "values", "work_precision", "growth_map"
+SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
 """The kinds of pictures of a sweep."""
 
 
@@ -121,11 +123,22 @@ def sweep_parts(
         return [values_part(data, variable)]
     if kind == WORK_PRECISION:
         return [work_part(data)]
+    if kind == GROWTH_MAP:
+        return [growth_part(data)]
+    if "growth_rate" in data and variable == "error":
+        with suppress(ValueError):
+            return [growth_part(data)]
     found = [] if data["status"].ndim == 0 else [values_part(data, variable)]
     if work_dimension(data) is not None:
         with suppress(ValueError):
             found.append(work_part(data))
     return found or [values_part(data, variable)]
+
+
+def growth_part(data: xr.Dataset) -> SweepPart:
+    """Growth rates over the carrier's wavenumber beside the map of them in theory."""
+    panels = growth_panels(data, MOST_CURVES)
+    return SweepPart(growth_height(len(panels)), lambda figure: draw_growth(figure, panels))
 
 
 def values_part(data: xr.Dataset, variable: str) -> SweepPart:

@@ -15,7 +15,7 @@ from runs.output_checkpoint import OutputCheckpoint
 from runs.rescue import fail_or_rescue, save_or_rescue
 from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
-from verify.lattices.lattice_run import run_lattice_scene
+from verify.lattices.lattice_run import lattice_scene_dataset
 from verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
@@ -59,18 +59,21 @@ def run_with_bar(scene: LatticeScene, store: str | None) -> xr.Dataset:
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{scene.name} to {scene.tolerance:g}", errors) as bar:
         if store is None:
-            return run_lattice_scene(scene, bar[0], Announcer(bar[1])).dataset
+            return lattice_scene_dataset(scene, bar[0], Announcer(bar[1]))
         return fetch_told(store, scene, bar[0], Announcer(bar[1]))
 
 
 def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) -> None:
-    """Print the errors at each time, what was derived, and the cost."""
-    unit = f"sup error / {run['sup_error'].attrs['units']}"
+    """Print the errors, or sizes, at each time, what was derived, and the cost."""
     console.print(scene.title or scene.name, markup=False, soft_wrap=True)
-    table = Table("t", "T", unit, "relative error")
-    columns = (run[name].values for name in ("time", "slow_time", "sup_error", "error"))
-    for t, T, error, relative in zip(*columns, strict=True):
-        table.add_row(f"{t:.6g}", f"{T:.3g}", f"{error:.3g}", f"{relative:.3g}")
+    if scene.is_growth:
+        table = Table("t", "T", "sidebands / carrier", "in theory")
+        names = ("time", "slow_time", "sideband_size", "sideband_theory")
+    else:
+        table = Table("t", "T", f"sup error / {run['sup_error'].attrs['units']}", "relative error")
+        names = ("time", "slow_time", "sup_error", "error")
+    for t, T, *values in zip(*(run[name].values for name in names), strict=True):
+        table.add_row(f"{t:.6g}", f"{T:.3g}", *(f"{value:.3g}" for value in values))
     console.print(table)
     for line in (*_lines(run.attrs, scene), *_pulse_lines(run)):
         console.print(line, markup=False, soft_wrap=True)
@@ -78,6 +81,8 @@ def print_lattice_run(run: xr.Dataset, scene: LatticeScene, console: Console) ->
 
 def _lines(told: Mapping[str, Any], scene: LatticeScene) -> Iterator[str]:
     yield f"{scene.lattice}, eps = {scene.eps:g}, {scene.order} order; {told['equation']}"
+    if scene.is_growth:
+        yield str(told["verdict"])
     line = (
         f"{told['engine']}, {told['scheme']}: {told['steps']} steps, {told['sites']} sites, "
         f"{told['force_evaluations']} force evaluations a site, {told['seconds']:.2f} s; error "

@@ -56,9 +56,9 @@ def run_any_scene(
     that are expected to pass. Raises ValueError in one line, and UnfinishedRun on Ctrl-C.
     """
     if isinstance(scene, LatticeScene):
-        from verify.lattices.lattice_run import run_lattice_scene
+        from verify.lattices.lattice_run import lattice_scene_dataset
 
-        return run_lattice_scene(scene, progress, announce).dataset
+        return lattice_scene_dataset(scene, progress, announce)
     return record_with_trust(scene, progress, announce).dataset
 
 

@@ -8,7 +8,6 @@ file ends with its checksum, as a store's other files do.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,11 +18,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derive.atomic_file import write_atomically
-from runs.run_store import SEAL, is_whole
+from runs.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
+
+PACKS, SUFFIX = "packs", ".h5"
+"""The folder of a store for packs, and their suffix."""
 
 DONE, BLOWN_UP, REFUSED, FAILED = "done", "blown up", "refused", "failed"
 """How a cell ended: as asked, before its last time, with a scene that is not admissible, and by
@@ -44,10 +45,18 @@ NUMBERS: Mapping[str, str] = {
     "last_peak": "largest force at the end, 1 at the start",
     "last_energy": "energy about the crest at the end",
     "last_delay": "sites by which the crest is late at the end",
+    "growth_rate": "growth rate in T, on the lattice",
+    "growth_rate_error": "what the measured growth rate may be off",
+    "growth_rate_theory": "growth rate in T, by the envelope equation",
+    "carrier_k": "wavenumber of the carrier on the ring",
+    "perturbation_kappa": "wavenumber of the perturbation, in X",
 }
 """What a cell is told by, and what that means."""
 
-OPTIONAL = ("last_peak", "last_energy", "last_delay")
+OPTIONAL = (
+    *("last_peak", "last_energy", "last_delay"),
+    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k", "perturbation_kappa"),
+)
 """Those that are told only where some cell has them."""
 
 TEXTS = ("key", "status", "message", "attributes")
@@ -113,9 +122,7 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    content = image.getvalue()
-    seal = SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
-    write_atomically(path, lambda draft: draft.write_bytes(content + seal), force=False)
+    write_sealed(path, image.getbuffer(), force=False)
 
 
 def _kind(run: xr.Dataset | None) -> str:
@@ -139,6 +146,8 @@ def _write_group(group: Any, alike: Sequence[CellRecord]) -> None:
     for name, lines in texts.items():
         group.create_dataset(name, data=np.array(lines, object), dtype=h5py.string_dtype())
     for name in NUMBERS:
+        if name in OPTIONAL and not any(name in one.numbers for one in alike):
+            continue
         group.create_dataset(name, data=[float(one.numbers.get(name, np.nan)) for one in alike])
     arrays = group.create_group("arrays")
     first = alike[0].run
@@ -181,3 +190,31 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
                 place = PackedRun(path, name, row) if has_runs else None
                 found.append((CellRecord(key, status, message, numbers), place))
     return found
+
+
+def packed_records(folder: Path) -> dict[str, tuple[CellRecord, PackedRun | None]]:
+    """What the packs of the store in that folder hold, by key; of several attempts one that settled
+    it. Damaged packs count as missing."""
+    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
+    for path in _packs(folder):
+        for record, place in read_pack(path):
+            if record.status in SETTLED or record.key not in found:
+                found[record.key] = record, place
+    return found
+
+
+def packed_run(folder: Path, key: str) -> PackedRun | None:
+    """The run of that key in a pack of the store in that folder; None if no whole pack has it.
+
+    Keys stand in a pack as they are: the others need not be read as HDF5.
+    """
+    for path in _packs(folder):
+        if key.encode() in path.read_bytes():
+            for record, place in read_pack(path):
+                if record.key == key and place is not None:
+                    return place
+    return None
+
+
+def _packs(folder: Path) -> list[Path]:
+    return sorted((folder / PACKS).glob(f"[!.]*{SUFFIX}"))

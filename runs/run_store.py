@@ -4,8 +4,8 @@ The key is a digest of the scene and of what computes it: the formulas of the wa
 the engines, and the packages whose numbers end up in a run. What is drawn or printed of it does not
 count. So a scene is run once, and again only when something that matters has changed.
 
-A run's file is NetCDF-4 with a line after its end, which HDF5 passes over: the file's checksum.
-Files appear whole or not at all, and one that was damaged since is made anew. Whoever makes a run
+A run's file is NetCDF-4, sealed (`runs.sealed_file`): one that was damaged is made anew. Small runs
+of sweeps lie many to a file (`runs.run_pack`), and are found there as well. Whoever makes a run
 holds its lock; a process that is killed lets go of it.
 """
 
@@ -19,15 +19,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
-from derive.atomic_file import write_atomically
 from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
 from runs.file_lock import locked
+from runs.run_pack import PackedRun, packed_run
+from runs.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
-    from hashlib import _Hash as Hash
-
     import xarray as xr
 
     from lattice.refine import Announce
@@ -40,15 +39,7 @@ LOG = logging.getLogger("longwave.store")
 UNMOVED = ("xarray", "h5netcdf")
 """Packages whose version does not move a run's bits."""
 
-SEAL = b"\nlongwave run, sha256 of all before this line: "
-"""How the line after a run's file begins; the digest, in hexadecimal, and a line's end follow."""
-
-SEAL_LENGTH = len(SEAL) + 64 + 1
-
 WAITING = "%s: another process is making this run, which is waited for"
-
-PART = 2**20
-"""Bytes that are read at once."""
 
 
 class UnkeptRunError(OSError):
@@ -84,9 +75,32 @@ class RunStore:
         return self.folder / key[:2] / f"{key}.nc"
 
     def find(self, scene: Scene | LatticeScene) -> Path | None:
-        """The file of the scene's run, None if there is none or only a damaged one."""
+        """The file of the scene's run; None if there is none of its own, or only a damaged one."""
         path = self.path(scene)
         return path if is_whole(path) else None
+
+    def run(
+        self,
+        scene: Scene | LatticeScene,
+        progress: Progress | None = None,
+        announce: Announce | None = None,
+    ) -> xr.Dataset:
+        """The scene's run, of a file of its own or of a sweep's pack, or made as by `fetch`."""
+        from runs.run_file import load_run
+
+        found = self._told_place(scene)
+        if isinstance(found, PackedRun):
+            return found.load()
+        return load_run(found or self._made(scene, progress, announce))
+
+    def _told_place(self, scene: Scene | LatticeScene) -> Path | PackedRun | None:
+        """Where the scene's run is, which is told."""
+        path = self.path(scene)
+        found = path if is_whole(path) else packed_run(self.folder, path.stem)
+        if found is not None:
+            place = found if isinstance(found, Path) else found.path
+            LOG.info("%s: found in %s, not run again", scene.name, place)
+        return found
 
     def keep(self, scene: Scene | LatticeScene, run: xr.Dataset) -> Path:
         """Put the run of a scene that was made elsewhere into the store; return its file.
@@ -103,17 +117,23 @@ class RunStore:
         progress: Progress | None = None,
         announce: Announce | None = None,
     ) -> Path:
-        """The file of the scene's run, which is made if there is none.
+        """The file of the scene's run, which is made if there is none; one in a sweep's pack gets
+        a file.
 
         If another process is making it, that is waited for; one that was begun is gone on with, and
         ends with the bits of one that was not interrupted. ``progress`` and ``announce`` are as in
         `run_any_scene`. Raises what that raises; OSError before the run if the store cannot be
         written; UnkeptRunError, which holds the run, if it could not be written after it.
         """
+        found = self._told_place(scene)
+        if isinstance(found, PackedRun):
+            return self.keep(scene, found.load())
+        return found or self._made(scene, progress, announce)
+
+    def _made(
+        self, scene: Scene | LatticeScene, progress: Progress | None, announce: Announce | None
+    ) -> Path:
         path = self.path(scene)
-        if is_whole(path):
-            LOG.info("%s: found in %s, not run again", scene.name, path)
-            return path
         with self._alone(path):
             if is_whole(path):
                 return path
@@ -159,31 +179,6 @@ def run_key(scene: Scene | LatticeScene) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:40]
 
 
-def is_whole(path: Path) -> bool:
-    """Whether there is a run's file as it was written; one that is damaged is told."""
-    try:
-        with path.open("rb") as stream:
-            whole = _is_sealed(stream, os.fstat(stream.fileno()).st_size - SEAL_LENGTH)
-    except FileNotFoundError:
-        return False
-    if not whole:
-        LOG.warning("%s is damaged: it counts as missing, and is made anew", path)
-    return whole
-
-
-def _is_sealed(stream: BinaryIO, left: int) -> bool:
-    """Whether the seal after so many bytes is theirs."""
-    total = hashlib.sha256()
-    while left > 0 and (part := stream.read(min(left, PART))):
-        total.update(part)
-        left -= len(part)
-    return left == 0 and stream.read() == _seal(total)
-
-
-def _seal(total: Hash) -> bytes:
-    return SEAL + total.hexdigest().encode() + b"\n"
-
-
 def _gone_on_with(
     checkpoint: CheckpointFolder,
     scene: Scene | LatticeScene,
@@ -205,14 +200,7 @@ def _kept(path: Path, run: xr.Dataset) -> Path:
             f"run must have come to its end to be kept in a store, got one that did not "
             f"({run.attrs['unfinished']})"
         )
-    content = file_content(run)
-
-    def write(draft: Path) -> None:
-        with draft.open("wb") as stream:
-            stream.write(content)
-            stream.write(_seal(hashlib.sha256(content)))
-
-    write_atomically(path, write)
+    write_sealed(path, file_content(run))
     return path
 
 

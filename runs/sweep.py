@@ -16,15 +16,17 @@ from derive.atomic_file import write_atomically
 from derive.request_limits import current_limits
 from runs.run_pack import (
     FAILED,
+    PACKS,
     REFUSED,
     SETTLED,
+    SUFFIX,
     CellRecord,
-    PackedRun,
-    read_pack,
+    packed_records,
     write_pack,
 )
-from runs.run_store import RunStore, is_whole
-from runs.sweep_cells import PACKS, SUFFIX, Batch, Cell, run_cells
+from runs.run_store import RunStore
+from runs.sealed_file import is_whole
+from runs.sweep_cells import Batch, Cell, run_cells
 from runs.sweep_workers import Promise, Workers
 
 if TYPE_CHECKING:
@@ -86,22 +88,9 @@ class SweepState:
         self.pace = 0.5 * (self.pace + mean) if self.pace else mean
 
 
-def packed_records(store: RunStore) -> dict[str, tuple[CellRecord, PackedRun | None]]:
-    """What the store's packs hold, by key; of several attempts one that settled it.
-
-    Damaged packs count as missing.
-    """
-    found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
-    for path in sorted((Path(store.folder) / PACKS).glob(f"[!.]*{SUFFIX}")):
-        for record, place in read_pack(path):
-            if record.status in SETTLED or record.key not in found:
-                found[record.key] = record, place
-    return found
-
-
 def settled_keys(store: RunStore) -> set[str]:
     """The keys of what the store's packs hold and is not run again."""
-    records = packed_records(store).items()
+    records = packed_records(store.folder).items()
     return {key for key, (record, _) in records if record.status in SETTLED}
 
 

@@ -18,7 +18,18 @@ import numpy as np
 
 from derive.request_limits import RequestLimits, TooMuchError, request_limits
 from runs.own_error import own_error_at
-from runs.run_pack import BLOWN_UP, DONE, FAILED, NUMBERS, REFUSED, CellRecord, write_pack
+from runs.run_pack import (
+    BLOWN_UP,
+    DONE,
+    FAILED,
+    NUMBERS,
+    OPTIONAL,
+    PACKS,
+    REFUSED,
+    SUFFIX,
+    CellRecord,
+    write_pack,
+)
 from runs.run_store import RunStore
 from solutions.run.cores import keep_to_one_core
 
@@ -26,9 +37,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from runs.sweep_scene import AnyScene
-
-PACKS, SUFFIX = "packs", ".h5"
-"""The folder of a store for packs, and their suffix."""
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""
@@ -172,6 +180,7 @@ def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:
 def numbers_of(scene: AnyScene, run: xr.Dataset) -> Mapping[str, float]:
     """What a cell is told by: attributes of its run, and its largest error with its own error."""
     found = {name: run.attrs[name] for name in NUMBERS if name in run.attrs}
+    found |= {name: run.variables[name].values for name in OPTIONAL if name in run.variables}
     for name in ("error", "error_curve"):
         if name in run.variables:
             values = np.asarray(run.variables[name].values, dtype=np.float64)

@@ -21,6 +21,7 @@ from runs.sweep import SweepState, run_sweep, settled_keys
 from runs.sweep_cost import SweepCost, expected_sweep_cost
 from runs.sweep_file import Sweep, load_sweep
 from runs.sweep_workers import LocalWorkers, Workers, sweep_workers
+from runs.told_store import store_told
 from verify.cli.console import plain_console, progress_bar
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     told = SweepState(0)
     try:
         errors = plain_console(stderr=True, soft_wrap=True)
-        with progress_bar("reading", "reading the sweep", errors):
+        with store_told(), progress_bar("reading", "reading the sweep", errors):
             sweep = load_sweep(options.sweep)
             output = options.output or f"{sweep.name}.nc"
             check_run_output(output, force=True)
@@ -64,10 +65,11 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
             settled = settled_keys(store)
             expected = expected_sweep_cost(sweep, store, settled)
         told.cells = len(sweep)
-        with sweep_workers(options.processes, options.scheduler) as workers:
-            told.workers = workers.count
-            _run_with_bar(sweep, store, workers, told, expected, settled)
-        found = write_sweep(sweep, store, output)
+        with store_told():
+            with sweep_workers(options.processes, options.scheduler) as workers:
+                told.workers = workers.count
+                _run_with_bar(sweep, store, workers, told, expected, settled)
+            found = write_sweep(sweep, store, output)
     except KeyboardInterrupt:
         kept = (
             f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"

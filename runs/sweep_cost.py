@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from derive.request_limits import ExpectedCost
 from runs.run_cost import expected_cell_cost
-from runs.run_store import is_whole
+from runs.sealed_file import is_whole
 
 if TYPE_CHECKING:
     from runs.run_store import RunStore

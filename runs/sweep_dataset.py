@@ -13,9 +13,8 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun
+from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun, packed_records
 from runs.run_store import RunStore
-from runs.sweep import packed_records
 from runs.sweep_cells import record_of
 from runs.sweep_fields import Place, swept_fields
 from runs.sweep_file import CASE, SAMPLE, Sweep
@@ -26,7 +25,13 @@ if TYPE_CHECKING:
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
-UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"}
+UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"} | {
+    "growth_rate": "1/slow time",
+    "growth_rate_error": "1/slow time",
+    "growth_rate_theory": "1/slow time",
+    "carrier_k": "1/site",
+    "perturbation_kappa": "1/X",
+}
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class SweptCells:
 
 def swept_cells(sweep: Sweep, store: RunStore) -> SweptCells:
     """What the store holds of the sweep."""
-    packed = packed_records(store)
+    packed = packed_records(store.folder)
     records, places = [], {}
     for number in range(len(sweep)):
         record, place = _found(sweep, number, store, packed)
@@ -149,7 +154,7 @@ def cell_run(sweep: Sweep, store: RunStore, **indices: int) -> xr.Dataset:
     except ValueError:
         sizes = " x ".join(map(str, sweep.shape))
         raise ValueError(f"indices must lie in {sizes} cells, got {indices}") from None
-    record, place = _found(sweep, number, store, packed_records(store))
+    record, place = _found(sweep, number, store, packed_records(store.folder))
     if place is None:
         raise ValueError(
             f"cell {indices} must have a run, got none: {record.message or record.status}"

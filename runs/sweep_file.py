@@ -12,7 +12,7 @@
 
     [list]                          # columns of one length, which go together: the dimension `case`
     wave = ["rogue_cn", "rogue_dn"]
-    lattice.K4 = [1, -1]
+    lattice.K4 = [1, -1]            # or whole tables: constants = [{ K2 = 1 }, { K2 = 2 }]
 
     [random]                        # samples: the dimension `sample`
     count = 100
@@ -191,13 +191,20 @@ def sweep_of(document: Mapping[str, Any], name: str = "sweep", folder: Path = Pa
     for field in (*fixed, *swept):
         check_field(field, {**base_tables, **fixed})
     for place, field in enumerate(swept):
-        if field in swept[:place] or field in fixed:
+        others = {*swept[:place], *fixed}
+        if field in others or any(
+            _within(*pair) for o in others for pair in [(o, field), (field, o)]
+        ):
             raise ValueError(f"{field} must vary in one place, got two (leave one out)")
     cells = math.prod(dimension.size for dimension in dimensions)
     if cells > MOST_CELLS:
         raise ValueError(f"cells must be at most {MOST_CELLS}, got {cells} (take fewer values)")
     constant = changed_document(base_tables, fixed)
     return Sweep(name, base, constant, _named(dimensions), folder, title)
+
+
+def _within(table: str, field: str) -> bool:
+    return field.startswith(f"{table}.")
 
 
 def _named(dimensions: Sequence[SweptDimension]) -> tuple[SweptDimension, ...]:
@@ -284,9 +291,11 @@ def _listed(field: str, given: object) -> Sequence[Any]:
 
 
 def _value(field: str, value: object) -> Any:
-    """A number, a text, or a list of them; the scene says what else it must be."""
+    """A number, a text, or a list or table of them; the scene says what else it must be."""
     if isinstance(value, list):
         return [_value(field, part) for part in value]
+    if isinstance(value, Mapping):
+        return {key: _value(f"{field}.{key}", part) for key, part in value.items()}
     if isinstance(value, str | bool | int | float):
         return value
     raise ValueError(f"{field} must be numbers or texts, got {shown(value)} (such as 0.5)")

@@ -67,8 +67,8 @@ def check_field(field: str, document: Document) -> None:
     """Refuse a field that no scene of the document's kind has."""
     top, _, key = field.partition(".")
     known = ANY_LATTICE if names_a_lattice(document) else CHAIN
-    if top in OPEN and key and (top in known or top == "parameters" or known is ANY_LATTICE):
-        return
+    if top in OPEN and (top == "parameters" or known is ANY_LATTICE):
+        return  # a key of the table, or all of it
     if top in known and (key in known[top] if key else not known[top]):
         return
     names = [

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from derive.command_line import one_line
-from runs.run_file import load_run
 from runs.run_store import LOG, RunStore
 
 if TYPE_CHECKING:
@@ -51,4 +50,4 @@ def fetch_told(
 ) -> xr.Dataset:
     """The scene's run from the store in the folder, made if it is not there; raises as `fetch`."""
     with store_told():
-        return load_run(RunStore(folder).fetch(scene, progress, announce))
+        return RunStore(folder).run(scene, progress, announce)

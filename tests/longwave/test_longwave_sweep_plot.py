@@ -226,7 +226,10 @@ def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
         ),
         ({"at": {"k": 0.3}}, r"k must be one of its values, got 0\.3 \(one of 0\.1, 0\.5, 0\.9\)"),
         ({"variable": "charm"}, r"variable must be a number of each cell, got 'charm' \(one of er"),
-        ({"kind": "snapshots"}, "kind must be all, values, work_precision for a sweep, got 'snap"),
+        (
+            {"kind": "snapshots"},
+            "kind must be all, values, work_precision, growth_map for a sweep, got 'snap",
+        ),
         ({"kind": "work_precision"}, "work_precision must have a sweep over one of tolerance, or"),
         ({"at": {"k": 0.1, "eps": 0.1, "wave": "wave_dn"}}, "a picture must be .* got one cell"),
     ],

@@ -146,7 +146,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
         raise OSError(errno.ENOSPC, "No space left on device", "there.nc")
 
     with monkeypatch.context() as broken:
-        broken.setattr(runs.run_store, "write_atomically", full)
+        broken.setattr(runs.run_store, "write_sealed", full)
         with pytest.raises(UnkeptRunError, match="No space left") as caught:
             store.fetch(SMALL)
     assert bits(caught.value.run) == bits(run_any_scene(SMALL))

@@ -12,15 +12,18 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file, sweep_cells
-from runs.run_file import run_any_scene
-from runs.run_pack import CellRecord, read_pack, write_pack
+from runs import run_file, scene_command, sweep_cells
+from runs.run_file import load_run, run_any_scene
+from runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from runs.run_store import RunStore
-from runs.sweep import MOST_LOSSES, packed_records, run_sweep
+from runs.scene_command import RunOptions, run_and_print
+from runs.sweep import MOST_LOSSES, run_sweep
 from runs.sweep_cells import Cell
 from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from runs.sweep_file import Sweep, sweep_of
 from solutions.run import cores
+from tests.runs.unfinished_scenes import bits
+from verify.lattices.lattice_scene import find_any_scene
 
 SMALL = {
     "wave": "soliton_sech",
@@ -181,7 +184,7 @@ def test_errors_of_cells_have_errors_of_their_own(kind: str, store: RunStore) ->
 
 def test_a_run_that_measured_none_has_no_error_of_its_own(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
-    (pack,) = packed_records(store).values()
+    (pack,) = packed_records(store.folder).values()
     assert pack[0].numbers["error"] > 0.0
     assert np.isnan(pack[0].numbers["own_error"])
 
@@ -197,6 +200,40 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     again = HereWorkers()
     run_sweep(sweep, store, again)
     assert again.cells == 0
+
+
+def test_a_run_is_found_whoever_made_it(
+    store: RunStore,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """By the command and by the store, with all of its bits; a damaged pack is none."""
+    text = small_sweep(eps=[0.1]).scene(0).changed(name="small").toml()
+    (tmp_path / "small.toml").write_text(text, encoding="utf-8")
+    sweep = sweep_of({"scene": "small.toml", "grid": {"eps": [0.1, 0.2]}}, folder=tmp_path)
+    scene = find_any_scene(str(tmp_path / "small.toml"))
+    whole = bits(run_any_scene(scene))
+    run_sweep(sweep, store, HereWorkers())
+    monkeypatch.setattr(run_file, "run_any_scene", None)
+    monkeypatch.setattr(scene_command, "record_with_trust", None)
+    options = RunOptions(str(tmp_path / "small.toml"), store=str(store.folder))
+    assert run_and_print(options, "longwave run") == 0
+    told = capsys.readouterr()
+    place = packed_records(store.folder)[store.key(scene)][1]
+    assert place is not None
+    pack = place.path
+    assert told.err == f"small: found in {pack}, not run again\n"
+    assert "10 steps, 1024 sites" in told.out
+    assert store.find(scene) is None
+    assert bits(store.run(scene)) == whole
+    path = store.fetch(scene)
+    assert bits(load_run(path)) == whole
+    assert store.find(scene) == path
+    pack.write_bytes(pack.read_bytes()[:-1])
+    path.unlink()
+    with pytest.raises(TypeError):
+        store.run(scene)
 
 
 def test_a_cell_that_fails_is_recorded_and_the_others_go_on(
@@ -333,10 +370,10 @@ def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
     content = pack.read_bytes()
     for broken in (content[: len(content) // 2], b"", bytes([content[300] ^ 1])):
         pack.write_bytes(broken)
-        assert packed_records(store) == {}
+        assert packed_records(store.folder) == {}
     middle = len(content) // 2
     pack.write_bytes(content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :])
-    assert packed_records(store) == {}
+    assert packed_records(store.folder) == {}
 
 
 def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:

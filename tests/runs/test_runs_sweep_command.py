@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from runs import sweep_command
+from runs.run_store import RunStore
 from runs.sweep_command import SweepOptions, sweep_and_print
+from runs.sweep_file import load_sweep
 from verify.cli import console
 
 TEXT = 'scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n'
@@ -48,3 +50,20 @@ def test_a_sweep_that_takes_its_time_says_so(
     options = SweepOptions(str(path), 1, store=str(tmp_path / "store"))
     assert sweep_and_print(options, "longwave sweep") == 1
     assert "sw, 2 cells: takes more than some seconds (Ctrl-C stops it)" in said
+
+
+def test_what_the_store_says_is_told_in_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run of its own that was damaged, which a sweep looks for as well."""
+    (tmp_path / "sw.toml").write_text(TEXT, encoding="utf-8")
+    store = RunStore(tmp_path / "store")
+    path = store.path(load_sweep(str(tmp_path / "sw.toml")).scene(0))
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"damaged")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sweep_command, "run_sweep", lambda *_: None)
+    options = SweepOptions("sw.toml", 1, store=str(store.folder))
+    assert sweep_and_print(options, "longwave sweep") == 1
+    told = f"{path} is damaged: it counts as missing, and is made anew"
+    assert told in capsys.readouterr().err.splitlines()

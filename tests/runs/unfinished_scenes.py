@@ -37,6 +37,16 @@ SCENES: dict[str, Scene | LatticeScene] = {
         name="chain", slow_times=[0, 0.5, 1], tolerance=1e-3
     ),
     "dimer": load_lattice_scene("dimer_peregrine"),
+    "growth": LatticeScene.of(
+        name="growth",
+        lattice="fput",
+        wave="perturbed_plane",
+        eps=0.1,
+        tolerance=1e-3,
+        constants={"K2": 1, "K3": 0, "K4": 1},
+        parameters={"amplitude": 0.3},
+        carrier="pi/2",
+    ),
     "plane": load_lattice_scene("square_lump").changed(
         name="plane", slow_times=[0, 0.02, 0.04], half_width=3, tolerance=1e-2
     ),

@@ -109,16 +109,12 @@ def derivation(scene: LatticeScene) -> LatticeDerivation:
 def _derivation(scene: LatticeScene) -> LatticeDerivation:
     form = _form(scene)
     symbolic = declared_lattice(scene)
-    values = dict(_formulas(scene.constants, {"eps": eps} if not scene.is_envelope else {}))
-    missing = [str(s) for s in symbolic.constants if str(s) not in values]
-    if missing:
-        raise ValueError(
-            f"constant {missing[0]} of {symbolic.name} must be given, got none (it takes "
-            f"{', '.join(map(str, symbolic.constants))})"
-        )
+    values = _constant_values(scene, symbolic)
     numeric = symbolic.with_values(values)
     if scene.is_envelope:
-        found = [_envelope(scene, symbolic, values)]
+        source, numbers = _envelope(scene, symbolic, values, formula("k", scene.carrier, {}))
+        normal = source.normal_form(**numbers)
+        found = [LatticeDerivation(source.lattice, source, normal, numbers)]
     else:
         found = list(_reductions(scene, numeric))
     for one in found:
@@ -134,6 +130,7 @@ def _derivation(scene: LatticeScene) -> LatticeDerivation:
 
 
 def _form(scene: LatticeScene) -> ClosedForm:
+    scene.check_compared()
     try:
         return closed_form(scene.wave, dict(scene.parameters))
     except ValueError as error:
@@ -202,9 +199,21 @@ def _scalings(scene: LatticeScene, lattice: Lattice, mean: Expr) -> Iterable[Sca
     return kept
 
 
+def _constant_values(scene: LatticeScene, lattice: Lattice) -> dict[str, Expr]:
+    """The scene's constants exactly; ValueError for one of the lattice's that is missing."""
+    values = dict(_formulas(scene.constants, {"eps": eps} if not scene.is_envelope else {}))
+    missing = [str(s) for s in lattice.constants if str(s) not in values]
+    if missing:
+        raise ValueError(
+            f"constant {missing[0]} of {lattice.name} must be given, got none (it takes "
+            f"{', '.join(map(str, lattice.constants))})"
+        )
+    return values
+
+
 def _envelope(
-    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr]
-) -> LatticeDerivation:
+    scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr], k: Expr | None
+) -> tuple[Envelope, Mapping[str, Expr]]:
     from derive import envelope
 
     if not lattice.is_polynomial:
@@ -213,9 +222,26 @@ def _envelope(
         if in_masses:  # a symbol must be left for the dispersion relation to be solved for
             lattice = lattice.with_values(outer)
             numbers = {name: value for name, value in numbers.items() if name in in_masses}
-    k = formula("k", scene.carrier, {})
-    found = envelope(lattice, k=k, branch=scene.branch, **numbers)
-    return LatticeDerivation(lattice, found, found.normal_form(**numbers), numbers)
+    return envelope(lattice, k=k, branch=scene.branch, **numbers), numbers
+
+
+def scene_envelope(scene: LatticeScene) -> tuple[Envelope, Mapping[str, Expr]]:
+    """The envelope equation of a scene's lattice and branch at any k, and the lattice's numbers.
+
+    It is derived once for all wavenumbers; that of k = pi, where it is shorter, by itself. Raises
+    ValueError as `derivation` does.
+    """
+    same = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": "", "parameters": {"amplitude": 1}}
+    at_pi = formula("k", scene.carrier, {}) == pi
+    return _scene_envelope(scene.changed(**same, carrier="pi" if at_pi else 1))
+
+
+@lru_cache(maxsize=8)
+def _scene_envelope(scene: LatticeScene) -> tuple[Envelope, Mapping[str, Expr]]:
+    lattice = declared_lattice(scene)
+    values = _constant_values(scene, lattice)
+    lattice.with_values(values)  # refuses what is no constant
+    return _envelope(scene, lattice, values, pi if scene.carrier == "pi" else None)
 
 
 def formula(name: str, value: Value, names: Mapping[str, Expr]) -> Expr:

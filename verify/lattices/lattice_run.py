@@ -172,11 +172,29 @@ def compared_cells(scene: LatticeScene, wave: LatticeWave) -> ComparedCells:
     )
 
 
+def lattice_scene_dataset(
+    scene: LatticeScene, progress: Progress | None = None, announce: Announce | None = None
+) -> xr.Dataset:
+    """The run of a scene, whether its wave is compared or a growth rate measured.
+
+    Arguments and errors are as of `run_lattice_scene`.
+    """
+    if scene.is_growth:
+        from verify.lattices.sideband_growth import measure_growth
+
+        return measure_growth(scene, progress, announce).dataset
+    return run_lattice_scene(scene, progress, announce).dataset
+
+
 def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
     """What the scene is expected to cost, by its lattice's waves about the rest.
 
     Raises ValueError as `run_lattice_scene` does for what is wrong before anything is run.
     """
+    if scene.is_growth:
+        from verify.lattices.sideband_growth import expected_growth_cost, growth_plan
+
+        return expected_growth_cost(growth_plan(scene))
     wave = lattice_wave(scene)
     times = lattice_times(scene, wave.slow)
     return expected_rings(wave, compared_cells(scene, wave), times)

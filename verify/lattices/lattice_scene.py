@@ -38,6 +38,13 @@ from verify.lattices.scene_disorder import Stated, disorder_pairs
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
 
+PERTURBED_PLANE = "perturbed_plane"
+"""The wave of a scene that measures how fast a perturbed plane wave grows."""
+
+PERTURBATION = ("amplitude", "kappa", "share")
+"""Its parameters: |A| of the plane wave, and the wavenumber of the perturbation in X, or that in
+units of the one that grows fastest, which it is if neither is given."""
+
 Value = int | float | str
 """A number, or a formula in text such as "1/3" or "sqrt(2)"."""
 
@@ -60,6 +67,10 @@ class LatticeScene:
     of the fields, which may be a formula in the constants; what is not given is found. A
     ``carrier``, its wavenumber, makes the wave an envelope, on a ``branch``.  ``disorder``, as
     (name, value) pairs or a mapping with the names of `Disorder`, lets masses or springs deviate.
+
+    With the wave "perturbed_plane" the growth rate of a carrier's plane wave is measured
+    (`is_growth`): parameters are `PERTURBATION`, times and region are found, and the ``tolerance``
+    is that of the rate, in units of the largest that the envelope equation has.
 
     Raises ValueError in one line: argument, condition, value, remedy.
 
@@ -135,12 +146,48 @@ class LatticeScene:
         self._set("background", _value("background", self.background))
         self._set("disorder", disorder_pairs(self.disorder))
         self._set("declared", _canonical(self.declared))
-        self._check_moments()
-        self._check_region()
+        if self.is_growth:
+            self._check_growth()
+        else:
+            self._check_moments()
+            self._check_region()
         self._check_ansatz()
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
+
+    def _check_growth(self) -> None:
+        for key, usual in (("slow_times", ()), ("times", ()), ("half_width", None)):
+            if not getattr(self, key):
+                self._set(key, usual)
+        for key in ("slow_times", "times", "half_width", "compared"):
+            if getattr(self, key) not in ((), None):
+                raise ValueError(
+                    f"{key} must not be given with the wave {PERTURBED_PLANE}, got "
+                    f"{shown(getattr(self, key))} (when its growth is measured is found)"
+                )
+        if not self.is_envelope:
+            raise ValueError(
+                f"k in [envelope] must be given with the wave {PERTURBED_PLANE}, got nothing "
+                '(such as k = "pi/2")'
+            )
+        if self.disorder:
+            raise ValueError(
+                f"disorder must not be given with the wave {PERTURBED_PLANE}, got "
+                f"{shown(dict(self.disorder))} (its waves would be scattered into all others)"
+            )
+        names = [name for name, _ in self.parameters]
+        unknown = [name for name in names if name not in PERTURBATION]
+        if unknown or "amplitude" not in names or {"kappa", "share"} <= {*names}:
+            raise ValueError(
+                f"parameters of {PERTURBED_PLANE} must be amplitude, and kappa or share or "
+                f"neither, got {shown(', '.join(names) or 'none')} (such as amplitude = 0.5)"
+            )
+        if self.order == "corrected":
+            raise ValueError(
+                f"order must be leading or slaved with the wave {PERTURBED_PLANE}, got corrected "
+                "(its theory is the envelope equation alone)"
+            )
 
     def _check_moments(self) -> None:
         for key in ("slow_times", "times"):
@@ -207,6 +254,19 @@ class LatticeScene:
     def is_envelope(self) -> bool:
         """Whether the wave is the envelope of a carrier."""
         return self.carrier != ""
+
+    @property
+    def is_growth(self) -> bool:
+        """Whether the growth rate of a plane wave is measured, and no wave compared."""
+        return self.wave == PERTURBED_PLANE
+
+    def check_compared(self) -> None:
+        """Raise ValueError where no wave is compared but a growth rate measured."""
+        if self.is_growth:
+            raise ValueError(
+                f"wave must be one that a lattice is compared with, got {self.wave}, whose growth "
+                "rate is measured (`longwave run`, `sweep` and `plot` take it)"
+            )
 
     def __repr__(self) -> str:
         given = ", ".join(f"{name} = {value}" for name, value in self.parameters)

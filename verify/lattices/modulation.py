@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from sympy import Expr
 from derive import Envelope, Lattice, envelope
 from derive.algebra.exact_numbers import exact
 from derive.algebra.rational_functions import RationalFunction
+
+if TYPE_CHECKING:
+    from verify.lattices.lattice_scene import LatticeScene
 
 Array = NDArray[np.float64]
 
@@ -68,7 +71,24 @@ def modulation_grid(
     fixed = {n: exact(n, np.asarray(v).item()) for n, v in constants.items() if np.ndim(v) == 0}
     moving = {n: np.asarray(v, float) for n, v in constants.items() if n not in fixed}
     found = envelope(lattice, branch=branch, **({} if lattice.definitions else fixed))
-    values = _values(found, fixed, moving)
+    return _grid(found, _values(found, fixed, moving), angle, amplitude)
+
+
+def scene_modulation(scene: LatticeScene, k: Array, amplitude: float) -> ModulationGrid:
+    """The same of a scene's lattice, constants and branch, over wavenumbers in 0 < k <= pi.
+
+    Raises ValueError as the scene's derivation does.
+    """
+    from verify.lattices.lattice_derivation import scene_envelope
+
+    found, numbers = scene_envelope(scene.changed(carrier=1))
+    fixed = {str(symbol): value for symbol, value in found.constants.items()} | {**numbers}
+    return _grid(found, _values(found, fixed, {}), k, amplitude)
+
+
+def _grid(
+    found: Envelope, values: Mapping[str, Any], angle: Array, amplitude: float
+) -> ModulationGrid:
     shape = np.broadcast_shapes(angle.shape, *(np.shape(v) for v in values.values()))
     point = {**values, "z": np.exp(1j * np.broadcast_to(angle, shape).astype(np.longdouble))}
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,14 +170,14 @@ class RingRuns(StepSearch):
         rest = lattice.rest_slopes()
         self._check_cost(lattice.highest_frequency(rest), _signal_speeds(lattice, rest))
         near = wave.ring(compared.cells(self.times[0]), self.times[0])
-        slopes = _stiffest(near)
+        slopes = stiffest_slopes(near)
         self.signals = [
             max(pair)
             for pair in zip(
                 _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
             )
         ]
-        self._check_stability(near)
+        check_rest(near)
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
@@ -192,16 +193,6 @@ class RingRuns(StepSearch):
             self.expected,
             "take a larger eps, end earlier or compare fewer cells",
         )
-
-    def _check_stability(self, near: CellRing) -> None:
-        """Refuse a lattice whose rest, at the edge of what is compared, is unstable."""
-        corner = (0,) * near.lattice.dimension
-        slopes = [float(found[corner]) for found in near.slopes]
-        if not near.lattice.is_stable(slopes):
-            raise ValueError(
-                f"constants must make waves of {near.lattice.name} stable, got one that grows at "
-                "rest, beside the wave (take stiffer springs)"
-            )
 
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
@@ -263,7 +254,18 @@ def _energy(ring: CellRing, f: Array, v: Array) -> float:
         return ring.lattice.energy(f, v)
 
 
-def _stiffest(ring: CellRing) -> list[float]:
+def check_rest(ring: CellRing) -> None:
+    """Refuse a lattice whose rest, as it is in the first cell of the ring, is unstable."""
+    corner = (0,) * ring.lattice.dimension
+    slopes = [float(found[corner]) for found in ring.slopes]
+    if not ring.lattice.is_stable(slopes):
+        raise ValueError(
+            f"constants must make waves of {ring.lattice.name} stable, got one that grows at "
+            "rest, beside the wave (take stiffer springs)"
+        )
+
+
+def stiffest_slopes(ring: CellRing) -> list[float]:
     """The largest slope of each bond's force about the stretches of a state.
 
     Raises ValueError where a force is not defined.
@@ -293,7 +295,7 @@ class March:
         self, ring: CellRing, times: Sequence[float], step: float, loop: Loop | None = None
     ) -> None:
         self.f, self.v = ring.f.copy(), ring.v.copy()
-        self.measured: list[Array] = []
+        self.measured: list[Any] = []
         self.metered: list[Array] = []
         self.steps = 0
         self._times, self._step, self._loop = times, step, loop or Loop()
