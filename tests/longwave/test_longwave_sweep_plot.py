@@ -189,6 +189,8 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     assert np.allclose(seconds.lines[3].get_ydata(), data["error"].values[1])
     assert np.allclose(seconds.lines[2].get_xdata(), data["seconds"].values[1])
     assert np.allclose(updates.lines[2].get_xdata(), 200.0 / data["error"].values[1])
+    ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
+    assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
 
 

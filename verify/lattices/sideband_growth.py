@@ -142,6 +142,8 @@ class SidebandGrowth:
             why = "p q < 0" if wave.p * wave.q < 0 else "kappa beyond its band"
             seen = "grows all the same" if self.grows else "no growth is seen"
             return f"{found}, theory 0: the plane wave is stable ({why}), and {seen}"
+        if not self.grows:
+            return f"{found}, theory {self.theory:.4g}: no growth is told from this error"
         percent = 100 * (self.measured / self.theory - 1)
         return f"{found}, theory {self.theory:.4g}: off by {percent:.2g} %"
 
