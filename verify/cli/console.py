@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -16,6 +15,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 
 from derive.command_line import LONG, announce
+from derive.open_end import say_open_end, spoke
 from verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
@@ -35,6 +35,7 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     """``items`` as they come, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
+        spoke()
         items = track(items, words, count, console=console, transient=True)
     yield from items
 
@@ -152,11 +153,6 @@ class _Quiet:
         self._over.set()
 
 
-def say_open_end(work: str) -> None:
-    """Say on stderr that nobody knows how long ``work`` will take."""
-    print(f"{work}: takes more than some seconds (Ctrl-C stops it)", file=sys.stderr, flush=True)
-
-
 @contextmanager
 def progress_bar(
     name: str, work: str, console: Console, clock: Callable[[], float] = process_time
@@ -173,6 +169,7 @@ def progress_bar(
         finally:
             quiet.stop()
         return
+    spoke()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
