@@ -95,7 +95,7 @@ def test_what_a_step_tries_says_nothing_of_the_waves_modes(
 
 def test_a_wave_without_width_is_refused_for_its_correction() -> None:
     scene = find_any_scene("toda_soliton").changed(order="corrected", parameters={"kappa": 1e50})
-    with pytest.raises(ValueError, match="^wave must be wide enough for its correction"):
+    with pytest.raises(ValueError, match=r"^wave must be wide enough for its correction"):
         lattice_wave(scene)
 
 
