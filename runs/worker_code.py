@@ -47,5 +47,6 @@ def _check(asked: Mapping[str, str], there: Mapping[str, str], where: str) -> No
     told = "; ".join(lines).replace(", was ", ", here ") or "another LONGWAVE_PLAIN_KERNELS"
     raise ValueError(
         f"workers must have the longwave and the packages of this machine, whose digest is in the "
-        f"keys of runs, got {where} with {told[:LONGEST]} (install the same there)"
+        f"keys of runs, got {where} with {told[:LONGEST]} (install the same there, or start again "
+        "where sources changed)"
     )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file, scene_command, sweep_cells
+from runs import run_file, run_pack, scene_command, sweep_cells
 from runs.run_file import load_run, run_any_scene
 from runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from runs.run_store import RunStore
@@ -388,6 +388,17 @@ def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
         assert loaded.a.values.tobytes() == run.a.values.tobytes()
     assert found["k3"] == (CellRecord("k3", "refused", "no", found["k3"][0].numbers), None)
     assert found["k1"][0].numbers["error"] == 0.5
+
+
+def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that was written before cells were told by it."""
+    fewer = {name: told for name, told in run_pack.NUMBERS.items() if name != "own_error"}
+    with monkeypatch.context() as before:
+        before.setattr(run_pack, "NUMBERS", fewer)
+        write_pack(tmp_path / "a.h5", [CellRecord("k", "done", "", {"error": 0.5})])
+    ((record, _),) = read_pack(tmp_path / "a.h5")
+    assert record.numbers["error"] == 0.5
+    assert np.isnan(record.numbers.get("own_error", np.nan))
 
 
 def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:
