@@ -6,12 +6,13 @@ A room declares its words with click, next to what they do; `run_words` is the w
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeVar
 
 import click
 
 from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
+from derive.open_end import speaking_up, spoke
 from derive.request_limits import (
     LONG,
     USUAL_SECONDS,
@@ -21,6 +22,7 @@ from derive.request_limits import (
     duration,
     request_limits,
 )
+from derive.user_files import printable
 
 __all__ = [
     "INTERRUPTED",
@@ -144,7 +146,9 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     known = command.commands if isinstance(command, click.Group) else ()
     called = f"{program} {words[0]}" if words and words[0] in known else program
     call_it(called)
-    return interruptible(called, lambda: _run(command, program, called, words), argv is None)
+    whole = argv is None
+    with speaking_up(called) if whole else nullcontext():
+        return interruptible(called, lambda: _run(command, program, called, words), whole)
 
 
 def _run(command: click.Command, program: str, called: str, words: Sequence[str]) -> int:
@@ -233,8 +237,7 @@ def one_line(message: object) -> str:
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
     """
-    line = cut(" ".join(str(message).split()), LONGEST)
-    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
+    return printable(cut(" ".join(str(message).split()), LONGEST))
 
 
 def check_and_announce(
@@ -251,4 +254,5 @@ def announce(work: str, seconds: float) -> None:
     >>> announce("rational_9", 0.5)
     """
     if seconds >= LONG:
+        spoke()
         print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import process_time
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
+from rich.text import Text
 
 from derive.command_line import LONG, announce
+from derive.open_end import say_open_end, spoke
+from derive.user_files import printable
 from verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
@@ -35,6 +37,7 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     """``items`` as they come, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
+        spoke()
         items = track(items, words, count, console=console, transient=True)
     yield from items
 
@@ -58,7 +61,17 @@ def print_lines(console: Console, lines: Sequence[str]) -> None:
 
 def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
     """A console that prints text as it is: a scene's title and name are no markup."""
-    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
+    return PlainConsole(
+        stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
+    )
+
+
+class PlainConsole(Console):
+    """One on which texts of a file cannot steer the terminal: such signs are written out."""
+
+    def render_str(self, text: str, *words: Any, **options: Any) -> Text:
+        """The text of what is printed, or of a table's cell."""
+        return super().render_str(printable(text), *words, **options)
 
 
 def check_output(
@@ -152,11 +165,6 @@ class _Quiet:
         self._over.set()
 
 
-def say_open_end(work: str) -> None:
-    """Say on stderr that nobody knows how long ``work`` will take."""
-    print(f"{work}: takes more than some seconds (Ctrl-C stops it)", file=sys.stderr, flush=True)
-
-
 @contextmanager
 def progress_bar(
     name: str, work: str, console: Console, clock: Callable[[], float] = process_time
@@ -173,6 +181,7 @@ def progress_bar(
         finally:
             quiet.stop()
         return
+    spoke()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)
