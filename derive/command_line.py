@@ -6,12 +6,13 @@ A room declares its words with click, next to what they do; `run_words` is the w
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeVar
 
 import click
 
 from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
+from derive.open_end import speaking_up, spoke
 from derive.request_limits import (
     LONG,
     USUAL_SECONDS,
@@ -145,7 +146,9 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     known = command.commands if isinstance(command, click.Group) else ()
     called = f"{program} {words[0]}" if words and words[0] in known else program
     call_it(called)
-    return interruptible(called, lambda: _run(command, program, called, words), argv is None)
+    whole = argv is None
+    with speaking_up(called) if whole else nullcontext():
+        return interruptible(called, lambda: _run(command, program, called, words), whole)
 
 
 def _run(command: click.Command, program: str, called: str, words: Sequence[str]) -> int:
@@ -251,4 +254,5 @@ def announce(work: str, seconds: float) -> None:
     >>> announce("rational_9", 0.5)
     """
     if seconds >= LONG:
+        spoke()
         print(f"{work}: about {duration(seconds)} (Ctrl-C stops it)", file=sys.stderr, flush=True)

@@ -12,6 +12,7 @@ from contextlib import closing
 from typing import Any
 
 from derive.command_line import fail, interrupted
+from derive.open_end import spoke
 from derive.request_limits import RequestLimits, current_limits
 
 HOST = "127.0.0.1"
@@ -80,6 +81,7 @@ def _free_port(port: int) -> int:
 def _serve(server: Any, pages: Pages, address: str, browser: bool, program: str) -> int:
     loop = server.io_loop
     server.start()
+    spoke()
     print(f"longwave explore: {address} (Ctrl-C ends it)", flush=True)
     if browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

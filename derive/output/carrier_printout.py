@@ -13,6 +13,8 @@ from derive.algebra.exact_numbers import Number, shown
 from derive.algebra.formula_text import Vocabulary, read_formula
 from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map, wavenumber
 from derive.checks import Check, checks_of_envelope, simple_numbers
+from derive.command_line import check_and_announce
+from derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
 from derive.lattice import Lattice
 from derive.normal_form import NORMAL_EQUATIONS, NormalForm
 from derive.output.notation import aligned, latex_of, text_of
@@ -50,12 +52,20 @@ def carrier_lines(lattice: Lattice, wanted: Wanted, values: Values) -> Iterator[
     chosen = _carrier(wanted.carrier or "")
     text = wanted.branch or "acoustic"
     branch = int(text) if text.isdecimal() and len(text) < 4 else text
+    _check_cost(lattice, wanted, chosen, values)
     if wanted.points is not None:
         yield from _map_lines(lattice, wanted, chosen, branch, values)
     elif wanted.check:
         yield from _checked(lattice, branch, values)
     else:
         yield from _lines(lattice, wanted, chosen, branch, values)
+
+
+def _check_cost(lattice: Lattice, wanted: Wanted, chosen: Expr | None, values: Values) -> None:
+    at_pi = chosen == pi and wanted.points is None and not wanted.check
+    known = len(lattice.constants) if wanted.check else len(values)
+    seconds = envelope_seconds(lattice, at_pi, 0 if lattice.definitions else known)
+    check_and_announce(f"envelope of {lattice.name}", seconds, cheaper=CHEAPER_CARRIER)
 
 
 def _checked(lattice: Lattice, branch: str | int, values: Values) -> Iterator[str]:

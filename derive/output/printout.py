@@ -10,9 +10,10 @@ from sympy import S
 
 from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
 from derive.balances import best_balance
-from derive.command_line import fail
+from derive.command_line import check_and_announce, fail
 from derive.direction import DRIFT, read_direction, slow_variables
 from derive.dispersion import agrees_with_reduction, dispersion_relation
+from derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
 from derive.lattice import Lattice
 from derive.lattice_file import read_lattice
 from derive.models.lattices import FPUT_STRAIN, LATTICES
@@ -126,6 +127,7 @@ def _reduction(lattice: Lattice, wanted: Wanted, space: tuple[SlowVariable, ...]
     asked = (wanted.amplitude, wanted.time)
     if lattice is FPUT_STRAIN and asked == (None, None) and not mean:
         return reduce(lattice, orders=orders)
+    _check_cost(lattice, FURTHER_ORDERS)
     if mean and len(lattice.fields) == 1 and lattice.is_displacement:
         lattice, mean = lattice.strained(mean), S.Zero
     if asked == (None, None):
@@ -139,7 +141,14 @@ def _reduction(lattice: Lattice, wanted: Wanted, space: tuple[SlowVariable, ...]
     amplitude = count("--amplitude", wanted.amplitude or str(usual.amplitude), 8)
     time = count("--time", wanted.time or str(usual.time), 9)
     background = ((0, mean),) if mean else ()
-    return reduce(lattice, Scaling(amplitude, usual.space, time, background), orders)
+    scaling = Scaling(amplitude, usual.space, time, background)
+    _check_cost(lattice, 0 if orders is None else orders - scaling.leading_order)
+    return reduce(lattice, scaling, orders)
+
+
+def _check_cost(lattice: Lattice, further: int) -> None:
+    seconds = reduction_seconds(lattice, further)
+    check_and_announce(f"derivation of {lattice.name}", seconds, cheaper=CHEAPER_ORDER)
 
 
 def _check_carrier_options(wanted: Wanted) -> None:

@@ -2,10 +2,13 @@
 
 import random
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
 
+from derive import open_end
+from derive.command_line import announce
 from longwave.__main__ import main
 
 SCENE = """
@@ -99,3 +102,33 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     others = [line for line in done.errors.splitlines() if "(Ctrl-C stops it)" not in line]
     assert [line for line in others if not line.startswith("measuring ")] == told
     assert len(told) == 1
+
+
+def test_a_derivation_of_hours_is_refused_before_it_begins(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["derive", "dimer", "--order", "13"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: derivation of dimer must take at most 60 min, got about ")
+    assert "(take a lower --order, or a FILE.toml" in error
+    assert main(["derive", "dimer", "--envelope", "k", "--max-time", "30s"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: envelope of dimer must take at most 30 s, got about ")
+    assert "(take --envelope k=pi, or give constants by --set, or raise --max-time)" in error
+
+
+def test_a_silent_command_says_that_it_goes_on(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(open_end, "SILENT", 0.0)
+    begun: list[Thread] = []
+    monkeypatch.setattr(Thread, "start", lambda thread: begun.append(thread))
+    with open_end.speaking_up("longwave derive"):
+        begun[0].run()
+        announce("the run", 1.0)
+        silent = capsys.readouterr().err
+    assert silent == "longwave derive: takes more than some seconds (Ctrl-C stops it)\n"
+    with open_end.speaking_up("longwave derive"):
+        announce("the run", 20.0)
+        begun[1].run()
+    assert capsys.readouterr().err == "the run: about 20 s (Ctrl-C stops it)\n"

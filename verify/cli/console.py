@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -17,6 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, 
 from rich.text import Text
 
 from derive.command_line import LONG, announce
+from derive.open_end import say_open_end, spoke
 from derive.user_files import printable
 from verify.comparison.scene_fields import shown
 
@@ -37,6 +37,7 @@ def tracked(items: Iterable[T], count: int, words: str) -> Iterator[T]:
     """``items`` as they come, with a progress bar on stderr if that is a terminal."""
     console = Console(stderr=True)
     if console.is_terminal:
+        spoke()
         items = track(items, words, count, console=console, transient=True)
     yield from items
 
@@ -164,11 +165,6 @@ class _Quiet:
         self._over.set()
 
 
-def say_open_end(work: str) -> None:
-    """Say on stderr that nobody knows how long ``work`` will take."""
-    print(f"{work}: takes more than some seconds (Ctrl-C stops it)", file=sys.stderr, flush=True)
-
-
 @contextmanager
 def progress_bar(
     name: str, work: str, console: Console, clock: Callable[[], float] = process_time
@@ -185,6 +181,7 @@ def progress_bar(
         finally:
             quiet.stop()
         return
+    spoke()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)

@@ -23,7 +23,8 @@ from typing import Any
 
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import duration, fail, interrupted
-from verify.cli.console import finished, print_lines, say_open_end, table_console, tracked
+from derive.open_end import say_open_end, spoke
+from verify.cli.console import finished, print_lines, table_console, tracked
 from verify.cli.exporting import write_scripts
 from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
@@ -170,6 +171,7 @@ def _limit(options: Options) -> float:
 
 
 def _say_late(count: int, seconds: float) -> None:
+    spoke()
     words = f"{count} statement{'' if count == 1 else 's'} to be decided: at most"
     print(f"{words} {duration(seconds)} more (Ctrl-C stops it)", file=sys.stderr, flush=True)
 
