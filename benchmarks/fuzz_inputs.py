@@ -71,9 +71,9 @@ def lattice(draw: Random) -> FuzzCase:
 
 
 def problem(draw: Random) -> FuzzCase:
-    """A file of problems, decided within a second each."""
+    """A file of problems, decided within 0.4 s each."""
     content = changed_toml(draw, draw.choice(seeds("problem")))
-    words = ["prove", "hostile.toml", "--limit", "1"]
+    words = ["prove", "hostile.toml", "--limit", "0.4"]
     if draw.random() < 0.3:
         words.append(draw.choice(["--latex", "--json"]))
     if draw.random() < 0.1:
@@ -124,6 +124,8 @@ def run_file(draw: Random) -> FuzzCase:
     if draw.random() < 0.3:
         content = changed_bytes(draw, content)
     words = draw.choice([["run", "hostile.nc"], ["plot", "hostile.nc", "--output", "out.png"]])
+    if words[0] == "plot" and draw.random() < 0.8:
+        words += ["--kind", draw.choice(["snapshots", "space_time", "spectra", "errors", "crest"])]
     return FuzzCase("run file", tuple(words), {"hostile.nc": content})
 
 
@@ -208,8 +210,8 @@ def commands() -> tuple[tuple[tuple[str, ...], click.Command], ...]:
     return tuple(below((), longwave))
 
 
-LASTING = ("report", "explore", "recheck")
-"""Commands that go on until they are stopped; drawn less often."""
+LASTING = ("report", "explore", "recheck", "verify")
+"""Commands that take long or until they are stopped; drawn less often."""
 
 
 def command_line(draw: Random) -> FuzzCase:

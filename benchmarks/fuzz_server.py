@@ -8,9 +8,12 @@ other work on the machine makes no fault; what waits for nothing is told by its 
 from __future__ import annotations
 
 import contextlib
+import gc
+import importlib
 import io
 import multiprocessing.util
 import os
+import pkgutil
 import re
 import resource
 import select
@@ -21,8 +24,8 @@ import tempfile
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -78,6 +81,10 @@ class Ending:
         """The first words of the faults."""
         return {fault.partition(":")[0] for fault in self.faults}
 
+    def blamed(self, faults: Sequence[str]) -> Ending:
+        """The same with these faults."""
+        return replace(self, faults=tuple(faults))
+
 
 def warm_up() -> None:
     """Import what commands import, so that a fork begins with it."""
@@ -91,6 +98,10 @@ def warm_up() -> None:
     }
     from longwave.__main__ import main
 
+    for room in ("derive", "solutions", "lattice", "verify", "runs"):
+        inside = importlib.import_module(room).__path__
+        for module in pkgutil.walk_packages(inside, f"{room}."):
+            importlib.import_module(module.name)
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         for name, text in {**NAMED, "lattice.toml": LATTICES[0]}.items():
             Path(name).write_text(text, encoding="utf-8")
@@ -117,7 +128,9 @@ class FuzzServer:
 
     def __enter__(self) -> FuzzServer:
         self.folder = Path(tempfile.mkdtemp(prefix="longwave-fuzz-"))
-        self.anonymous = _kilobytes(os.getpid())
+        gc.collect()
+        gc.freeze()  # else a fork that collects copies all that it looks at
+        self.anonymous = kilobytes_of(os.getpid())
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -126,21 +139,13 @@ class FuzzServer:
     def ending(self, case: FuzzCase) -> Ending:
         """Run an input and say how it ended."""
         place = self.folder / "case"
-        shutil.rmtree(place, ignore_errors=True)
-        work = place / "work"
-        work.mkdir(parents=True)
-        for name, content in case.files.items():
-            (work / name).write_bytes(content)
-        sys.stdout.flush()
-        sys.stderr.flush()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # threads here; the fork has one
-            child = os.fork()
+        lay_out(case, place)
+        child = forked()
         if child == 0:
-            _run_and_exit(self.command or _longwave, case, place)
+            _run_and_exit(self.command or call_longwave, case, place)
         watched = _watch(child, place, self.anonymous)
-        out, errors = (_text(place / name) for name in ("out", "err"))
-        faults = [*watched.faults, *_said(watched, out, errors), *_files(case, place)]
+        out, errors, found = faults_of(case, place, watched.status, watched.stopped)
+        faults = [*watched.faults, *found]
         return Ending(
             watched.status, out, errors, watched.seconds, watched.megabytes, watched.announced,
             watched.stopped, tuple(dict.fromkeys(faults)),
@@ -154,22 +159,10 @@ def _run_and_exit(command: Callable[[list[str]], int], case: FuzzCase, place: Pa
     """The command in its own session and folder; ends this process."""
     status = 1
     try:
-        os.setsid()
-        os.chdir(place / "work")
-        for number, name in ((1, "out"), (2, "err")):
-            os.dup2(os.open(place / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
-        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-        sys.stdin, sys.stdout, sys.stderr = (
-            open(number, mode, encoding="utf-8", closefd=False, errors="backslashreplace")  # noqa: SIM115
-            for number, mode in ((0, "r"), (1, "w"), (2, "w"))
-        )
-        sys.argv = ["longwave", *case.words]
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2 * 10**9, 2 * 10**9))
-        sys.addaudithook(_Watcher(case, place))
+        confine()
+        enter(case, place)
+        sys.addaudithook(WriteWatcher(case, place))
         status = command(list(case.words))
-        sys.stdout.flush()
         multiprocessing.util._exit_function()  # type: ignore[attr-defined]
     except BaseException:
         traceback.print_exc()
@@ -180,16 +173,42 @@ def _run_and_exit(command: Callable[[list[str]], int], case: FuzzCase, place: Pa
         os._exit(status & 255)
 
 
-def _longwave(words: list[str]) -> int:
+def confine() -> None:
+    """Give this process a session and limits of its own."""
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2 * 10**9, 2 * 10**9))
+
+
+def enter(case: FuzzCase, place: Path) -> None:
+    """Go to the case's folder, and let what is printed go to files beside it."""
+    os.chdir(place / "work")
+    for number, path in ((0, Path(os.devnull)), (1, place / "out"), (2, place / "err")):
+        flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC if number else os.O_RDONLY
+        opened = os.open(path, flags)
+        os.dup2(opened, number)
+        os.close(opened)
+    sys.stdin, sys.stdout, sys.stderr = (
+        open(number, mode, encoding="utf-8", closefd=False, errors="backslashreplace")  # noqa: SIM115
+        for number, mode in ((0, "r"), (1, "w"), (2, "w"))
+    )
+    sys.argv = ["longwave", *case.words]
+
+
+def call_longwave(words: list[str]) -> int:
+    """The exit status of the command line."""
+    from derive.request_limits import request_limits
     from longwave.__main__ import main
 
     try:
-        return main(words)
+        with request_limits(memory=1e6 * MEGABYTES):  # as on a machine that has twice as much
+            return main(words)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else int(end.code is not None)
 
 
-class _Watcher:
+class WriteWatcher:
     """Notes files that are written outside the folder, and programs that are started."""
 
     def __init__(self, case: FuzzCase, place: Path) -> None:
@@ -203,6 +222,7 @@ class _Watcher:
         self.may_start = bool(set(case.words) & set(STARTED_HERE))
 
     def __call__(self, event: str, arguments: tuple[Any, ...]) -> None:
+        """Note an event if no input may bring it about."""
         if event in FORBIDDEN or (event == "subprocess.Popen" and not self.may_start):
             self.note(f"started a program: {event} {str(arguments)[:100]}")
         path = _written(event, arguments)
@@ -241,6 +261,24 @@ def _written(event: str, arguments: tuple[Any, ...]) -> str | None:
 # --- in the parent --------------------------------------------------------------------------------
 
 
+def lay_out(case: FuzzCase, place: Path) -> None:
+    """An empty folder with the case's files."""
+    shutil.rmtree(place, ignore_errors=True)
+    work = place / "work"
+    work.mkdir(parents=True)
+    for name, content in case.files.items():
+        (work / name).write_bytes(content)
+
+
+def forked() -> int:
+    """A fork: 0 within it."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # threads here; the fork has one
+        return os.fork()
+
+
 @dataclass
 class _Watched:
     status: int | None = None
@@ -261,11 +299,11 @@ def _watch(child: int, place: Path, start: float) -> _Watched:
     poller.register(handle, select.POLLIN)
     try:
         while not poller.poll(25):
-            now, used = time.monotonic(), _seconds(child)
-            if used > found.seconds or _runs(child):
+            now, used = time.monotonic(), seconds_of(child)
+            if used > found.seconds or runs(child):
                 found.seconds, moved = used, now
-            found.megabytes = max(found.megabytes, _megabytes(child, start))
-            if not found.announced and _announced(place):
+            found.megabytes = max(found.megabytes, megabytes_of(child, start))
+            if not found.announced and announced(place):
                 found.announced, announced_at = True, used
             fault = _excess(found, now - begun, now - moved, used - stopped_at)
             if fault:
@@ -277,7 +315,7 @@ def _watch(child: int, place: Path, start: float) -> _Watched:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(child, signal.SIGINT)
     finally:
-        found.announced = found.announced or _announced(place)
+        found.announced = found.announced or announced(place)
         os.close(handle)
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child, signal.SIGKILL)
@@ -302,28 +340,29 @@ def _excess(found: _Watched, passed: float, still: float, since_stop: float) -> 
     return ""
 
 
-def _tree(process: int) -> Iterator[int]:
+def tree_of(process: int) -> Iterator[int]:
+    """A process and all that it has started."""
     yield process
     with contextlib.suppress(OSError):
         for task in os.listdir(f"/proc/{process}/task"):
             text = Path(f"/proc/{process}/task/{task}/children").read_text(encoding="ascii")
             for child in text.split():
-                yield from _tree(int(child))
+                yield from tree_of(int(child))
 
 
-def _seconds(process: int) -> float:
+def seconds_of(process: int) -> float:
     """Processor time of a process and of all that it has started."""
     ticks = 0
-    for one in _tree(process):
+    for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
             told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
             ticks += sum(map(int, told.rpartition(")")[2].split()[11:15]))
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def _runs(process: int) -> bool:
+def runs(process: int) -> bool:
     """Whether a process, or one that it has started, waits for nothing but the processor."""
-    for one in _tree(process):
+    for one in tree_of(process):
         with contextlib.suppress(OSError, IndexError):
             told = Path(f"/proc/{one}/stat").read_text(encoding="utf-8", errors="replace")
             if told.rpartition(")")[2].split()[0] in "RD":
@@ -331,19 +370,21 @@ def _runs(process: int) -> bool:
     return False
 
 
-def _megabytes(process: int, start: float) -> float:
+def megabytes_of(process: int, start: float) -> float:
     """Memory beyond the start; of a process that was not forked from here, some is overlooked."""
-    return sum(max(0.0, _kilobytes(one) - start) for one in _tree(process)) / 1000
+    return sum(max(0.0, kilobytes_of(one) - start) for one in tree_of(process)) / 1000
 
 
-def _kilobytes(process: int) -> float:
+def kilobytes_of(process: int) -> float:
+    """Memory of a process that no other has."""
     with contextlib.suppress(OSError):
         text = Path(f"/proc/{process}/status").read_text(encoding="utf-8", errors="replace")
         return float(sum(map(int, re.findall(r"Rss(?:Anon|Shmem):\s*(\d+)", text))))
     return 0.0
 
 
-def _announced(place: Path) -> bool:
+def announced(place: Path) -> bool:
+    """Whether it was said how long the input takes."""
     return any(ANNOUNCED.search(_text(place / name)[:100_000]) for name in ("err", "out"))
 
 
@@ -353,12 +394,19 @@ def _text(path: Path) -> str:
     return ""
 
 
-def _said(watched: _Watched, out: str, errors: str) -> Iterator[str]:
+def faults_of(
+    case: FuzzCase, place: Path, status: int | None, stopped: bool = False
+) -> tuple[str, str, list[str]]:
+    """What was printed on both ways, and what is wrong with it, the status and the files."""
+    out, errors = (_text(place / name) for name in ("out", "err"))
+    return out, errors, [*_said(status, stopped, out, errors), *_files(case, place)]
+
+
+def _said(status: int | None, stopped: bool, out: str, errors: str) -> Iterator[str]:
     """Faults of status and words."""
-    status = watched.status
     if status is not None and status < 0:
         yield f"died: signal {-status}"
-    elif status is not None and status not in (0, 1, 2) and not (status == 130 and watched.stopped):
+    elif status is not None and status not in (0, 1, 2) and not (status == 130 and stopped):
         yield f"status: {status}"
     if "Traceback (most recent call last)" in errors + out:
         yield f"traceback: {errors.strip().splitlines()[-1][:200]}"
@@ -366,7 +414,7 @@ def _said(watched: _Watched, out: str, errors: str) -> Iterator[str]:
     if "Warning" in errors:
         yield f"warning: {errors[errors.index('Warning') - 30 :][:100]!r}"
     lines = errors.splitlines()
-    pictures = watched.status == 2  # the part of a formula that is meant, below the error
+    pictures = status == 2  # the part of a formula that is meant, below the error
     told = [line for line in lines if not ANNOUNCED.search(line)]
     told = [line for line in told if not (pictures and line.startswith("    "))]
     if status == 2 and not (len(told) == 1 and told[0].startswith("error: ")):

@@ -11,9 +11,11 @@ what was printed; the inputs of a range do not depend on others, so ranges can r
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import re
 import shlex
+import signal
 import sys
 import time
 from collections import Counter
@@ -25,10 +27,26 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.fuzz_inputs import KINDS, FuzzCase, case_of
+from benchmarks.fuzz_series import endings
 from benchmarks.fuzz_server import Ending, FuzzServer, warm_up
 
 SAID = 60.0
 """Seconds between two lines of progress."""
+
+SHARES = {
+    "scene": 20,
+    "lattice scene": 8,
+    "lattice": 32,
+    "problem": 12,
+    "certificate": 20,
+    "sweep": 1,
+    "run file": 3,
+    "command line": 4,
+}
+"""Inputs of a round: more of what takes less."""
+
+ROUNDS = 10
+"""Rounds that are run kind after kind."""
 
 TRIES = 60
 """Shorter inputs that are tried for a fault."""
@@ -110,17 +128,17 @@ def keep(folder: Path, name: str, case: FuzzCase, ending: Ending) -> None:
     (place / "seen.json").write_text(text, encoding="utf-8")
 
 
-def fuzz(kinds: Sequence[str], seed: int, numbers: range, folder: Path) -> dict[str, Tally]:
-    """Run the inputs of these numbers, a tally a kind; faults are printed and kept."""
+def fuzz(kinds: Sequence[str], seed: int, rounds: range, folder: Path) -> dict[str, Tally]:
+    """Run the inputs of these rounds, a tally a kind; faults are printed and kept.
+
+    Ctrl-C or SIGTERM ends it with the tallies until then.
+    """
     tallies = {kind: Tally() for kind in kinds}
     said = time.monotonic()
-    with FuzzServer() as server:
-        for number in numbers:
-            for kind in kinds:
-                case = case_of(kind, seed, number)
-                ending = server.ending(case)
-                if "slow" in ending.kinds or "hangs" in ending.kinds:
-                    ending = server.ending(case)  # once more, before a busy machine is blamed on it
+    with contextlib.suppress(KeyboardInterrupt), FuzzServer() as server:
+        for kind, numbers in _portions(kinds, rounds):
+            cases = [case_of(kind, seed, number) for number in numbers]
+            for number, case, ending in zip(numbers, cases, endings(server, cases), strict=True):
                 tallies[kind].add(ending)
                 if ending.faults:
                     name = f"{kind} {seed} {number}"
@@ -129,9 +147,20 @@ def fuzz(kinds: Sequence[str], seed: int, numbers: range, folder: Path) -> dict[
                     keep(folder, name, minimised(server, case, ending), ending)
             if time.monotonic() - said > SAID:
                 said = time.monotonic()
-                faults = sum(tally.faults for tally in tallies.values())
-                print(f"{number + 1 - numbers.start} of each kind, {faults} faults", flush=True)
+                inputs, faults = (
+                    sum(getattr(tally, what) for tally in tallies.values())
+                    for what in ("inputs", "faults")
+                )
+                print(f"{inputs} inputs, {faults} faults", flush=True)
     return tallies
+
+
+def _portions(kinds: Sequence[str], rounds: range) -> Iterator[tuple[str, range]]:
+    """Of each kind in turn, the numbers of its inputs in some rounds."""
+    for first in range(rounds.start, rounds.stop, ROUNDS):
+        last = min(first + ROUNDS, rounds.stop)
+        for kind in kinds:
+            yield kind, range(first * SHARES[kind], last * SHARES[kind])
 
 
 def main() -> int:
@@ -139,15 +168,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Hostile files and command lines.")
     parser.add_argument("--kind", action="append", choices=list(KINDS))
     parser.add_argument("--count", type=int, default=1000, help="inputs of all kinds together")
-    parser.add_argument("--start", type=int, default=0, help="number of the first of each kind")
+    parser.add_argument("--start", type=int, default=0, help="the first round")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, default=Path("fuzz-faults"), help="folder of faults")
     options = parser.parse_args()
     kinds = options.kind or list(KINDS)
     warm_up()
-    numbers = range(options.start, options.start + -(-options.count // len(kinds)))
-    tallies = fuzz(kinds, options.seed, numbers, options.keep)
-    table = Table(title=f"Fuzzing, seed {options.seed}, {numbers.start} to {numbers.stop - 1}")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    count = -(-options.count // sum(SHARES[kind] for kind in kinds))
+    rounds = range(options.start, options.start + count)
+    tallies = fuzz(kinds, options.seed, rounds, options.keep)
+    table = Table(title=f"Fuzzing, seed {options.seed}, rounds {rounds.start} to {rounds.stop - 1}")
     for heading in (
         "kind",
         "inputs",

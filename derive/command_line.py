@@ -22,6 +22,7 @@ from derive.request_limits import (
     duration,
     request_limits,
 )
+from derive.user_files import printable
 
 __all__ = [
     "INTERRUPTED",
@@ -240,8 +241,7 @@ def one_line(message: object) -> str:
     >>> print(one_line("two\nlines, \x1b[31mred"))
     two lines, \x1b[31mred
     """
-    line = cut(" ".join(str(message).split()), LONGEST)
-    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in line)
+    return printable(cut(" ".join(str(message).split()), LONGEST))
 
 
 def check_and_announce(

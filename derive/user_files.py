@@ -46,7 +46,18 @@ def shown_path(path: str | Path) -> str:
     text = str(path)
     if len(text) > QUOTED:
         text = f"{text[: QUOTED // 2]}...{text[3 - QUOTED // 2 :]}"
-    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
+    return printable(text).replace("\n", "\\n")
+
+
+def printable(text: str) -> str:
+    r"""The text with what would steer the terminal written out, but for the ends of its lines.
+
+    >>> print(printable("red: \x1b[31m"))
+    red: \x1b[31m
+    """
+    return "".join(
+        sign if sign.isprintable() or sign == "\n" else ascii(sign)[1:-1] for sign in text
+    )
 
 
 def file_stem(path: str | Path) -> str:

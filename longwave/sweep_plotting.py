@@ -47,7 +47,7 @@ MOST_CURVES, MOST_MAPS = 8, 12
 LONGEST_LABEL = 50
 """Characters of a long name that an axis has room for."""
 
-BARS = {"error": "own_error"}
+BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
 WORK = ("tolerance", "order", "scheme", "step", "lattice.order", "scheme.name", "scheme.step")
@@ -337,10 +337,10 @@ def _work_curves(data: xr.Dataset, others: Sequence[str]) -> Iterator[WorkCurve]
         _numbers(data, name)
         for name in ("seconds", "force_evaluations", "sites", "error_estimate", "error")
     )
+    updates, own = evaluations * sites, _bars(data, achieved)
     axes = {name: axis_of(data, name) for name in others}
     for places in product(*(range(data.sizes[name]) for name in others)):
         where = dict(zip(others, places, strict=True))
         label = ", ".join(f"{axes[n].name} = {_text(axes[n].values[p])}" for n, p in where.items())
-        updates = (evaluations * sites).isel(where)
-        parts = [found.isel(where).values for found in (seconds, estimated, achieved)]
-        yield WorkCurve(label, parts[0], updates.values, parts[1], parts[2])
+        parts = [found.isel(where).values for found in (seconds, updates, estimated, achieved, own)]
+        yield WorkCurve(label, *parts)

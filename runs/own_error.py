@@ -30,7 +30,7 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     in; None if the run did not measure it."""
     estimate = run.attrs.get("error_estimate")
     if estimate is not None:
-        return np.full(run.sizes["time"], float(estimate))
+        return np.full(run.sizes.get("time", 0), float(estimate))
     parts = [run.variables[name].values for name in MEASURED if name in run.variables]
     return np.sum(parts, axis=0, dtype=np.float64) if parts else None
 

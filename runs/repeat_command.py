@@ -32,7 +32,7 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
         with checkpoint.kept(scene):
             made = _run_again(scene, options.scene)
     except KeyboardInterrupt:
-        return interrupted(program, f"{options.scene} is as it was")
+        return interrupted(program, checkpoint.left(f"{options.scene} is as it was"))
     except (ValueError, OSError) as error:
         return fail(error)
     except MemoryError as error:

@@ -13,6 +13,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 from derive.atomic_file import write_atomically
+from derive.command_line import one_line
 from derive.request_limits import current_limits
 from runs.run_pack import (
     FAILED,
@@ -28,6 +29,7 @@ from runs.run_store import RunStore
 from runs.sealed_file import is_whole
 from runs.sweep_cells import Batch, Cell, run_cells
 from runs.sweep_workers import Promise, Workers
+from runs.worker_code import code_here
 
 if TYPE_CHECKING:
     from runs.sweep_file import Sweep
@@ -188,8 +190,9 @@ class _March:
 
     def _send(self, cells: list[Cell]) -> None:
         try:
+            folder = Path(self.store.folder).absolute()
             promise = self.workers.submit(
-                run_cells, cells, Path(self.store.folder), self.token, current_limits()
+                run_cells, cells, folder, self.token, current_limits(), code_here()
             )
         except Exception as error:
             if not self.workers.has_lost(error):
@@ -204,6 +207,7 @@ class _March:
         try:
             promise = self.answered.get(timeout=POLL)
         except Empty:
+            self.workers.look()
             return
         if promise not in self.sent:
             return
@@ -212,10 +216,15 @@ class _March:
         try:
             batch: Batch = promise.result()
         except Exception as error:
-            if not self.workers.has_lost(error):
+            if self.workers.has_lost(error):
+                self._lost(cells, alone)
+                return
+            if isinstance(error, ValueError | OSError):
                 raise
-            self._lost(cells, alone)
-            return
+            raise ValueError(
+                f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
+                "(each needs the longwave of this machine, as a scheduler does)"
+            ) from error
         if alone:
             self.suspects.popleft()
         if batch.pack is not None:

@@ -31,6 +31,7 @@ from runs.run_pack import (
     write_pack,
 )
 from runs.run_store import RunStore
+from runs.worker_code import check_code
 from solutions.run.cores import keep_to_one_core
 
 if TYPE_CHECKING:
@@ -75,14 +76,20 @@ class LongCell(Exception):
 
 
 def run_cells(
-    cells: Sequence[Cell], folder: Path, token: str, limits: RequestLimits | None = None
+    cells: Sequence[Cell],
+    folder: Path,
+    token: str,
+    limits: RequestLimits | None = None,
+    code: Mapping[str, str] | None = None,
 ) -> Batch:
     """Run the cells one after the other and write one pack of them into the store ``folder``.
 
     What a cell raises is its record, as is that it would take more than the ``limits``. A worker
     that is told to end packs what it has. ``token`` is the name of a file by which a worker on
-    another machine knows the store.
+    another machine knows the store. Raises ValueError if it has not the ``code`` of the keys.
     """
+    if code is not None:
+        check_code(code)
     keep_to_one_core()
     begun = process_time()
     store = RunStore(folder) if (folder / token).is_file() else None

@@ -12,12 +12,18 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, Protocol
 
+from runs.checkpoint_folder import LOG
+from runs.worker_code import check_cluster
 from solutions.run.cores import usable_cores
 from verify.dask_cluster import connect
 from verify.processes import ignore_interrupt
 
 PATIENCE = 1.0
 """Seconds that workers have to pack what they have when the sweep is stopped."""
+
+
+LOOKING = 2.0
+"""Seconds between two looks at a cluster."""
 
 
 class Promise(Protocol):
@@ -45,6 +51,9 @@ class Workers(Protocol):
     def renew(self) -> None:
         """Replace workers that are gone."""
 
+    def look(self) -> None:
+        """Tell if there is nobody to work; for who waits to call now and then."""
+
     def stop(self) -> None:
         """End all work within two seconds; a batch keeps what is done of it."""
 
@@ -69,6 +78,9 @@ class LocalWorkers:
     def renew(self) -> None:
         """Drop the processes; new ones begin with the next call."""
         self.stop()
+
+    def look(self) -> None:
+        """Nothing: processes are begun when they are needed."""
 
     def stop(self) -> None:
         """Tell the processes to end, and kill those that do not."""
@@ -104,7 +116,14 @@ class DaskWorkers:
     """The workers of a Dask cluster; `dask.distributed` comes with the extra ``cluster``."""
 
     def __init__(self, address: str) -> None:
-        self._client = connect(address)
+        self._client = connect(address, "runs.worker_code:code_here")
+        try:
+            check_cluster(self._client)
+        except ValueError:
+            self.stop()
+            raise
+        self._looked, self._are_gone = time.monotonic() - LOOKING, False
+        self.look()
         threads: dict[str, int] = self._client.nthreads()
         self.count = max(1, sum(threads.values()))
 
@@ -120,6 +139,15 @@ class DaskWorkers:
 
     def renew(self) -> None:
         """Nothing: a cluster replaces its workers itself."""
+
+    def look(self) -> None:
+        """Tell if the cluster has no workers: others may come."""
+        if time.monotonic() < self._looked + LOOKING:
+            return
+        gone = not self._client.nthreads()
+        if gone and not self._are_gone:
+            LOG.info("the cluster has no workers, which are waited for (Ctrl-C stops it)")
+        self._looked, self._are_gone = time.monotonic(), gone
 
     def stop(self) -> None:
         """Drop what has not begun and leave the cluster."""

@@ -166,7 +166,7 @@ def _draw_snapshot(ax: Axes, snapshot: Snapshot, letter: str, wave: str) -> None
     ax.plot(snapshot.offset, snapshot.numerical, label="lattice", **NUMERICAL)
     ax.plot(snapshot.offset, snapshot.analytical, label=wave, **ANALYTICAL)
     ax.set_title(rf"({letter})  $\epsilon={snapshot.eps:g}$, $t={snapshot.time:g}$", loc="left")
-    if snapshot.offset.size > 1:
+    if np.unique(snapshot.offset).size > 1:
         ax.set_xlim(snapshot.offset[0], snapshot.offset[-1])
     ax.locator_params(axis="x", nbins=5)
 

@@ -72,7 +72,7 @@ def _draw_spectrum(ax: Axes, panel: SpectrumPanel) -> None:
     ax.plot(panel.wavenumber, wave, label="wave", **ANALYTICAL)
     if panel.own is not None and np.isfinite(panel.own):
         ax.axhspan(0.0, panel.own, color="#E69F00", alpha=0.25, lw=0, label="own error, at most")
-    rounding = panel.rounding if np.isfinite(panel.rounding) else np.nan
+    rounding = panel.rounding if 0.0 < panel.rounding < np.inf else np.nan
     ax.axhline(rounding, color="black", linestyle=":", linewidth=0.8, label="rounding")
     ax.set_xlim(0.0, np.pi)
     ax.set_xticks([0.0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])

@@ -224,13 +224,17 @@ def _hatch(ax: Axes, x: Array, y: Array, cells: NDArray[np.bool_], colour: str) 
 
 @dataclass(frozen=True)
 class WorkCurve:
-    """Errors at growing work: estimated ones, and achieved ones against the wave, of one family."""
+    """Errors at growing work: estimated ones, and achieved ones against the wave, of one family.
+
+    ``own`` are errors of the achieved ones themselves, NaN where they are not known.
+    """
 
     label: str
     seconds: Array
     updates: Array
     estimated: Array
     achieved: Array
+    own: Array
 
 
 WORK_HEIGHT = 3.0
@@ -246,12 +250,17 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
             name = f"{curve.label}: " if curve.label else ""
             ax.loglog(work, _positive(curve.estimated), label=f"{name}estimated", **look)
             achieved = look | {"linestyle": "", "markerfacecolor": "none"}
-            ax.loglog(
-                work, _positive(curve.achieved), label=f"{name}relative to the wave", **achieved
-            )
+            values = _positive(curve.achieved)
+            ax.loglog(work, values, label=f"{name}relative to the wave", **achieved)
+            low = np.maximum(values - curve.own, 0.01 * values)
+            ax.vlines(work, low, values + curve.own, color=look["color"], linewidth=1.0)
     for ax, words in zip(panels, ("seconds of the run", "site updates"), strict=True):
         ax.set_xlabel(words)
         ax.xaxis.set_minor_formatter(NullFormatter())
+        low, high = ax.get_xlim()
+        if high < 10.0 * low:  # no power of ten may be among them
+            ticks = np.geomspace(low, high, 5)[1::2]
+            ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
         ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()

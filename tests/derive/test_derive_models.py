@@ -5,6 +5,7 @@ stress law (`derive.checks`).
 """
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from sympy import Expr, Integer, Rational, Symbol, expand, simplify, sqrt, symbo
 from derive import LATTICES, Lattice, Reduction, Scaling, SlowVariable, find_scaling, reduce
 from derive.checks import checks_of_reduction
 from derive.lattice import spring
+from derive.lattice_file import read_lattice
 from derive.models.lattices import H2, H3
 from derive.symbols import K2, K3, c, eps, x
 
@@ -147,6 +149,22 @@ def test_the_lattice_itself_agrees(name: str, scaling: Scaling) -> None:
     orders = scaling.leading_order + (0 if name == "dimer" else 2)
     for check in checks_of_reduction(reduce(LATTICES[name], scaling, orders)):
         assert check.passed, check.text()
+
+
+def test_a_law_that_depends_on_eps_has_no_static_one(tmp_path: Path) -> None:
+    path = tmp_path / "scaled.toml"
+    path.write_text(
+        """
+fields = ["y"]
+[[bond]]
+stretch = "y[n]"
+action = {y = "F[n+1] - 2*F[n] + F[n-1]"}
+force = "K2*x + K3*x**2 + eps*K4*x**3"
+"""
+    )
+    found = checks_of_reduction(reduce(read_lattice(path), Scaling(2), 6))
+    assert [check.name for check in found] == ["dispersion determinant", "manufactured wave"]
+    assert all(check.passed for check in found)
 
 
 def tampered(reduction: Reduction, change: str) -> Reduction:

@@ -189,6 +189,15 @@ def test_what_cannot_be_disordered_is_one_line() -> None:
         spectral_integrate(chain, ring, [1.0], 1e-6)
 
 
+def test_no_slope_is_above_what_a_bond_may_have() -> None:
+    chain = varied(numbers("dimer"), "springs", 0.5, 300)
+    stretches = chain.stretches(np.random.default_rng(4).uniform(-0.2, 0.2, (2, 300)))
+    for place, slopes in enumerate(chain.slopes(stretches)):
+        ordered = chain.ordered.steepest(place, stretches[place])
+        for bound in (chain.steepest, chain.largest_slope):
+            assert ordered < np.max(slopes) <= bound(place, stretches[place]) < 1.6 * ordered
+
+
 def test_integrate_keeps_its_estimate() -> None:
     """A step that is stable in the ordered chain alone would be far off, or blow up."""
     size = 100

@@ -225,3 +225,16 @@ def test_a_run_without_its_scene_is_one_line(made: xr.Dataset, scene: str | None
     foreign.attrs = attributes
     with pytest.raises(ValueError, match=r"^source must be a run with the scene [^\n]*$"):
         plot(foreign)
+
+
+def test_a_time_that_is_too_late_for_any_site_is_one_line(made: xr.Dataset) -> None:
+    late = made.assign_coords(curve_time=1e300 * (1.0 + made["curve_time"]))
+    late.attrs["error_estimate"] = 1e-3
+    with pytest.raises(ValueError, match=r"^t must leave c t within 2\^53 sites, got t = "):
+        plot(late, kind="errors")
+    bare = late[["error_curve"]].assign_coords(curve_time=made["curve_time"])
+    plot(bare, kind="errors")
+
+
+def test_a_run_that_is_zero_on_one_site_is_drawn(made: xr.Dataset) -> None:
+    plot(made[["strain", "analytic", "n"]] * 0.0)

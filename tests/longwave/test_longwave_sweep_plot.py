@@ -144,6 +144,40 @@ def test_samples_are_told_by_median_and_quartiles() -> None:
     assert ax.get_xlabel() == "$K3$"
 
 
+def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> None:
+    seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
+    of = np.array(["mass", "K2"], dtype=object)
+    coords = {"seed": seeds, "spread": [0.3, 0.1, 0.2], "of": of}
+    data = swept({"seed": 5, "of": 2, "spread": 3}, coords)
+    values = np.random.default_rng(2).uniform(0.5, 1.0, (5, 2, 3))
+    data["error"] = (data.status.dims, values)
+    data["status"].values[3, 1, 0] = "failed"
+    figure = plot(data)
+    (ax,) = figure.get_axes()
+    assert ax.get_title("left") == "mean of 5, bars: standard error, band: standard deviation"
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["mass", "K2"]
+    for place, (container, band) in enumerate(
+        zip(ax.containers, ax.collections[1::2], strict=True)
+    ):
+        kept = [values[:, place, column] for column in (1, 2, 0)]
+        kept[2] = np.delete(kept[2], 3) if place else kept[2]
+        line, _, (columns,) = container
+        mean, deviation = (np.array([f(one) for one in kept]) for f in (np.mean, sample_deviation))
+        np.testing.assert_allclose(line.get_xydata(), np.transpose([[0.1, 0.2, 0.3], mean]))
+        error = deviation / np.sqrt([len(one) for one in kept])
+        ends = [segment[:, 1] for segment in columns.get_segments()]
+        np.testing.assert_allclose(ends, np.transpose([mean - error, mean + error]))
+        corners = band.get_paths()[0].vertices
+        assert corners[:, 1].max() == pytest.approx((mean + deviation).max())
+        assert corners[:, 1].min() == pytest.approx((mean - deviation).min())
+    one = plot(data, at={"seed": 2, "of": "K2"})
+    assert [line.get_ydata()[0] for line in one.get_axes()[0].lines[:1]] == [values[2, 1, 1]]
+
+
+def sample_deviation(values: np.ndarray) -> float:
+    return float(np.std(values, ddof=1))
+
+
 def test_work_precision_is_drawn_along_the_tolerance() -> None:
     data = swept({"order": 2, "tolerance": 3}, {"order": WAVES, "tolerance": [1e-2, 1e-3, 1e-4]})
     seconds, updates = plot(data, kind="work_precision").get_axes()
@@ -155,6 +189,8 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     assert np.allclose(seconds.lines[3].get_ydata(), data["error"].values[1])
     assert np.allclose(seconds.lines[2].get_xdata(), data["seconds"].values[1])
     assert np.allclose(updates.lines[2].get_xdata(), 200.0 / data["error"].values[1])
+    ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
+    assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
 
 

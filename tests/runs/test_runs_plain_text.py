@@ -41,6 +41,15 @@ def test_a_title_is_printed_as_it_is(
     assert title in capsys.readouterr().out
 
 
+def test_a_title_cannot_steer_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.format(title=r'"\u001b[3m \u0085"'), encoding="utf-8")
+    assert main(["run", str(path)]) == 0
+    assert r"\x1b[3m \x85" in capsys.readouterr().out
+
+
 def test_the_bars_label_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
     columns: list[TextColumn] = []
 

@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file, scene_command, sweep_cells
+from runs import run_file, run_pack, scene_command, sweep_cells
 from runs.run_file import load_run, run_any_scene
 from runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from runs.run_store import RunStore
 from runs.scene_command import RunOptions, run_and_print
 from runs.sweep import MOST_LOSSES, run_sweep
-from runs.sweep_cells import Cell
+from runs.sweep_cells import Cell, run_cells
 from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from runs.sweep_file import Sweep, sweep_of
+from runs.worker_code import code_here
 from solutions.run import cores
 from tests.runs.unfinished_scenes import bits
 from verify.lattices.lattice_scene import find_any_scene
@@ -58,13 +59,19 @@ class HereWorkers:
             made.set_exception(BrokenProcessPool("gone"))
         else:
             self.cells += len(arguments[0])
-            made.set_result(function(*arguments))
+            try:
+                made.set_result(function(*arguments))
+            except Exception as error:
+                made.set_exception(error)
         return made
 
     def has_lost(self, error: BaseException) -> bool:
         return isinstance(error, BrokenProcessPool)
 
     def renew(self) -> None:
+        pass
+
+    def look(self) -> None:
         pass
 
     def stop(self) -> None:
@@ -290,6 +297,26 @@ def test_fields_of_different_shapes_are_left_to_each_run(store: RunStore) -> Non
     assert cell_run(sweep, store, compared=1, snapshots=0).sizes["site"] == 61
 
 
+def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -> None:
+    """The key of a run that it made would be a lie; versions and folders that differ are told."""
+    (cell,) = [Cell(0, "key", small_sweep(eps=[0.1]).scene(0))]
+    run_cells([cell], tmp_path, "", None, code_here())
+    here = dict(code_here())
+    other = {name: text.replace("numpy ", "numpy 0.") for name, text in here.items()}
+    with pytest.raises(ValueError, match=r"^workers must have .* versions: numpy .*, here numpy 0"):
+        run_cells([cell], tmp_path, "", None, other | {"digest": "another"})
+    assert not list(tmp_path.rglob("*.h5"))
+
+
+def test_what_a_worker_raises_ends_the_sweep_in_a_line(store: RunStore) -> None:
+    class Old(HereWorkers):
+        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+            return super().submit(function, *arguments, "more")
+
+    with pytest.raises(ValueError, match=r"^workers must run cells, got TypeError: .*longwave"):
+        run_sweep(small_sweep(eps=[0.1]), store, Old())
+
+
 def test_lost_workers_cost_a_repeat(store: RunStore) -> None:
     lost: list[float] = []
 
@@ -361,6 +388,17 @@ def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:
         assert loaded.a.values.tobytes() == run.a.values.tobytes()
     assert found["k3"] == (CellRecord("k3", "refused", "no", found["k3"][0].numbers), None)
     assert found["k1"][0].numbers["error"] == 0.5
+
+
+def test_a_pack_without_a_number_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that was written before cells were told by it."""
+    fewer = {name: told for name, told in run_pack.NUMBERS.items() if name != "own_error"}
+    with monkeypatch.context() as before:
+        before.setattr(run_pack, "NUMBERS", fewer)
+        write_pack(tmp_path / "a.h5", [CellRecord("k", "done", "", {"error": 0.5})])
+    ((record, _),) = read_pack(tmp_path / "a.h5")
+    assert record.numbers["error"] == 0.5
+    assert np.isnan(record.numbers.get("own_error", np.nan))
 
 
 def test_a_damaged_pack_counts_as_none(store: RunStore) -> None:

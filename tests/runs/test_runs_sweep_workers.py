@@ -1,17 +1,21 @@
 """Sweeps on worker processes, here and on a Dask cluster of this machine, some of them killed."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from runs import sweep
 from runs.run_store import RunStore
 from runs.sweep import SweepState, run_sweep
 from runs.sweep_dataset import sweep_dataset
@@ -111,6 +115,85 @@ def test_a_dask_cluster_gives_the_same_bits_though_a_worker_is_killed(
     found = sweep_dataset(sweep, store)
     assert set(found.status.values) == {"done"}
     np.testing.assert_array_equal(found.strain.values, plain)
+
+
+@contextmanager
+def dask_process(kind: str, *words: str, **environment: str) -> Iterator[None]:
+    """A process ``dask scheduler`` or ``dask worker``, which ends with the body."""
+    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, "--no-dashboard"]
+    house = str(Path(__file__).parents[2])
+    begun = subprocess.Popen(
+        command,
+        env={**os.environ, "PYTHONPATH": house, **environment},
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        yield
+    finally:
+        begun.terminate()
+        begun.wait(30)
+
+
+@pytest.fixture
+def scheduler(tmp_path: Path) -> Iterator[str]:
+    """The address of a scheduler that has no workers."""
+    file = tmp_path / "scheduler.json"
+    words = ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
+    with dask_process("scheduler", *words):
+        while not file.exists():
+            time.sleep(0.1)
+        yield json.loads(file.read_text(encoding="utf-8"))["address"]
+
+
+def dask_worker(scheduler: str, **environment: str) -> AbstractContextManager[None]:
+    return dask_process("worker", scheduler, "--nthreads", "1", "--no-nanny", **environment)
+
+
+def wait_for_worker(scheduler: str) -> None:
+    from distributed import Client
+
+    with Client(scheduler, set_as_default=False) as client:
+        client.wait_for_workers(1, timeout=60)
+
+
+@pytest.mark.slow
+def test_workers_that_do_not_see_the_store_send_what_they_did(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: Any
+) -> None:
+    """Whether they do or not, and though they come after the sweep has begun."""
+    caplog.set_level("INFO", "longwave.store")
+    kept: list[bytes] = []
+    keep = sweep._March._keep
+
+    def counted(march: Any, pack: bytes) -> None:
+        kept.append(pack)
+        keep(march, pack)
+
+    monkeypatch.setattr(sweep._March, "_keep", counted)
+    with sweep_workers(None, scheduler) as workers, dask_worker(scheduler):
+        assert "the cluster has no workers" in caplog.text
+        monkeypatch.chdir(tmp_path)
+        for folder, sent in (("seen", False), ("/proc/self/cwd/unseen", True)):
+            store = RunStore(folder)
+            state = run_sweep(soliton_sweep(3), store, workers)
+            assert (state.done, state.faults) == (3, 0)
+            assert bool(kept) == sent
+            assert set(sweep_dataset(soliton_sweep(3), store).status.values) == {"done"}
+    assert not (Path(__file__).parents[2] / "unseen").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("has_longwave", [True, False])
+def test_workers_of_another_longwave_or_none_are_refused(
+    has_longwave: bool, scheduler: str, tmp_path: Path
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text("import sys; sys.modules['runs'] = None\n")
+    other = {"LONGWAVE_PLAIN_KERNELS": "1"} if has_longwave else {"PYTHONPATH": str(tmp_path)}
+    told = "with another LONGWAVE_PLAIN" if has_longwave else "No module named 'runs"
+    with dask_worker(scheduler, **other):
+        wait_for_worker(scheduler)
+        with pytest.raises(ValueError, match=rf"^[^\n]*{told}[^\n]*\(install [^\n]*$"):
+            DaskWorkers(scheduler)
 
 
 @pytest.mark.slow

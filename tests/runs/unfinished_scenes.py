@@ -36,6 +36,12 @@ SCENES: dict[str, Scene | LatticeScene] = {
     "chain": load_lattice_scene("toda_soliton").changed(
         name="chain", slow_times=[0, 0.5, 1], tolerance=1e-3
     ),
+    "disorder": load_lattice_scene("toda_soliton").changed(
+        name="disorder",
+        slow_times=[0, 0.1, 0.3],
+        tolerance=1e-4,
+        disorder={"of": "a", "spread": 0.2, "seed": 3},
+    ),
     "dimer": load_lattice_scene("dimer_peregrine"),
     "growth": LatticeScene.of(
         name="growth",

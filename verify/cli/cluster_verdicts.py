@@ -30,7 +30,7 @@ def decided_on_cluster(
     A statement whose worker is lost is decided again by another; one that loses several is
     undecided. Raises ValueError where the cluster does not answer.
     """
-    client = connect(scheduler)
+    client = connect(scheduler, f"{__name__}:{decide_apart.__name__}")
     try:
         from distributed import KilledWorker, as_completed
 

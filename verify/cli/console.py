@@ -9,13 +9,15 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import process_time
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
+from rich.text import Text
 
 from derive.command_line import LONG, announce
 from derive.open_end import say_open_end, spoke
+from derive.user_files import printable
 from verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
@@ -59,7 +61,17 @@ def print_lines(console: Console, lines: Sequence[str]) -> None:
 
 def plain_console(stderr: bool = False, soft_wrap: bool = False) -> Console:
     """A console that prints text as it is: a scene's title and name are no markup."""
-    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
+    return PlainConsole(
+        stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
+    )
+
+
+class PlainConsole(Console):
+    """One on which texts of a file cannot steer the terminal: such signs are written out."""
+
+    def render_str(self, text: str, *words: Any, **options: Any) -> Text:
+        """The text of what is printed, or of a table's cell."""
+        return super().render_str(printable(text), *words, **options)
 
 
 def check_output(

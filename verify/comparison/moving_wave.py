@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+FARTHEST = 2.0**53
+"""Sites are told apart by doubles."""
+
 GRAMMAR = re.compile(r"(?:(?P<times>\d{1,6})\s*\*\s*)?K(?:\s*/\s*(?P<over>\d{1,6}))?")
 
 
@@ -179,8 +182,11 @@ class MovingWave:
         return self.eps * (self.wave.constant_background or 0.0)
 
     def frame(self, t: float) -> int:
-        """The site nearest to c t: the middle of the compared region."""
-        return math.floor(self.speed * t + 0.5)
+        """The site nearest to c t, the middle of what is compared; ValueError if too far."""
+        place = self.speed * t + 0.5
+        if not abs(place) < FARTHEST:
+            raise ValueError(f"t must leave c t within 2^53 sites, got t = {t:g}")
+        return math.floor(place)
 
     def compared_sites(self, t: float) -> Sites:
         """The sites within ``compared`` of c t."""

@@ -100,42 +100,47 @@ class FirstCorrection:
         return self._known[T]
 
     def _advanced(self, modes: Complex, begin: float, end: float) -> Complex:
-        from scipy.integrate import solve_ivp
+        """The modes at the end, or wherever too much of them is dropped."""
+        from scipy.integrate import DOP853
+
+        def growth(T: float) -> Complex:
+            return np.asarray(np.exp(self._linear * (T - begin)))
 
         def slope(T: float, turned: Complex) -> Complex:
-            growth = np.exp(self._linear * (T - begin))
-            return np.asarray(self._varying(T, growth * turned) / growth)
+            grown = growth(T)
+            return np.asarray(self._space.modes(self._varying(T, grown * turned)) / grown)
 
         size = float(np.max(np.abs(self._further(self._jets(begin)))))
-        found = solve_ivp(
-            slope, (begin, end), modes, "DOP853", rtol=TOLERANCE, atol=TOLERANCE * size
-        )
-        if not found.success:
-            raise ValueError(
-                f"T must be reached by the corrected wave, got {end} ({found.message})"
-            )
-        return np.asarray(found.y[:, -1] * np.exp(self._linear * (end - begin)))
+        least = TOLERANCE * size / (1.0 + np.abs(self._space.k))  # a derivative's error, too
+        solver = DOP853(slope, begin, modes, end, rtol=TOLERANCE, atol=least)
+        self._note(begin, modes)
+        while solver.status == "running" and self._dropped <= RESOLVED:
+            message = solver.step()
+            if solver.status == "failed":
+                raise ValueError(f"T must be reached by the corrected wave, got {end} ({message})")
+            # what a step tries before it is refused says nothing of the wave
+            self._note(solver.t, solver.y * growth(solver.t))
+        return np.asarray(solver.y * growth(solver.t))
 
     def _jets(self, T: float) -> Array:
         highest = max(self._flow.highest, self._further.highest)
         return np.asarray(self._wave.jets(self._space.X, T, highest))
 
-    def _varying(self, T: float, modes: Complex) -> Complex:
-        """The modes of Y1_T but for the terms with constant coefficients."""
+    def _varying(self, T: float, modes: Complex) -> Array:
+        """Y1_T but for the terms with constant coefficients."""
         jets = self._jets(T)
         total = self._further(jets)
         for count, slope in enumerate(self._flow.variation(jets)):
             rest = slope - self._constant.get(count, 0.0)
             if np.any(rest):
                 total = total + rest * self._space.values(modes, count)
-        return self._kept(total)
+        return np.asarray(total)
 
-    def _kept(self, values: Array) -> Complex:
-        """The modes of a function that are kept; what is dropped is noted."""
-        modes = np.abs(np.fft.rfft(values))
-        share = float(np.max(modes[self._space.k.size :]) / max(float(np.max(modes)), TINY))
+    def _note(self, T: float, modes: Complex) -> None:
+        """How much of the modes of Y1_T is dropped."""
+        found = np.abs(np.fft.rfft(self._varying(T, modes)))
+        share = float(np.max(found[self._space.k.size :]) / max(float(np.max(found)), TINY))
         self._dropped = max(self._dropped, share)
-        return self._space.modes(values)
 
 
 TINY = 1e-300

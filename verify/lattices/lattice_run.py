@@ -244,7 +244,8 @@ def run_lattice_scene(
 
 def _track(run: LatticeRun, record: RingRecord, engine: RingRuns) -> PulseTrack:
     wave = zip(run.cells, run.theory[:, 0] - run.background[:, 0], strict=True)
-    track = pulse_track(record.metered, engine.metered, [crest(*at) for at in wave])
+    before = engine.metered_before(record)
+    track = pulse_track(record.metered, before, [crest(*at) for at in wave])
     speed = engine.wave.effective_speed
     told = {} if math.isnan(speed) else {"effective_speed": speed}
     return replace(track, numbers={**track.numbers, **told})

@@ -25,7 +25,7 @@ CLOSED = 1e-9
 class Pulse(NamedTuple):
     """What is left of a wave at a time.
 
-    ``peak``: the largest force of the first bond; ``place`` of it, a cell; ``energy`` about it and
+    ``peak``: the largest force of a bond; ``place`` of it, a cell; ``energy`` about it and
     ``whole``, that of the ring, nan where a ring of strains does not close.
     """
 
@@ -77,8 +77,9 @@ class PulseMeter:
         return self._lattice.energies(f, v, missing / float(np.sum(self._masses)))
 
     def _crest(self, f: Array, places: slice) -> tuple[float, float]:
-        rest = float(self._lattice.bonds[0].force(np.array(0.0)))
-        return crest(self._cells[places], self._lattice.forces(f)[0][places] - rest)
+        pairs = zip(self._lattice.bonds, self._lattice.forces(f), strict=True)
+        forces = [force[places] - float(bond.force(np.array(0.0))) for bond, force in pairs]
+        return crest(self._cells[places], np.max(np.abs(forces), axis=0))
 
 
 @dataclass(frozen=True)
@@ -93,20 +94,15 @@ class PulseTrack:
     numbers: Mapping[str, float]
 
 
-def pulse_track(
-    found: Array, others: Sequence[Array], theory: Sequence[tuple[float, float]]
-) -> PulseTrack:
+def pulse_track(found: Array, before: Array, theory: Sequence[tuple[float, float]]) -> PulseTrack:
     """The track of ``found``, (times, numbers) as `PulseMeter` gives them.
 
-    ``others`` are those of all runs, with which ``found`` is compared; ``theory`` holds the wave's
-    crests at the times.
+    ``before`` are those of the run that ``found`` controls; ``theory`` holds the wave's crests at
+    the times.
     """
-    runs = [_told(run, theory) for run in others if run.shape == found.shape]
-    told = _told(found, theory)
+    told, other = _told(found, theory), _told(before, theory)
     apart = {
-        f"{name}_error": SAFETY
-        * np.max([np.abs(run[name] - values) for run in runs], axis=0, initial=0.0)
-        for name, values in told.items()
+        f"{name}_error": SAFETY * np.abs(other[name] - values) for name, values in told.items()
     }
     last = {f"last_{name}": float(values[-1]) for name, values in told.items()}
     return PulseTrack(told | apart, last)
@@ -117,9 +113,9 @@ def _told(run: Array, theory: Sequence[tuple[float, float]]) -> dict[str, Array]
     peak, place, energy, whole = run.T
     with np.errstate(all="ignore"):
         return {
-            "peak": peak / peak[0],
+            "peak": peak / (peak[0] or np.nan),
             "delay": (moved - moved[0]) - (place - place[0]),
-            "energy": energy / whole[0],
+            "energy": energy / (whole[0] or np.nan),
         }
 
 

@@ -21,7 +21,7 @@ CELL_SECONDS = 5e-6
 """To form the data of a cell in all runs: 1e-6 to 2e-5, by the wave."""
 
 SECONDS_PER_FIELD = {1: 2e-10, 2: 2e-9}
-"""To advance a field of a cell by a stage, by the number of axes."""
+"""To advance a field of a cell by a stage, by the number of axes; what deviates is a field, too."""
 
 SECONDS_PER_ROOT = 4.5e-10
 """For a root or a quotient in a force."""
@@ -54,7 +54,8 @@ def cell_seconds(lattice: NumericLattice) -> float:
     """
     each = SECONDS_PER_FIELD[min(lattice.dimension, 2)]
     forces = sum(_force_seconds(bond.force) for bond in lattice.bonds)
-    return each * len(lattice.fields) + forces
+    resting = lattice.cellwise[2].shape[0]
+    return each * (len(lattice.fields) + resting) + forces
 
 
 def _force_seconds(force: ForceProgram) -> float:

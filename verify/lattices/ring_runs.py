@@ -182,7 +182,7 @@ class RingRuns(StepSearch):
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
         sites = sites_of(compared.ring(self.times, self.signals, 0))
-        self.metered: list[Array] = []
+        self._metered: dict[float, Array] = {}
         self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
 
@@ -214,17 +214,18 @@ class RingRuns(StepSearch):
                 march.metered.append(np.array(meter(march.f, march.v, places[0])))
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
         measured, steps = march.measured, march.steps
-        self.metered.append(np.array(march.metered))
+        metered = np.array(march.metered)
+        if not choices.nudged:
+            self._metered[choices.step] = metered
         energies = energy, _energy(ring, march.f, march.v)
         if march.metered:
             energies = float(march.metered[0][-1]), float(march.metered[-1][-1])
-        record = RingRecord(
-            measured, energies, sites_of(ends), choices.step, steps, self.metered[-1]
-        )
+        record = RingRecord(measured, energies, sites_of(ends), choices.step, steps, metered)
         values = np.array(measured)
         largest = float(np.max(np.abs(ring.f))) / self.wave.scale
         evaluations = steps * SCHEME.stages
-        limit = GROWTH * self._least / self.wave.scale
+        whole = float(np.max(np.abs(self.wave.measured(ring.f, ring.mean_strain))))
+        limit = GROWTH * max(self._least, whole) / self.wave.scale
         sound = len(measured) == len(self.times) and bool(np.all(np.abs(values) <= limit))
         return Trial(
             choices,
@@ -234,6 +235,13 @@ class RingRuns(StepSearch):
             rounding_error(largest, evaluations),
             record,
         )
+
+    def metered_before(self, record: RingRecord) -> Array:
+        """What the meter gave in the run with the next longer step; nan where there is none."""
+        longer = [step for step in self._metered if step > record.step]
+        found = self._metered[min(longer)] if longer else np.empty(0)
+        fits = found.shape == record.metered.shape
+        return found if fits else np.full_like(record.metered, np.nan)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
         """A shorter step on a wider ring."""

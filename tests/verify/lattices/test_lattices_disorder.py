@@ -10,10 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sympy import Rational
 
+from derive import LATTICES
+from derive.algebra.exact_numbers import exact
+from lattice.disordered_lattice import disordered
+from lattice.numeric_lattice import numeric_lattice
 from runs.run_store import RunStore
 from verify.comparison.scene_fields import scene_fields
-from verify.lattices.disordered_wave import DisorderedWave
+from verify.lattices.disordered_wave import DisorderedWave, variation_of
 from verify.lattices.lattice_derivation import lattice_wave
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
@@ -65,6 +70,18 @@ def test_springs_delay_by_the_speed_of_the_effective_medium() -> None:
     assert abs(delays.mean() - expected) < 3.0 * delays.std(ddof=1) / len(runs) ** 0.5 + 0.5
 
 
+@pytest.mark.parametrize("of", ["mass", "K2"])
+def test_what_is_measured_is_within_its_error(of: str) -> None:
+    rough, fine = run(0.3, of, tolerance=1e-2).pulse, run(0.3, of, tolerance=1e-7).pulse
+    assert rough is not None
+    assert fine is not None
+    for name in ("peak", "delay", "energy"):
+        apart = np.abs(rough.columns[name] - fine.columns[name])
+        allowed = rough.columns[f"{name}_error"] + fine.columns[f"{name}_error"]
+        assert np.all(apart <= allowed)
+        assert allowed[-1] > 0.0
+
+
 def test_no_spread_has_the_bits_of_no_disorder() -> None:
     ordered = run_lattice_scene(LatticeScene.of(**SOLITON))
     still = run(0.0, "K2")
@@ -92,6 +109,20 @@ def test_a_wider_ring_is_the_same_lattice() -> None:
     np.testing.assert_array_equal(deviations[0], deviations[1][31:-31])
     assert np.flatnonzero(deviations[0]).tolist() == list(range(20, 121))
     assert np.abs(deviations[0]).max() <= 0.1
+
+
+def test_a_constant_deviates_in_every_bond_that_has_it_and_nothing_else_does() -> None:
+    constants = {"K2": 4, "K3": Rational(1, 2), "K4": 3, "L2": 1, "L3": 0, "L4": 0}
+    x = np.array([0.1, 0.2, 0.3])
+    d = Disorder("K2", 0.3, seed=1).deviations(np.arange(3))
+    symbolic = LATTICES["next_nearest"]
+    values = {name: exact(name, value) for name, value in constants.items()}
+    ordered = numeric_lattice(symbolic, values)
+    variation = variation_of(Disorder("K2", 0.3, seed=1), symbolic, values, ordered)
+    chain = disordered(ordered, variation, [d])
+    near, far = chain.slopes([x, x])
+    np.testing.assert_allclose(near, 4.0 * (1.0 + d) + x + 9.0 * x**2, rtol=1e-14)
+    np.testing.assert_allclose(far, 1.0, rtol=1e-14)
 
 
 def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:

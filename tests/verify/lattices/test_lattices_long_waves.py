@@ -12,13 +12,17 @@ from derive import LATTICES, Scaling, SlowVariable, reduce
 from derive.symbols import c
 from lattice.numeric_lattice import numeric_lattice
 from solutions import Wave, closed_form
+from verify.lattices import first_correction
 from verify.lattices.computed_soliton import ComputedSoliton
 from verify.lattices.convergence import error_at, fitted_rate
 from verify.lattices.fourier_interval import FourierInterval
 from verify.lattices.jet_polynomial import JetPolynomial
+from verify.lattices.lattice_derivation import derivation, lattice_wave
+from verify.lattices.lattice_run import lattice_times
 from verify.lattices.line_chain import LineChain
 from verify.lattices.long_wave_data import LongWaveData, wave_ends
 from verify.lattices.rate_cases import RATE_CASES
+from verify.studies.soak_scenes import soak_scene
 
 FAST = {"1": "leading", "2": "leading", "4b": "leading", "5e": "leading", "6c": "slaved"}
 """Cases that are measured whenever the tests are run, at two eps."""
@@ -73,6 +77,19 @@ def test_a_narrow_wave_is_sampled_finely_and_one_too_narrow_refused() -> None:
     data.start(0.0)
     with pytest.raises(ValueError, match="interval must be shorter"):
         data.strain(np.arange(3.0), 1.0)
+
+
+@pytest.mark.parametrize("index", [108, 798])
+def test_what_a_step_tries_says_nothing_of_the_waves_modes(
+    index: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that is refused has modes of any size; 6144 points were taken for them, and a minute."""
+    monkeypatch.setattr(first_correction, "MOST_POINTS", first_correction.POINTS)
+    scene = soak_scene(1, index)
+    wave = lattice_wave(scene)
+    times = lattice_times(scene, derivation(scene).slow)
+    wave.start(times[0])
+    assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
 
 
 def residual(data: LongWaveData, t: float) -> float:
