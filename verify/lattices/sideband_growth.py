@@ -143,7 +143,10 @@ class SidebandGrowth:
             seen = "grows all the same" if self.grows else "no growth is seen"
             return f"{found}, theory 0: the plane wave is stable ({why}), and {seen}"
         if not self.grows:
-            return f"{found}, theory {self.theory:.4g}: no growth is told from this error"
+            return (
+                f"{found}, theory {self.theory:.4g}: no growth is told from its error (what is "
+                "measured is on no line: other waves may grow, too)"
+            )
         percent = 100 * (self.measured / self.theory - 1)
         return f"{found}, theory {self.theory:.4g}: off by {percent:.2g} %"
 
@@ -210,11 +213,7 @@ def measure_growth(
     engine = SidebandRuns(plan, scene)
     announce = announce or (lambda _: None)
     announce(engine.expected.seconds)
-    unit = plan.wave.largest_growth
-    steepest = LEVER / (float(np.ptp(plan.moments)) * scene.eps**2)
-    found = refine(
-        engine, scene.tolerance * unit / steepest, progress or (lambda _: None), announce
-    )
+    found = refine(engine, scene.tolerance, progress or (lambda _: None), announce)
     if math.isinf(found.error) or found.trial.values is None:
         raise ValueError(
             f"amplitude must leave a plane wave that lasts, got one on {scene.lattice} that blows "
@@ -231,7 +230,8 @@ def measure_growth(
         "seconds": found.trial.seconds,
         "planning_seconds": whole - found.trial.seconds,
     }
-    return SidebandGrowth(scene, plan, np.exp(found.trial.values), steepest * found.error, cost)
+    run_error = found.error * plan.wave.largest_growth
+    return SidebandGrowth(scene, plan, np.exp(found.trial.values / engine.scale), run_error, cost)
 
 
 def growth_plan(scene: LatticeScene) -> GrowthPlan:
@@ -301,12 +301,16 @@ def expected_growth_cost(plan: GrowthPlan, fastest: float | None = None) -> Expe
 
 
 class SidebandRuns(StepSearch):
-    """Runs of a ring, for `lattice.refine` to judge: the step is varied, values are logarithms of
-    the sizes at the moments.
+    """Runs of a ring, for `lattice.refine` to judge: only the step is varied.
+
+    Values are the logarithms of the sizes at the moments, times a ``scale``: what these are off, a
+    growth rate is at most, in units of the largest in theory.
     """
 
     def __init__(self, plan: GrowthPlan, scene: LatticeScene) -> None:
         self.plan = plan
+        span = float(np.ptp(plan.moments)) * scene.eps**2
+        self.scale = LEVER / span / plan.wave.largest_growth
         omega = plan.data.carrier.omega
         places = (np.arange(SAMPLES) - (SAMPLES - 1) / 2) / SAMPLES
         samples = np.add.outer(plan.moments, places * 2 * np.pi / omega)
@@ -339,10 +343,10 @@ class SidebandRuns(StepSearch):
             march.measured.append(self._sidebands(march, t))
             progress(t / self._times[-1])
         evaluations = march.steps * SCHEME.stages
-        rounding = rounding_error(1.0 / SIZE, evaluations)
+        rounding = self.scale * rounding_error(1.0 / SIZE, evaluations)
         done = len(march.measured) == self._times.size
         sound = done and self._largest(march.f) <= GROWTH * self._least
-        values = self._logarithms(np.array(march.measured)) if sound else None
+        values = self.scale * self._logarithms(np.array(march.measured)) if sound else None
         seconds = perf_counter() - loop.begun
         return Trial(choices, values, self.work(choices), seconds, rounding, march.steps)
 
