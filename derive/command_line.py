@@ -36,6 +36,7 @@ __all__ = [
     "duration",
     "example",
     "fail",
+    "force_option",
     "interrupted",
     "json_option",
     "limit_options",
@@ -57,6 +58,9 @@ _WORDS = "longwave.words"
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
+force_option = click.option(
+    "--force", is_flag=True, help="Overwrite what is written, if it is there."
+)
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 
