@@ -27,10 +27,10 @@ $(DOCS_STAMP): pyproject.toml tools/bootstrap.sh
 	@sh tools/bootstrap.sh $@ docs
 
 report: $(STAMP)
-	@$(PY) -m reports --output reports/build
+	@$(PY) -m reports --force --output reports/build
 
 report-full: $(STAMP)
-	@$(PY) -m reports --full --output reports/build
+	@$(PY) -m reports --force --full --output reports/build
 
 bench: $(STAMP)
 	@$(PY) -m reports.bench --output reports/build/bench

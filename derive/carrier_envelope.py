@@ -241,6 +241,13 @@ class Envelope(Displayed):
         found: dict[str, mpmath.mpc] = {"omega": point["w"].imag}
         for name, element in self.parts.items():
             value = evaluated(element, point)
+            if value is None and name in ("v", "p"):
+                first = self.lattice.fields[0]
+                raise EnvelopeError(
+                    f"k must have a carrier that moves {first}, got "
+                    f"{mpmath.nstr(point['angle'], 8)}, where {first} is at rest in this branch or "
+                    f"two branches meet (list the field first that moves, or take another k)"
+                )
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
             found[name] = value / 1j if name in TURNED else value

@@ -37,6 +37,7 @@ __all__ = [
     "duration",
     "example",
     "fail",
+    "force_option",
     "interrupted",
     "json_option",
     "limit_options",
@@ -58,6 +59,9 @@ _WORDS = "longwave.words"
 
 Wrapped = TypeVar("Wrapped", bound=Callable[..., Any])
 
+force_option = click.option(
+    "--force", is_flag=True, help="Overwrite what is written, if it is there."
+)
 json_option = click.option("--json", "json_wanted", is_flag=True, help="Print JSON.")
 
 

@@ -235,7 +235,9 @@ def _clock(times: Array, errors: Array) -> list[str]:
     return [f"$t = {t:.{digits}f}$\n{error}" for t, error in zip(times, told, strict=True)]
 
 
-def draw_film(source: str, output: str | None, options: dict[str, Any], program: str) -> int:
+def draw_film(
+    source: str, output: str | None, options: dict[str, Any], program: str, force: bool = False
+) -> int:
     """Write the film and print its path; return the exit status: 0, 2 for wrong input, 130.
 
     Without ``output`` it is an MP4 in the working folder, or a GIF where there is no ffmpeg.
@@ -243,7 +245,7 @@ def draw_film(source: str, output: str | None, options: dict[str, Any], program:
     path = output or default_output(source, ".mp4" if has_ffmpeg() else ".gif")
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
-        check_output(path, "run.gif")
+        check_output(path, "run.gif", force=force)
         with progress_bar(Path(source).name, f"film of {Path(source).name}", errors) as (bar, tell):
             count = animate(source, path, **options, progress=bar, announce=Announcer(tell))
     except KeyboardInterrupt:

@@ -14,6 +14,7 @@ from derive.command_line import (
     Words,
     called_by,
     example,
+    force_option,
     json_option,
     limit_options,
     limits_of_each,
@@ -89,8 +90,9 @@ for word in (derive, prove, verify, run, sweep):
 )
 @click.option("--variable", metavar="NAME", default="error", help="Of a sweep: what is drawn.")
 @click.option("--at", metavar="NAME=VALUE", multiple=True, help="Of a sweep: draw these cells.")
+@force_option
 @limit_options
-def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[str, ...]) -> int:
+def plot(source: str, output: str | None, force: bool, **words: Any) -> int:
     """Draw a run or a sweep, or run a scene and draw it.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, a scene's TOML file or the name
@@ -101,7 +103,7 @@ def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[st
     """
     from longwave.plotting import PlotWords, draw
 
-    return draw(source, output, PlotWords(kind, variable, at), called_by())
+    return draw(source, output, PlotWords(**words), called_by(), force)
 
 
 @longwave.command(epilog=example("longwave animate rational_3_eps_0.05 --times -2000 2000"))
@@ -116,8 +118,9 @@ def plot(source: str, output: str | None, kind: str, variable: str, at: tuple[st
 @click.option("--fps", type=float, default=25.0, show_default=True, help="Frames a second.")
 @click.option("--dpi", type=float, default=110.0, show_default=True, help="Pixels an inch.")
 @click.option("--times", type=float, nargs=2, metavar="T1 T2", help="Show these lattice times.")
+@force_option
 @limit_options
-def animate(source: str, output: str | None, **options: Any) -> int:
+def animate(source: str, output: str | None, force: bool, **options: Any) -> int:
     """Make a film of a run, or of a scene.
 
     SOURCE is a run written by `longwave run SCENE --output run.nc`, whose snapshots are the frames,
@@ -126,7 +129,7 @@ def animate(source: str, output: str | None, **options: Any) -> int:
     """
     from longwave.animation import draw_film
 
-    return draw_film(source, output, options, called_by())
+    return draw_film(source, output, options, called_by(), force)
 
 
 longwave.add_command(report)
@@ -137,20 +140,19 @@ longwave.add_command(report)
 @click.option("--eps", metavar="E1,E2,...", help="Values of eps; 2, 1.4, 1, 0.7 times the scene's.")
 @click.option("--tolerance", type=float, metavar="X", help="In the place of the scene's.")
 @click.option("--output", metavar="FILE", type=click.Path(), help="Draw it: PNG, PDF or SVG.")
+@force_option
 @json_option
 @limit_options
-def converge(
-    scene: str, eps: str | None, tolerance: float | None, output: str | None, json_wanted: bool
-) -> int:
+def converge(**options: Any) -> int:
     """Run a scene at several eps and fit its rate.
 
     SCENE is a TOML file that names a lattice, or a shipped scene of one (`longwave list
     lattice-scenes`). Slow times and the compared range of X stay what they are. The error of each
     run stands beside its own.
     """
-    from longwave.lattice_plotting import converge_and_draw
+    from longwave.lattice_plotting import ConvergeOptions, converge_and_draw
 
-    return converge_and_draw(scene, eps, tolerance, output, json_wanted, called_by())
+    return converge_and_draw(ConvergeOptions(**options), called_by())
 
 
 @longwave.command(epilog=example("longwave explore --no-browser --port 5006"))

@@ -21,6 +21,12 @@ Array = NDArray[np.float64]
 CARRIER = "envelope.k"
 """The field over which rates are drawn."""
 
+NEEDED = (
+    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k"),
+    "perturbation_kappa",
+)
+"""What a picture is made of, beside the cells' status."""
+
 MOST_ROWS = 6
 """Lattices in a picture."""
 
@@ -60,13 +66,18 @@ def growth_panels(data: xr.Dataset, most_curves: int) -> Sequence[GrowthPanel]:
 def _carrier_dimension(data: xr.Dataset) -> str:
     fields = {str(n): data[n].attrs.get("field") for n in data.coords if data[n].ndim == 1}
     found = [name for name, field in fields.items() if field == CARRIER]
-    if "growth_rate" not in data or not found:
+    if not found or not all(_is_number_of_cells(data, name) for name in NEEDED):
         swept = ", ".join(map(str, fields.values())) or "nothing"
         raise ValueError(
             f"growth_map must be of growth rates over {CARRIER}, got a sweep over {swept} (a scene "
             'with wave = "perturbed_plane", and its k in [grid])'
         )
     return str(data[found[0]].dims[0])
+
+
+def _is_number_of_cells(data: xr.Dataset, name: str) -> bool:
+    """Whether a data set, which may be any file's, has that number of each cell."""
+    return name in data and data[name].dims == data["status"].dims and data[name].dtype.kind == "f"
 
 
 def _is_discrete(data: xr.Dataset, name: str) -> bool:

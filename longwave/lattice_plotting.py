@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,20 +42,25 @@ def convergence_figure(study: SceneConvergence) -> Figure:
     return figure
 
 
-def converge_and_draw(
-    source: str,
-    eps: str | None,
-    tolerance: float | None,
-    output: str | None,
-    json_wanted: bool,
-    program: str,
-) -> int:
+@dataclass(frozen=True)
+class ConvergeOptions:
+    """Which scene, at which eps, to which tolerance; where it is drawn and how it is printed."""
+
+    scene: str = ""
+    eps: str | None = None
+    tolerance: float | None = None
+    output: str | None = None
+    force: bool = False
+    json_wanted: bool = False
+
+
+def converge_and_draw(options: ConvergeOptions, program: str) -> int:
     """Run, print, and draw if asked; return the exit status: 0, 2 for wrong input, 130."""
     try:
-        check_output(output, "rate.png")
-        path = None if output is None else picture_path(output)
-        study = measured_convergence(source, eps, tolerance)
-        print_convergence(study, json_wanted)
+        check_output(options.output, "rate.png", force=options.force)
+        path = None if options.output is None else picture_path(options.output)
+        study = measured_convergence(options.scene, options.eps, options.tolerance)
+        print_convergence(study, options.json_wanted)
         if path is not None:
             with styled():
                 save(convergence_figure(study), path)

@@ -396,7 +396,9 @@ class PlotWords:
         return found
 
 
-def draw(source: str, output: str | None, words: PlotWords, program: str) -> int:
+def draw(
+    source: str, output: str | None, words: PlotWords, program: str, force: bool = False
+) -> int:
     """Draw and print the picture's path; return the exit status.
 
     0, 2 for wrong input, 130 after Ctrl-C, which ``program`` tells: what was run is drawn.
@@ -404,7 +406,7 @@ def draw(source: str, output: str | None, words: PlotWords, program: str) -> int
     path = default_output(source) if output is None else output
     errors = plain_console(stderr=True, soft_wrap=True)
     try:
-        check_output(path, "run.png")
+        check_output(path, "run.png", force=force)
         chosen = words.choice
         with progress_bar(Path(source).name, source, errors) as (advance, tell):
             plot(source, path, words.kind, advance, Announcer(tell), chosen, words.variable)

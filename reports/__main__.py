@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from derive.command_line import called_by, example, limit_options, run_words
+from derive.command_line import called_by, example, force_option, limit_options, run_words
 
 FOLDER = "longwave-report"
 """Where the report is written: in the working folder, not where the package is."""
@@ -21,18 +21,19 @@ FOLDER = "longwave-report"
     default=FOLDER,
     help=f"Where it is written (default {FOLDER}).",
 )
+@force_option
 @click.option("--full", is_flag=True, help="Take the long scenes and the full studies as well.")
 @click.option("--workers", type=int, metavar="N", help="Processes to use (default all cores).")
 @limit_options
-def report(output: Path, full: bool, workers: int | None) -> int:
+def report(output: Path, force: bool, full: bool, workers: int | None) -> int:
     """Derive, check and run everything, and write it as a PDF.
 
     It goes to the folder longwave-report in the working folder.
     """
-    from reports.build import write_report
+    from reports.build import ReportOptions, write_report
 
     processes = os.cpu_count() or 1 if workers is None else workers
-    return write_report(output, full, processes, called_by())
+    return write_report(ReportOptions(output, force, full, processes), called_by())
 
 
 def main(argv: Sequence[str] | None = None) -> int:

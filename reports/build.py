@@ -34,7 +34,7 @@ from reports.lattice_chapter import (
 from reports.paper import SOURCES
 from reports.sections import costs, literature, other_lattices, runs, theory
 from solutions.catalogue import CATALOGUE, closed_form
-from verify.cli.console import plain_console
+from verify.cli.console import check_output, plain_console
 from verify.comparison import Scene
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import check_residual
@@ -312,19 +312,39 @@ def write_source(found: Findings, folder: Path, full: bool, wrote: Callable[[], 
     return write(folder / SOURCE, source(content, found.evidence.scenes, full))
 
 
-def write_report(output: Path, full: bool, workers: int, program: str) -> int:
+@dataclass(frozen=True)
+class ReportOptions:
+    """The folder of a report, whether an older one is overwritten, what it holds, processes."""
+
+    output: Path
+    force: bool = False
+    full: bool = False
+    workers: int = 1
+
+    def check(self) -> None:
+        """Raise ValueError, before anything is computed, if it cannot or may not be written."""
+        if self.workers < 1:
+            raise ValueError(f"workers must be at least 1, got {self.workers} (2 is usual)")
+        if not self.force and (self.output / SOURCE).exists():
+            raise ValueError(
+                f"--output must name a folder without a report, got {self.output}, which has one "
+                "(--force overwrites it)"
+            )
+        self.output.mkdir(parents=True, exist_ok=True)
+        check_output(str(self.output / SOURCE), force=True)
+
+
+def write_report(options: ReportOptions, program: str) -> int:
     """Build the report in a folder; ``program`` is what Ctrl-C is told by.
 
     Returns 0, 1 if a check, a run or LaTeX failed, 2 for bad input, 130 after Ctrl-C.
     """
-    console = plain_console()
+    console, output = plain_console(), options.output
     try:
-        if workers < 1:
-            raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
+        options.check()
         missing = _missing_engine(console)
-        output.mkdir(parents=True, exist_ok=True)
         will_keep(f"what was written is in {shown(output)}")
-        tex, sound = build(output, full, workers, console)
+        tex, sound = build(output, options.full, options.workers, console)
         if missing:
             return 1
         pdf = compile_pdf(tex)

@@ -223,7 +223,7 @@ class _March:
                 raise
             raise ValueError(
                 f"workers must run cells, got {type(error).__name__}: {one_line(error)[:200]} "
-                "(each needs the longwave of this machine, as a scheduler does)"
+                "(a cluster needs its scheduler, and everywhere the longwave of this machine)"
             ) from error
         if alone:
             self.suspects.popleft()

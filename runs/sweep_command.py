@@ -58,13 +58,13 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
         errors = plain_console(stderr=True, soft_wrap=True)
         with store_told(), progress_bar("reading", "reading the sweep", errors):
             sweep = load_sweep(options.sweep)
+            told.cells = len(sweep)
             output = options.output or f"{sweep.name}.nc"
             check_run_output(output, force=True)
             _check_overwriting(sweep, Path(output), options.force)
             store = RunStore(Path(options.store or f"{sweep.name}.store"))
             settled = settled_keys(store)
             expected = expected_sweep_cost(sweep, store, settled)
-        told.cells = len(sweep)
         with store_told():
             with sweep_workers(options.processes, options.scheduler) as workers:
                 told.workers = workers.count

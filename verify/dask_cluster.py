@@ -1,5 +1,6 @@
 """A Dask cluster by the address of its scheduler; `dask.distributed` comes with an extra."""
 
+import logging
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,8 @@ def connect(address: str, needed: str) -> "Client":
             f"--scheduler must be the address of a Dask scheduler that answers within "
             f"{CONNECTING:g} s, got {address[:100]}: {why} (such as tcp://127.0.0.1:8786)"
         ) from None
+    for name in ("client", "utils"):  # where a lost scheduler is a traceback, which callers tell
+        logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)
     for worker, found in client.run(resolve_name, needed, on_error="return").items():
         if isinstance(found, Exception):
             client.close()

@@ -95,7 +95,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["prove", "kink", "--certificate", "x"], "must be given, got both"),
         (["prove", "--certificate", "x", "--output", "y"], "--output must not be given with"),
         (["prove", "peakon"], "'peakon' (one of rational_1, "),
-        (["prove", "kink", "--output", "/nowhere/x"], "No such file or directory"),
+        (["prove", "kink", "--output", "/nowhere/x"], "must lie in an existing folder"),
         (["prove", "--certificate", "/nowhere/x"], "/nowhere/x: No such file or directory"),
         (["verify", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "--digits", "30,x"], "digits must be integers with commas between"),
@@ -171,7 +171,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         (("kink",), False, "longwave verify mutations"),
         (("kink",), 2, None, True, "longwave verify accuracy"),
         (RunOptions("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
-        (Path("there"), True, 3, "longwave report"),
+        (reports.build.ReportOptions(Path("there"), False, True, 3), "longwave report"),
     ]
 
 

@@ -58,6 +58,17 @@ def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(build, "compile_pdf", lambda tex: tex.with_suffix(".pdf"))
 
 
+def test_an_older_report_is_overwritten_if_that_is_asked_for(
+    without_work: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "longwave.tex").write_text("older")
+    assert main(["--output", str(tmp_path)]) == 2
+    assert "which has one (--force overwrites it)" in capsys.readouterr().err
+    assert (tmp_path / "longwave.tex").read_text() == "older"
+    assert main(["--output", str(tmp_path), "--force"]) == 0
+    assert (tmp_path / "longwave.tex").read_text() == "source"
+
+
 def test_it_ends_with_the_path(
     without_work: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -109,6 +120,6 @@ def test_bad_workers_are_one_line(capsys: pytest.CaptureFixture[str], tmp_path: 
 
 def test_it_is_written_into_the_working_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     folders: list[Path] = []
-    monkeypatch.setattr(build, "write_report", lambda output, *_: folders.append(output))
+    monkeypatch.setattr(build, "write_report", lambda options, *_: folders.append(options.output))
     assert main([]) == 0
     assert folders == [Path("longwave-report")]

@@ -110,6 +110,19 @@ VALUES = st.recursive(
 )
 
 
+DISORDERS = st.fixed_dictionaries(
+    {
+        "of": TEXTS,
+        "spread": st.just(0.0) | st.floats(1e-40, 1, exclude_max=True),
+        "seed": st.integers(0, 2**63 - 1),
+    },
+    optional={
+        "distribution": st.sampled_from(["uniform", "binary"]),
+        "sites": st.tuples(st.integers(-(2**53), 0), st.integers(0, 2**53)),
+    },
+)
+
+
 @st.composite
 def lattice_scenes(draw: st.DrawFn) -> LatticeScene:
     """Scenes on any lattice, from the catalogue or declared, whatever they may say."""
@@ -124,6 +137,8 @@ def lattice_scenes(draw: st.DrawFn) -> LatticeScene:
     if not scene.is_envelope:
         changes["amplitude"] = draw(st.none() | st.integers(0, 8))
         changes["background"] = draw(NUMBERS | TEXTS.filter(bool) | st.just(0))
+    if not scene.is_growth and draw(st.booleans()):
+        changes["disorder"] = draw(DISORDERS)
     if draw(st.booleans()):
         declared = {"fields": ["u"]} | draw(st.dictionaries(TEXTS, VALUES, max_size=3))
         changes |= {"lattice": draw(TEXTS), "declared": json.dumps(declared)}

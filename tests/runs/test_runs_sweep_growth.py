@@ -112,6 +112,9 @@ def test_growth_is_drawn_where_it_is_and_refused_elsewhere(
     assert growth_panels(data.isel(case=0, eps=0), 8)[0].curves[0].label == ""
     with pytest.raises(ValueError, match="growth_map must be of growth rates over envelope"):
         plot(data.isel(k=1), kind="growth_map")
+    for lost in (data.drop_vars("growth_rate_error"), data.assign(carrier_k=data.k)):
+        with pytest.raises(ValueError, match="growth_map must be of growth rates over envelope"):
+            plot(lost, kind="growth_map")
     with pytest.raises(ValueError, match="eps must have at most 1 values beside k, got 2"):
         growth_panels(data, 1)
 

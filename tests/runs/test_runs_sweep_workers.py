@@ -183,6 +183,20 @@ def test_workers_that_do_not_see_the_store_send_what_they_did(
 
 
 @pytest.mark.slow
+def test_a_scheduler_that_is_lost_ends_the_sweep_in_a_line(scheduler: str, tmp_path: Path) -> None:
+    def shut(_: SweepState) -> None:
+        with Client(scheduler, set_as_default=False) as client:
+            client.shutdown()
+
+    from distributed import Client
+
+    told = pytest.raises(ValueError, match=r"^workers must run cells, .* \(a cluster needs its")
+    with dask_worker(scheduler), sweep_workers(None, scheduler) as workers, told:
+        run_sweep(soliton_sweep(24), RunStore(tmp_path), workers, shut)
+    assert list((tmp_path / "packs").iterdir())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("has_longwave", [True, False])
 def test_workers_of_another_longwave_or_none_are_refused(
     has_longwave: bool, scheduler: str, tmp_path: Path

@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 
 from derive.command_line import fail, one_line
 from derive.user_files import QUOTED, read_text, shown_path
-from verify.cli.exporting import check_written, write_scripts
+from verify.cli.exporting import Scripts
 from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
 from verify.proof.checker.limits import FILE_BYTES
@@ -29,18 +29,18 @@ CERTIFICATES = 100
 
 
 def print_certificates(
-    path: Path, json_wanted: bool = False, scripts: tuple[Path, str] | None = None
+    path: Path, json_wanted: bool = False, scripts: Scripts | None = None
 ) -> int:
     """Check every certificate of a file: what it states and "accepted", 1 at the first failure.
 
     As JSON a list of the accepted, name and statement. 2 if the file cannot be read at all.
-    ``scripts`` is a file to write and the system that reads it, if all are accepted.
+    ``scripts`` are written if all are accepted.
     """
     accepted: list[dict[str, str]] = []
     status = 0
     try:
         if scripts is not None:
-            check_written(scripts[0], [path])
+            scripts.check()
     except ValueError as error:
         return fail(error)
     try:
@@ -51,9 +51,9 @@ def print_certificates(
             if not json_wanted:
                 print(lines_of(record))
         if scripts is not None:
-            write_scripts(scripts[0], certificates, scripts[1])
+            scripts.write(certificates)
     except OSError as error:
-        if scripts is not None and error.filename == str(scripts[0]):
+        if scripts is not None and error.filename == scripts.output:
             return fail(error)
         return fail(
             f"FILE must be readable, got {shown_path(path)}: {error.strerror} "

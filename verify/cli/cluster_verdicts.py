@@ -45,6 +45,9 @@ def decided_on_cluster(
             except KilledWorker:
                 why = "the cluster lost several workers that were to decide it"
                 yield place, undecided(problems[place].statement, why)
+            except Exception as error:  # its scheduler is lost, say; what is decided is told
+                why = f"the cluster ended before it was decided ({type(error).__name__})"
+                yield place, undecided(problems[place].statement, why)
     finally:
         client.close()
 

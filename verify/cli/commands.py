@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from derive.command_line import Words, called_by, example, json_option, limit_options
+from derive.command_line import Words, called_by, example, force_option, json_option, limit_options
 
 METHODS = ("proof", "residual")
 ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
@@ -70,6 +70,7 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex", "schedul
     type=click.Choice(ALGEBRA_SYSTEMS),
     help="Write scripts to --output in place of certificates.",
 )
+@force_option
 @json_option
 @limit_options
 def prove(names: tuple[str, ...], **options: Any) -> int:
@@ -135,13 +136,16 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
         from verify.cli.verdicts import VerdictOptions, print_verdicts
 
         chosen = tuple(dict.fromkeys(names))
-        verdicts = VerdictOptions(chosen, options["json_wanted"], output, system=system)
+        verdicts = VerdictOptions(
+            chosen, options["json_wanted"], output, system=system, force=options["force"]
+        )
         return print_verdicts(verdicts, called_by())
     if output is not None and system is None:
         raise click.UsageError("--output must not be given with --certificate, got both")
     from verify.cli.certificates import print_certificates
+    from verify.cli.exporting import Scripts
 
-    scripts = None if system is None else (Path(output), system)
+    scripts = None if system is None else Scripts(output, system, options["force"])
     return print_certificates(Path(certificate), options["json_wanted"], scripts)
 
 
@@ -154,6 +158,7 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
 @_only
 @click.option("--json", "json_wanted", is_flag=True, help="Print the verdicts as JSON.")
 @click.option("--certificate", metavar="FILE", type=click.Path(), help="Write the certificates.")
+@force_option
 @click.option("--stable", is_flag=True, help="Prove instead that evaluation form = canonical form.")
 @click.option("--method", type=click.Choice(METHODS), help="A residual is evidence, no proof.")
 @click.option("--digits", metavar="D1,D2,...", help="Increasing precisions of the residual.")

@@ -75,45 +75,50 @@ class PlainConsole(Console):
 
 
 def check_output(
-    text: str | None, example: str = "run.nc", *, suffixes: Sequence[str] = (), force: bool = True
+    text: str | None,
+    example: str = "run.nc",
+    *,
+    suffixes: Sequence[str] = (),
+    force: bool = False,
+    option: str = "--output",
 ) -> None:
     """Raise ValueError before anything is computed if no file can be written at ``text``.
 
     It must end in one of the ``suffixes``, if there are any, lie in a folder that can be written,
-    and be no folder or device; without ``force`` it must not be there yet.
+    and be no folder or device; without ``force`` it must not be there yet. ``option`` names it.
     """
     if text is None:
         return
     path = Path(text)
     if text.endswith("/") or path.is_dir():
         raise ValueError(
-            f"--output must name a file, got the folder {text} (such as {example} in it)"
+            f"{option} must name a file, got the folder {text} (such as {example} in it)"
         )
     if suffixes and path.suffix.lower() not in suffixes:
         raise ValueError(
-            f"--output must end in {' or '.join(suffixes)}, got {shown(path.name)} (such as "
+            f"{option} must end in {' or '.join(suffixes)}, got {shown(path.name)} (such as "
             f"{example})"
         )
     if not path.parent.is_dir():
-        raise ValueError(f"--output must lie in an existing folder, got {text} (make it first)")
+        raise ValueError(f"{option} must lie in an existing folder, got {text} (make it first)")
     if path.exists() and not path.is_file():
         raise ValueError(
-            f"--output must name a file, got {text}, which is none (such as {example})"
+            f"{option} must name a file, got {text}, which is none (such as {example})"
         )
     if path.exists() and not force:
         raise ValueError(
-            f"--output must name a new file, got {text}, which is there (--force overwrites it)"
+            f"{option} must name a new file, got {text}, which is there (--force overwrites it)"
         )
-    _check_folder(Path(os.path.realpath(path)).parent)
+    _check_folder(Path(os.path.realpath(path)).parent, option)
 
 
-def _check_folder(folder: Path) -> None:
+def _check_folder(folder: Path, option: str) -> None:
     """Raise ValueError if no file can be made in the folder: whether one can, only that says."""
     try:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         raise ValueError(
-            f"--output must lie in a folder that can be written, got {folder}: {error.strerror} "
+            f"{option} must lie in a folder that can be written, got {folder}: {error.strerror} "
             "(name a file elsewhere)"
         ) from None
 

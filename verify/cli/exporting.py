@@ -2,48 +2,55 @@
 
 from __future__ import annotations
 
-import os
+import glob
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from derive.user_files import shown_path
+from derive.atomic_file import write_atomically
+from verify.cli.console import check_output
 from verify.proof.export.systems import exported
 
 
-def check_written(text: str | Path | None, read: Sequence[str | Path] = ()) -> None:
-    """Raise ValueError if what is to be written was read, or is of a kind that is only read.
+@dataclass(frozen=True)
+class Scripts:
+    """Scripts for a ``system``, to be written to ``output``; several get a number each."""
 
-    >>> check_written("waves.toml")
-    Traceback (most recent call last):
-    ...
-    ValueError: output must be a file of its own, got waves.toml (such as proof.json)
-    """
-    if text is None:
-        return
-    inputs = {os.path.realpath(name) for name in read}
-    if os.path.realpath(text) in inputs or Path(text).suffix.lower() in INPUTS:
-        raise ValueError(
-            f"output must be a file of its own, got {shown_path(text)} (such as proof.json)"
-        )
+    output: str
+    system: str
+    force: bool = False
+
+    def check(self) -> None:
+        """Raise ValueError, before the work, if they cannot or may not be written."""
+        check_output(self.output, "proof.v", force=self.force)
+        path = Path(self.output)
+        others = sorted(path.parent.glob(f"{glob.escape(path.stem)}_[0-9]*{path.suffix}"))
+        if others and not self.force:
+            raise ValueError(
+                f"--output must name new files, got {self.output} beside {others[0].name}, "
+                "which is there (--force overwrites it)"
+            )
+
+    def write(self, certificates: Sequence[Mapping[str, Any]]) -> list[Path]:
+        """Write a script for each certificate.
+
+        Raises CertificateError for one that has no script, ValueError where there is none, OSError
+        as writing does.
+        """
+        if not certificates:
+            raise ValueError(
+                "--export must be given with what is proved, got no proof (see verdict)"
+            )
+        texts = [exported(certificate, self.system) for certificate in certificates]
+        paths = [path := Path(self.output)]
+        if len(texts) > 1:
+            paths = [path.with_stem(f"{path.stem}_{number}") for number in range(1, len(texts) + 1)]
+        for file, text in zip(paths, texts, strict=True):
+            write_text(file, text, self.force)
+        return paths
 
 
-INPUTS = (".toml", ".nc")
-"""Endings of scenes, lattices, problems and runs."""
-
-
-def write_scripts(path: Path, certificates: Sequence[Mapping[str, Any]], system: str) -> list[Path]:
-    """Write a script for each certificate: one into ``path``, several with a number in the name.
-
-    Raises CertificateError for a certificate that has no script, ValueError where there is none,
-    OSError as writing does.
-    """
-    if not certificates:
-        raise ValueError("--export must be given with what is proved, got no proof (see verdict)")
-    texts = [exported(certificate, system) for certificate in certificates]
-    paths = [path]
-    if len(texts) > 1:
-        paths = [path.with_stem(f"{path.stem}_{number}") for number in range(1, len(texts) + 1)]
-    for file, text in zip(paths, texts, strict=True):
-        file.write_text(text, encoding="ascii")
-    return paths
+def write_text(path: Path, text: str, force: bool) -> None:
+    """Write a file whole or not at all; without ``force`` none is overwritten."""
+    write_atomically(path, lambda draft: draft.write_text(text, encoding="utf-8"), force)

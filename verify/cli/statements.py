@@ -24,8 +24,8 @@ from typing import Any
 from derive.algebra.formula_text import FormulaError
 from derive.command_line import duration, fail, interrupted
 from derive.open_end import say_open_end, spoke
-from verify.cli.console import finished, print_lines, table_console, tracked
-from verify.cli.exporting import check_written, write_scripts
+from verify.cli.console import check_output, finished, print_lines, table_console, tracked
+from verify.cli.exporting import Scripts, write_text
 from verify.cli.problem_file import StatedProblem, problem_texts
 from verify.cli.published import chosen
 from verify.cli.verdicts import STYLES, summary
@@ -90,6 +90,7 @@ class Options:
     limit: float | None = None
     system: str | None = None
     scripts: str | None = None
+    force: bool = False
     solve: str | None = None
     scheduler: str | None = None
 
@@ -100,21 +101,20 @@ def print_statement_verdicts(options: Options, program: str) -> int:
     0 if all are proved or as expected, 1 if not, 2 for what cannot be read, 130 after Ctrl-C.
     """
     try:
-        for written in (options.certificate, options.scripts):
-            check_written(written, options.files)
+        path, scripts = options.certificate, None
+        if options.scripts is not None and options.system is not None:
+            scripts = Scripts(options.scripts, options.system, options.force)
+            scripts.check()
+        check_output(path, "c.json", force=options.force, option="FILE")
         problems = _problems(options)
         limit = _limit(options)
-        path = None if options.certificate is None else Path(options.certificate)
-        if path is not None:
-            path.touch()
         hinting = 0.0 if options.library == () else HINT_SECONDS
         verdicts = _decided(problems, limit, hinting, options.scheduler)
         found, complete = finished(tracked(verdicts, len(problems), "deciding"))
         if path is not None:
-            _write_certificates(path, [verdict for _, verdict in found])
-        if options.scripts is not None and options.system is not None:
-            proofs = [c for _, verdict in found for c in verdict.certificates]
-            write_scripts(Path(options.scripts), proofs, options.system)
+            write_text(Path(path), _certificates([v for _, v in found]), options.force)
+        if scripts is not None:
+            scripts.write([c for _, verdict in found for c in verdict.certificates])
     except FormulaError as error:
         status = fail(error)
         print(error.picture, file=sys.stderr)
@@ -333,9 +333,9 @@ def _doing(trace: TracebackType | None) -> str:
 # what is printed and written
 
 
-def _write_certificates(path: Path, verdicts: Sequence[StatementVerdict]) -> None:
+def _certificates(verdicts: Sequence[StatementVerdict]) -> str:
     texts = [json.dumps(c) for verdict in verdicts for c in verdict.certificates]
-    path.write_text("[" + ",\n".join(texts) + "]\n", encoding="utf-8")
+    return "[" + ",\n".join(texts) + "]\n"
 
 
 def _print(found: Sequence[tuple[StatedProblem, StatementVerdict]], options: Options) -> None:

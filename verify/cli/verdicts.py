@@ -17,8 +17,8 @@ from rich.table import Table
 
 from derive.command_line import check_and_announce, fail, interrupted
 from solutions.catalogue import CATALOGUE
-from verify.cli.console import finished, print_lines, table_console, tracked
-from verify.cli.exporting import check_written, write_scripts
+from verify.cli.console import check_output, finished, print_lines, table_console, tracked
+from verify.cli.exporting import Scripts, write_text
 from verify.evidence.mutations import MutationCount, count_mutants
 from verify.evidence.residual import Sampling, check_residual, scientific
 from verify.proof import ProofVerdict, prove_stable
@@ -78,6 +78,14 @@ class VerdictOptions:
     points: int | None = None
     seed: int | None = None
     system: str | None = None
+    force: bool = False
+
+    @property
+    def scripts(self) -> Scripts | None:
+        """The scripts that are asked for in the place of certificates."""
+        if self.system is None or self.certificate is None:
+            return None
+        return Scripts(self.certificate, self.system, self.force)
 
 
 def print_verdicts(options: VerdictOptions, program: str) -> int:
@@ -87,20 +95,21 @@ def print_verdicts(options: VerdictOptions, program: str) -> int:
     """
     names = options.only or NAMES
     try:
-        check_written(options.certificate)
         _settle_method(options)
         work = _verdicts(names, options)
         expected = _law(options).total(names) * _effort(options)
         cheaper = "take a lower order, fewer forms or another method"
         check_and_announce(f"{_noun(len(names))} to be checked", expected, cheaper=cheaper)
-        path = None if options.certificate is None else Path(options.certificate)
-        if path is not None:
-            path.touch()
+        scripts = options.scripts
+        if scripts is not None:
+            scripts.check()
+        else:
+            check_output(options.certificate, "c.json", force=options.force, option="FILE")
         found, complete = finished(tracked(work, len(names), "checking"))
-        if path is not None and options.system is not None:
-            write_scripts(path, _proofs(found), options.system)
-        elif path is not None:
-            path.write_text(_certificates(found), encoding="utf-8")
+        if scripts is not None:
+            scripts.write(_proofs(found))
+        elif options.certificate is not None:
+            write_text(Path(options.certificate), _certificates(found), options.force)
     except (ValueError, OSError) as error:
         return fail(error)
     _print(found, options)

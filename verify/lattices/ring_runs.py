@@ -34,7 +34,7 @@ from lattice.trial import (
 )
 from verify.comparison.domain import front
 from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
-from verify.lattices.ring_cost import search_cost
+from verify.lattices.ring_cost import cell_seconds, search_cost
 
 Array = NDArray[np.float64]
 
@@ -49,8 +49,8 @@ STEP_RATIO = 0.8
 WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
 
-UPDATES = 1e8
-"""Forces between two looks at whether the state is finite; Ctrl-C waits for them."""
+LOOK_SECONDS = 0.02
+"""Seconds between two looks at whether the state is finite; Ctrl-C waits for them."""
 
 
 @dataclass(frozen=True)
@@ -309,6 +309,7 @@ class March:
         self._times, self._step, self._loop = times, step, loop or Loop()
         self._done = 0
         self._dynamics = dynamics_of(ring.lattice)
+        self._step_seconds = cell_seconds(ring.lattice) * self.f[0].size
         if self._loop.memory is not None:
             for name in REMEMBERED:
                 setattr(self, name, self._loop.memory[name])
@@ -329,7 +330,7 @@ class March:
     def _advance(self, begin: float, end: float) -> bool:
         """Go from one of the times to the next; whether the ring is still finite there."""
         steps = max(1, math.ceil((end - begin) / self._step * (1.0 - 1e-12)))
-        most = max(1, int(UPDATES / (SCHEME.stages * self.f.size)))
+        most = max(1, int(LOOK_SECONDS / (SCHEME.stages * self._step_seconds)))
         h = (end - begin) / steps
         while self._done < steps:
             with np.errstate(all="ignore"):

@@ -104,5 +104,5 @@ def test_what_is_read_is_not_overwritten(
         "prove kink --output p.toml",
     ):
         assert longwave(words.split()) == 2
-        assert "output must be a file of its own, got " in capsys.readouterr().err
+        assert "must name a new file, got " in capsys.readouterr().err
     assert before == {name: Path(name).read_bytes() for name in before}
