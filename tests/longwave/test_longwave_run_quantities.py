@@ -193,3 +193,9 @@ def test_what_is_no_run_is_drawn_or_told_in_one_line(
                 told = str(error)
             assert len(told.splitlines()) <= 1
             assert len(told) < 400
+
+
+def test_a_run_whose_estimate_is_lost_has_no_error_of_its_own(toda: xr.Dataset) -> None:
+    lost = toda.copy()
+    del lost.attrs["error_estimate"]
+    assert np.isnan(with_looks(lost, frame_of(toda), 2)["own_error_curve"]).all()
