@@ -76,6 +76,51 @@ b = 1
 kappa = 1
 """
 
+DISORDERED_SCENE = """\
+title = "small"
+lattice = "fput_strain"
+wave = "soliton_sech"
+eps = 0.2
+order = "slaved"
+times = [0, 20]
+half_width = 3
+tolerance = 1e-2
+
+[constants]
+K2 = 1
+K3 = 0
+K4 = 1
+
+[parameters]
+A = 1
+
+[disorder]
+of = "mass"
+spread = 0.1
+seed = 1
+sites = [10, 100]
+"""
+
+PERTURBED_SCENE = """\
+title = "small"
+lattice = "fput"
+wave = "perturbed_plane"
+eps = 0.1
+order = "slaved"
+tolerance = 1e-2
+
+[envelope]
+k = 1
+
+[parameters]
+amplitude = 0.3
+
+[constants]
+K2 = 1
+K3 = 0.6
+K4 = 1
+"""
+
 LATTICES = (
     """\
 name = "mass_in_mass"
@@ -206,13 +251,15 @@ def seeds(kind: str) -> tuple[str, ...]:
         return LATTICES
     if kind == "sweep":
         shipped = sorted((HOUSE / "runs" / "sweeps").glob("*.toml"))
-        return *(SWEEPS * 6), *(path.read_text(encoding="utf-8") for path in shipped)
+        return *(SWEEPS * 20), *(path.read_text(encoding="utf-8") for path in shipped)
     if kind == "problem":
         return PROBLEMS, *(text for file in _library() for text in file)
     found = sorted((HOUSE / folders[kind]).glob("*.toml"))
     texts = [path.read_text(encoding="utf-8") for path in found]
-    small = [SMALL_SCENE, STATED_SCENE] if kind == "scene" else [SMALL_LATTICE_SCENE] * 2
-    return *(small * 6), *texts
+    small = [SMALL_SCENE, STATED_SCENE]
+    if kind == "lattice scene":
+        small = [SMALL_LATTICE_SCENE, DISORDERED_SCENE, PERTURBED_SCENE]
+    return *(small * 20), *texts
 
 
 def _library() -> Iterator[list[str]]:

@@ -442,7 +442,8 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
         suffixes = USUAL_OUTPUTS.get(case.words[0] if case.words else "", ())
         usual = {stem + suffix for stem in stems for suffix in suffixes}
         known = top in {*case.files, *usual, "longwave-report"}
-        if not known and not any(word.split("/")[0] == top for word in named):
+        kept = top.removesuffix(".checkpoint")  # of a run that Ctrl-C stopped
+        if not known and not any(word.split("/")[0] in (top, kept) for word in named):
             stem = top.partition(".")[0].rpartition("_")[0]
             if not stem or not any(word.startswith(stem) for word in named):
                 yield f"left behind: {path.relative_to(place / 'work')}"

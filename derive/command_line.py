@@ -4,6 +4,7 @@ A room declares its words with click, next to what they do; `run_words` is the w
 """
 
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -211,14 +212,15 @@ def fail(message: object) -> int:
 
 
 def _quoting_little(message: str, words: Iterable[str]) -> str:
-    """The message with long words of the command line cut, as they are or as Python writes them."""
+    """The message with long words of the command line cut, as they are or as Python writes them,
+    and whatever else is long without a space."""
     if len(message) <= QUOTED:
         return message
     for part in {part for word in words for part in (word, word.partition("=")[2])}:
         for text in (part, repr(part)[1:-1]):
             if len(text) > QUOTED // 2:
                 message = message.replace(text, cut(text, QUOTED // 2))
-    return message
+    return re.sub(rf"\S{{{QUOTED},}}", lambda found: cut(found[0], QUOTED // 2), message)
 
 
 def cut(text: str, most: int) -> str:

@@ -34,6 +34,11 @@ def test_a_message_of_several_lines_is_told_in_one(capsys: pytest.CaptureFixture
     assert capsys.readouterr().err == "error: one two\n"
 
 
+def test_a_long_word_of_a_file_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
+    assert fail(f"scheme must be a known one, got '{'x' * 3000}' (one of rk4)") == 2
+    assert 150 < len(capsys.readouterr().err) < 250
+
+
 def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--k2", "--"]) == 2
     assert capsys.readouterr().err.startswith("error: K2 must be a rational number, got '--'")

@@ -16,6 +16,8 @@ from hypothesis import strategies as st
 from benchmarks import fuzz_server
 from benchmarks.fuzz_inputs import KINDS, FuzzCase
 from derive.lattice_file import read_lattice
+from runs.run_file import load_run, scene_of_run
+from verify.cli.certificates import read_certificates
 from verify.cli.problem_file import problem_texts
 from verify.lattices.lattice_scene import find_any_scene
 
@@ -39,10 +41,18 @@ READERS = {
     "lattice scene": find_any_scene,
     "lattice": lambda path: read_lattice(Path(path)),
     "problem": lambda path: problem_texts(Path(path)),
+    "certificate": lambda path: read_certificates(Path(path)),
+    "run file": lambda path: scene_of_run(load_run(path)),
 }
 
 
-@pytest.mark.parametrize("kind", ["scene", "lattice scene", "lattice", "problem"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *("scene", "lattice scene", "lattice", "problem"),
+        *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("certificate", "run file")),
+    ],
+)
 @settings(max_examples=60)
 @given(draw=st.randoms(use_true_random=False))
 def test_a_reader_refuses_with_an_error_of_its_own(

@@ -144,6 +144,11 @@ class LongWaveData(LatticeWave):
                 "interval must be given for the correction of a wave that does not end, got None "
                 "(whole periods of X, or many times its width)"
             )
+        if not low < high:
+            raise ValueError(
+                f"wave must be wide enough for its correction, got one between X = {low:g} and "
+                f"{high:g} (take a smaller kappa)"
+            )
         middle, half = (low + high) / 2.0, MARGIN * (high - low) / 2.0
         return FirstCorrection(flow, further, self.wave, powers[0], (middle - half, middle + half))
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from longwave.__main__ import main as longwave
 from verify.__main__ import main
 
 Output = pytest.CaptureFixture[str]
@@ -85,3 +86,23 @@ def test_binary_is_no_certificate(tmp_path: Path, capsys: Output) -> None:
     path.write_bytes(b"\xff\xfe\x00\x01")
     assert main(["check-certificate", str(path)]) == 1
     assert "must be a text in UTF-8" in capsys.readouterr().err
+
+
+def test_what_is_read_is_not_overwritten(
+    tmp_path: Path, capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("p.toml").write_text(
+        '[[problem]]\nequation = "u_t + u_x"\nsolution = "u = x - t"\n', encoding="utf-8"
+    )
+    assert longwave(["prove", "p.toml", "--certificate", "p.json"]) == 0
+    before = {name: Path(name).read_bytes() for name in ("p.toml", "p.json")}
+    for words in (
+        "prove p.toml --certificate ./p.toml",
+        "prove p.toml --export pari --output p.toml",
+        "prove --certificate p.json --export pari --output p.json",
+    ):
+        for force in ([], ["--force"]):
+            assert longwave([*words.split(), *force]) == 2
+            assert "must be a file of its own, got " in capsys.readouterr().err
+    assert before == {name: Path(name).read_bytes() for name in before}

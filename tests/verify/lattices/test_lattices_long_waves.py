@@ -19,6 +19,7 @@ from verify.lattices.fourier_interval import FourierInterval
 from verify.lattices.jet_polynomial import JetPolynomial
 from verify.lattices.lattice_derivation import derivation, lattice_wave
 from verify.lattices.lattice_run import lattice_times
+from verify.lattices.lattice_scene import find_any_scene
 from verify.lattices.line_chain import LineChain
 from verify.lattices.long_wave_data import LongWaveData, wave_ends
 from verify.lattices.rate_cases import RATE_CASES
@@ -90,6 +91,12 @@ def test_what_a_step_tries_says_nothing_of_the_waves_modes(
     times = lattice_times(scene, derivation(scene).slow)
     wave.start(times[0])
     assert np.all(np.isfinite(wave.strain(np.arange(9.0), times[-1])))
+
+
+def test_a_wave_without_width_is_refused_for_its_correction() -> None:
+    scene = find_any_scene("toda_soliton").changed(order="corrected", parameters={"kappa": 1e50})
+    with pytest.raises(ValueError, match=r"^wave must be wide enough for its correction"):
+        lattice_wave(scene)
 
 
 def residual(data: LongWaveData, t: float) -> float:
