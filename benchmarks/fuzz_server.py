@@ -433,7 +433,8 @@ def _files(case: FuzzCase, place: Path) -> Iterator[str]:
     yield from sorted(set(_text(place / "watched").splitlines()))
     for name, content in case.files.items():
         path = place / "work" / name
-        if not path.is_file() or path.read_bytes() != content:
+        kept = path.is_file() and path.read_bytes() == content
+        if not kept and "--force" not in case.words:
             yield f"overwritten: {name}"
     named = {word.strip("/") for word in case.words}
     for path in (place / "work").rglob("*"):

@@ -226,7 +226,7 @@ def _own_relative(data: xr.Dataset) -> Array:
     vanish."""
     relative, apart = (np.asarray(data[name], dtype=float) for name in ("error", "sup_error"))
     size = np.divide(relative, apart, out=np.full(apart.size, np.nan), where=apart > 0.0)
-    return np.asarray(size * float(data.attrs["error_estimate"]))
+    return np.asarray(size * float(data.attrs.get("error_estimate", np.nan)))
 
 
 def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Array:

@@ -29,12 +29,13 @@ def integral_from_zero(function: Callable[[Array], Array], points: Array, width:
     """
     places, back = np.unique(np.append(0.0, points.ravel()), return_inverse=True)
     gaps = np.diff(places)
-    counts = np.maximum(np.ceil(gaps / width), 1.0).astype(np.int64)
-    if counts.sum() > MOST_PANELS:
+    needed = np.maximum(np.ceil(gaps / width), 1.0)
+    if not needed.sum() <= MOST_PANELS:
         raise ValueError(
             f"points must span at most {MOST_PANELS * width:g}, got {places[-1] - places[0]:g} "
             "(integrate between nearer ones)"
         )
+    counts = needed.astype(np.int64)
     first = np.repeat(np.cumsum(counts) - counts, counts)
     step = np.repeat(gaps / counts, counts)
     left = np.repeat(places[:-1], counts) + (np.arange(counts.sum()) - first) * step
