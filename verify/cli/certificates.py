@@ -40,7 +40,7 @@ def print_certificates(
     status = 0
     try:
         if scripts is not None:
-            scripts.check()
+            scripts.check([path])
     except ValueError as error:
         return fail(error)
     try:

@@ -81,11 +81,13 @@ def check_output(
     suffixes: Sequence[str] = (),
     force: bool = False,
     option: str = "--output",
+    read: Sequence[str | Path] = (),
 ) -> None:
     """Raise ValueError before anything is computed if no file can be written at ``text``.
 
     It must end in one of the ``suffixes``, if there are any, lie in a folder that can be written,
-    and be no folder or device; without ``force`` it must not be there yet. ``option`` names it.
+    be no folder or device, and none of what is ``read``; without ``force`` it must not be there
+    yet. ``option`` names it.
     """
     if text is None:
         return
@@ -104,6 +106,10 @@ def check_output(
     if path.exists() and not path.is_file():
         raise ValueError(
             f"{option} must name a file, got {text}, which is none (such as {example})"
+        )
+    if os.path.realpath(path) in {os.path.realpath(name) for name in read}:
+        raise ValueError(
+            f"{option} must be a file of its own, got {text}, which is read (such as {example})"
         )
     if path.exists() and not force:
         raise ValueError(

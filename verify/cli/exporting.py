@@ -21,9 +21,12 @@ class Scripts:
     system: str
     force: bool = False
 
-    def check(self) -> None:
-        """Raise ValueError, before the work, if they cannot or may not be written."""
-        check_output(self.output, "proof.v", force=self.force)
+    def check(self, read: Sequence[str | Path] = ()) -> None:
+        """Raise ValueError, before the work, if they cannot or may not be written.
+
+        What is ``read`` is never overwritten.
+        """
+        check_output(self.output, "proof.v", force=self.force, read=read)
         path = Path(self.output)
         others = sorted(path.parent.glob(f"{glob.escape(path.stem)}_[0-9]*{path.suffix}"))
         if others and not self.force:

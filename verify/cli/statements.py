@@ -104,8 +104,8 @@ def print_statement_verdicts(options: Options, program: str) -> int:
         path, scripts = options.certificate, None
         if options.scripts is not None and options.system is not None:
             scripts = Scripts(options.scripts, options.system, options.force)
-            scripts.check()
-        check_output(path, "c.json", force=options.force, option="FILE")
+            scripts.check(options.files)
+        check_output(path, "c.json", force=options.force, option="FILE", read=options.files)
         problems = _problems(options)
         limit = _limit(options)
         hinting = 0.0 if options.library == () else HINT_SECONDS

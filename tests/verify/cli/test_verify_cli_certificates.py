@@ -101,8 +101,8 @@ def test_what_is_read_is_not_overwritten(
         "prove p.toml --certificate ./p.toml",
         "prove p.toml --export pari --output p.toml",
         "prove --certificate p.json --export pari --output p.json",
-        "prove kink --output p.toml",
     ):
-        assert longwave(words.split()) == 2
-        assert "must name a new file, got " in capsys.readouterr().err
+        for force in ([], ["--force"]):
+            assert longwave([*words.split(), *force]) == 2
+            assert "must be a file of its own, got " in capsys.readouterr().err
     assert before == {name: Path(name).read_bytes() for name in before}
