@@ -225,7 +225,8 @@ def _own_relative(data: xr.Dataset) -> Array:
     """The estimate in units of the wave's size, which the two errors' ratio is; NaN where both
     vanish."""
     relative, apart = (np.asarray(data[name], dtype=float) for name in ("error", "sup_error"))
-    size = np.divide(relative, apart, out=np.full(apart.size, np.nan), where=apart > 0.0)
+    with np.errstate(over="ignore"):  # a file may hold any numbers
+        size = np.divide(relative, apart, out=np.full(apart.size, np.nan), where=apart > 0.0)
     return np.asarray(size * float(data.attrs.get("error_estimate", np.nan)))
 
 
