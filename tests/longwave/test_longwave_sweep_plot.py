@@ -205,7 +205,7 @@ def test_a_file_of_a_sweep_is_drawn(tmp_path: Path, suffix: str, capsys: Any) ->
     first = path.read_bytes()
     assert b'clip-path="url(#p' not in first
     assert (b'clip-path="url(#clip0)"' in first) == (suffix == ".svg")
-    assert main(["plot", str(tmp_path / "sweep.nc"), *words]) == 0
+    assert main(["plot", str(tmp_path / "sweep.nc"), *words, "--force"]) == 0
     assert path.read_bytes() == first
 
 

@@ -46,7 +46,7 @@ def test_a_run_is_printed_written_and_drawn(scene: Path, capsys: Output) -> None
     assert load_run(run)["strain"].dims == ("time", "site")
     assert main(["plot", str(run), "--output", str(picture)]) == 0
     assert matplotlib.image.imread(picture).shape[1] == 1040
-    assert main(["plot", str(run), "--kind", "crest", "--output", str(picture)]) == 0
+    assert main(["plot", str(run), "--kind", "crest", "--output", str(picture), "--force"]) == 0
 
 
 def test_a_tolerance_of_the_command_line_is_kept(scene: Path, capsys: Output) -> None:

@@ -122,7 +122,7 @@ def wave_ring(k: Expr, perturbation: float) -> WaveRing:
     WaveRing(cells=188, turns=47, waves=3)
     >>> ring = wave_ring(Rational(13, 10), 0.1)
     >>> ring, round(float(ring.k), 5)
-    (WaveRing(cells=440, turns=91, waves=7), 1.29949)
+    (WaveRing(cells=314, turns=65, waves=5), 1.30066)
     """
     angle, part = float(k), k / pi
     if not perturbation < angle:

@@ -128,10 +128,16 @@ def _run(scene: LatticeScene, progress: Callable[[float], None], announce: Annou
 
 
 def _point(run: LatticeRun) -> ConvergencePoint:
+    size = max(run.sizes[1:])
+    if size == 0.0:
+        raise ValueError(
+            f"half_width must leave some of the wave in the region at the later times, got 0 there "
+            f"with eps = {run.scene.eps:g} (take a wider region or earlier times)"
+        )
     return ConvergencePoint(
         run.scene.eps,
         float(max(run.errors[1:])) * run.scale,
-        float(max(run.errors[1:]) * run.scale / max(run.sizes[1:])),
+        float(max(run.errors[1:]) * run.scale / size),
         run.error_estimate * run.scale,
         int(run.cost["sites"]),
         float(run.cost["seconds"] + run.cost["planning_seconds"]),

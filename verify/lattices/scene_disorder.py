@@ -44,7 +44,7 @@ class Disorder:
     None for all. Raises ValueError in one line for what is none of these.
 
     >>> Disorder("K2", 0.1, seed=1, sites=(0, 9)).deviations([-1, 0, 1]).round(3)
-    array([-0.   , -0.04 , -0.092])
+    array([ 0.   , -0.04 , -0.092])
     """
 
     of: str

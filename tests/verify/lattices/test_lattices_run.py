@@ -185,6 +185,13 @@ def test_what_cannot_be_run_is_refused_in_one_line(changes: dict[str, Any], mess
     assert "\n" not in str(raised.value)
 
 
+def test_a_region_that_the_wave_has_left_has_no_rate() -> None:
+    far = TODA | {"lattice": "fput_strain", "constants": FPUT, "wave": "soliton_sech"}
+    far |= {"parameters": {"A": 127}, "slow_times": [0, 0.2], "half_width": 3, "tolerance": 1e-2}
+    with pytest.raises(ValueError, match=r"^half_width must leave some of the wave[^\n]*got 0"):
+        scene_convergence(LatticeScene.of(**far), (0.4, 0.3, 0.2))
+
+
 def test_the_rate_of_a_scene_is_that_of_its_order() -> None:
     study = scene_convergence(LatticeScene.of(**TODA), (0.4, 0.3, 0.2))
     assert study.rate == pytest.approx(4.0, abs=0.15)

@@ -161,7 +161,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "small": ({"eps": 1e-12}, "eps must leave a perturbation of fewer than"),
     "resonant": (
         {"lattice": "mass_dimer", "constants": DIMER, "carrier": "pi"},
-        "the group velocity is the sound speed",
+        "k must have a carrier that moves u",
     ),
     "compressed": (
         {
