@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import chain
 from pathlib import Path
 from typing import IO
@@ -130,17 +131,20 @@ def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
         "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart",
         "-f", "mp4", str(path),
     ]  # fmt: skip
-    with tempfile.TemporaryFile() as said:
-        # A session of its own: Ctrl-C is this process's, which then ends ffmpeg.
-        encoder = subprocess.Popen(
-            words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True
-        )
+    with tempfile.TemporaryFile() as said, ThreadPoolExecutor(1) as pool:
+        # A session of its own: Ctrl-C is this process's, which then ends ffmpeg. Begun in a thread,
+        # as Ctrl-C within Popen would lose ffmpeg, which then makes the file after all.
+        begun = pool.submit(
+            subprocess.Popen,
+            words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True,
+        )  # fmt: skip
         try:
-            _feed(encoder, chain([first], frames))
-            status = encoder.wait()
+            _feed(begun.result(), chain([first], frames))
+            status = begun.result().wait()
         except BaseException:
+            encoder = begun.result()
             encoder.kill()
-            encoder.wait()
+            encoder.communicate()
             raise
         if status != 0:
             raise OSError(f"ffmpeg could not write it: {_last_line(said)}")

@@ -1,10 +1,13 @@
 """Films: frames show the snapshots, files hold all frames, and nothing half-written stays."""
 
 import shutil
+import signal
 import stat
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -157,6 +160,26 @@ def test_what_a_failing_ffmpeg_says_is_one_error(
     with pytest.raises(OSError, match=r"film\.mp4: .*No such codec$"):
         save_film(chain(), tmp_path / "film.mp4", 10.0)
     assert not list(tmp_path.glob("*.mp4"))
+
+
+@NEED_FFMPEG
+def test_ctrl_c_while_ffmpeg_starts_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = []
+    start = subprocess.Popen
+
+    def pressed(*words: Any, **settings: Any) -> subprocess.Popen[bytes]:
+        begun.append(start(*words, **settings))
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(0.2)  # time for the press to come where it comes
+        return begun[0]
+
+    monkeypatch.setattr(subprocess, "Popen", pressed)
+    with pytest.raises(KeyboardInterrupt):
+        save_film(chain(), tmp_path / "film.mp4", 10.0)
+    assert begun[0].returncode == -signal.SIGKILL
+    assert not list(tmp_path.iterdir())
 
 
 def test_without_ffmpeg_a_gif_is_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
