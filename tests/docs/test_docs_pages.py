@@ -22,6 +22,9 @@ PAGES = sorted(
     if not {"generated", "build"} & set(path.relative_to(DOCS).parts)
     and path.name != "many-runs.md"  # is one session of a shell, and has a test of its own
 )
+LONG = ("how-to/disorder.md", "how-to/lattice-scene.md", "how-to/run-files.md")
+"""Pages whose runs take 8 to 20 s of a processor."""
+
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 TARGETS = re.findall(r"^([\w-]+):", (HOUSE / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
 
@@ -55,7 +58,16 @@ def run_command(command: Command) -> None:
     assert doctest.OutputChecker().check_output(command.output, got, FLAGS), got
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(DOCS)))
+def name_of(page: Path) -> str:
+    return str(page.relative_to(DOCS))
+
+
+def long_is_slow(page: Path) -> Any:
+    name = name_of(page)
+    return pytest.param(page, id=name, marks=pytest.mark.slow if name in LONG else ())
+
+
+@pytest.mark.parametrize("page", [long_is_slow(page) for page in PAGES])
 def test_snippets_print_what_the_page_says(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,7 +94,7 @@ def test_a_wrong_output_is_noticed() -> None:
         run_command(Command("longwave --version", "shortwave\n"))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(DOCS)))
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_no_block_escapes_the_reader(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert text.count("```") == 2 * len(re.findall(r"^```\S", text, re.MULTILINE))
