@@ -105,6 +105,9 @@ class SweepPart:
     draw: Callable[[FigureBase], None]
 
 
+PULSE = ("last_peak", "last_energy")
+"""What disorder left of a pulse, which is drawn before its error: a mere delay is one."""
+
 VALUES, WORK_PRECISION, GROWTH_MAP = "values", "work_precision", "growth_map"
 SWEEP_PICTURES = (VALUES, WORK_PRECISION, GROWTH_MAP)
 """The kinds of pictures of a sweep."""
@@ -128,7 +131,8 @@ def sweep_parts(
     if "growth_rate" in data and variable == "error":
         with suppress(ValueError):
             return [growth_part(data)]
-    found = [] if data["status"].ndim == 0 else [values_part(data, variable)]
+    drawn = [name for name in PULSE if name in data and variable == "error"] + [variable]
+    found = [] if data["status"].ndim == 0 else [values_part(data, name) for name in drawn]
     if work_dimension(data) is not None:
         with suppress(ValueError):
             found.append(work_part(data))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.command_line import duration, fail, interrupted
-from derive.request_limits import Announcer, check_request
+from derive.request_limits import Announcer, check_request, current_limits
 from runs.rescue import check_run_output
 from runs.run_file import open_run
 from runs.run_pack import DONE
@@ -112,8 +112,9 @@ def _run_with_bar(
     """Run it, announced; TooMuchError if it is expected to be beyond the limits."""
     here = isinstance(workers, LocalWorkers)
     cost = expected.by(workers.count, together=here)
-    fewer = "fewer --processes, " if here else ""
     work = f"{sweep.name}, {expected.words},"
+    too_large = here and cost.memory_bytes > current_limits().memory_bytes
+    fewer = "fewer --processes, " if too_large else ""
     check_request(work, cost, f"take {fewer}fewer or cheaper cells")
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(sweep.name, work.removesuffix(","), errors, perf_counter) as (advance, tell):

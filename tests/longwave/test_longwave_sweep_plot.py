@@ -172,6 +172,10 @@ def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> 
         assert corners[:, 1].min() == pytest.approx((mean - deviation).min())
     one = plot(data, at={"seed": 2, "of": "K2"})
     assert [line.get_ydata()[0] for line in one.get_axes()[0].lines[:1]] == [values[2, 1, 1]]
+    data["last_peak"] = (data.status.dims, 2.0 * values)
+    peak, error = plot(data).get_axes()
+    assert peak.get_ylim()[1] == pytest.approx(2.0 * error.get_ylim()[1])
+    assert len(plot(data, variable="last_peak").get_axes()) == 1
 
 
 def sample_deviation(values: np.ndarray) -> float:
