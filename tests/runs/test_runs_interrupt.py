@@ -36,7 +36,8 @@ def test_ctrl_c_keeps_the_snapshots_recorded(tmp_path: Path, press_ctrl_c: Any) 
     assert done.status == 130
     assert done.announced.startswith("long: about ")
     assert done.errors.splitlines() == [
-        f"longwave run: interrupted (2 snapshots are kept in {output})"
+        f"longwave run: interrupted (2 snapshots are kept in {output}; the same command with "
+        "--force goes on)"
     ]
     assert "unfinished: Ctrl-C after t = " in done.out
     run = load_run(output)
