@@ -1,7 +1,7 @@
 """What a sweep costs beyond its cells, and what a second core gives.
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
-    python benchmarks/sweeps.py speed [SCENES]        # 400 scenes: a loop, 1 and 2 processes
+    python benchmarks/sweeps.py speed [SCENES]        # 400 scenes: loops, 1 and 2 processes
 
 Shares are of processor time, which a loaded machine changes little; the speed-up is of the clock
 and needs two idle cores.
@@ -37,7 +37,8 @@ SCENE = {
 
 
 def sweep_of_solitons(count: int, end: float) -> Sweep:
-    """So many cells over the soliton's height; each takes 0.05 s of a processor to t = 50."""
+    """So many cells over the soliton's height; each takes 0.03 s of a processor to t = 50,
+    0.08 s to t = 8000."""
     heights = {"from": 0.5, "to": 1, "count": count}
     scene = SCENE | {"snapshots": [0, end]}
     return sweep_of({"scene": scene, "grid": {"parameters.A": heights}})
@@ -110,10 +111,15 @@ def on_processes(sweep: Sweep, count: int) -> tuple[float, float]:
 
 def speed(count: int) -> None:
     """Print a sweep's time with one and with two processes beside that of a plain loop."""
-    sweep = sweep_of_solitons(count, 200.0)
+    sweep = sweep_of_solitons(count, 8000.0)
     with mp.get_context("spawn").Pool(1) as pool:
         clock, spent = pool.apply(bare, (sweep,))
     print(f"plain loop: {clock:.1f} s, {1e3 * spent / count:.1f} ms of a processor each")
+    with mp.get_context("spawn").Pool(2) as pool:
+        at_once = max(clock for clock, _ in pool.map(bare, [sweep, sweep], chunksize=1))
+    print(
+        f"two such loops at once: {at_once:.1f} s, so a second core gives {2 * clock / at_once:.2f}"
+    )
     one, by_one = on_processes(sweep, 1)
     print(
         f"one process: {one:.1f} s, {one / clock:.3f} of the loop; "
