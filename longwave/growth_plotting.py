@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -147,6 +147,7 @@ def _theory(
 ) -> ModulationMap | None:
     """The map of the cells' lattice; None where it has none, or is in a file of its own."""
     from verify.lattices.modulation import scene_modulation
+    from verify.lattices.perturbed_plane import chosen_kappa
     from verify.lattices.sideband_growth import plane_wave_numbers
 
     k = np.linspace(0.0, np.pi, WAVENUMBERS + 1)[1:]
@@ -157,7 +158,7 @@ def _theory(
             scene = _scene(part.isel({along: 0}))
             given = plane_wave_numbers(scene)
             grid = scene_modulation(scene, k, given["amplitude"])
-            kappa = given.get("kappa", given.get("share", 1.0) * _fastest(grid.p, grid.q, given))
+            kappa = chosen_kappa(grid.p, grid.q, given)
             rates = _rates(grid.p, grid.q, given["amplitude"], kappa)
             found[rates.tobytes()] = rates
             first = first or (grid, given["amplitude"])
@@ -172,11 +173,6 @@ def _theory(
     kappas = np.linspace(0.0, BEYOND * largest, KAPPAS)
     rates = _rates(grid.p, grid.q, amplitude, kappas[:, None])
     return ModulationMap(k, list(found.values()), grid.product, kappas, rates)
-
-
-def _fastest(p: Array, q: Array, given: Mapping[str, float]) -> Array:
-    with np.errstate(all="ignore"):
-        return np.asarray(given["amplitude"] * np.sqrt(np.abs(q / p)))
 
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:

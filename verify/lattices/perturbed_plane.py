@@ -10,6 +10,7 @@ carrier.
 from __future__ import annotations
 
 import cmath
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +29,16 @@ def squared_rate(p: Any, q: Any, a: Any, kappa: Any) -> Any:
     """lambda^2 of a perturbation: ``p kappa^2 (2 q a^2 - p kappa^2)``; numbers or arrays."""
     linear = p * kappa**2
     return linear * (2 * q * a**2 - linear)
+
+
+def chosen_kappa(p: Any, q: Any, given: Mapping[str, float]) -> Any:
+    """The ``kappa`` that is ``given``, or its ``share``, 1 unless told, of the fastest growing one.
+
+    That is ``amplitude sqrt(|q/p|)``; numbers or arrays.
+    """
+    with np.errstate(all="ignore"):
+        fastest = np.sqrt(np.abs(np.divide(q, p)))
+    return given.get("kappa", given.get("share", 1.0) * given["amplitude"] * fastest)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,14 @@ from verify.comparison.observables import TIME
 from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.lattice_derivation import formula, scene_envelope
 from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.perturbed_plane import MOST_WAVES, SIZE, PerturbedPlane, WaveRing, wave_ring
+from verify.lattices.perturbed_plane import (
+    MOST_WAVES,
+    SIZE,
+    PerturbedPlane,
+    WaveRing,
+    chosen_kappa,
+    wave_ring,
+)
 from verify.lattices.ring_cost import search_cost
 from verify.lattices.ring_runs import (
     LIMIT_SHARE,
@@ -240,7 +247,7 @@ def growth_plan(scene: LatticeScene) -> GrowthPlan:
     given = plane_wave_numbers(scene)
     a, k = given["amplitude"], formula("k", scene.carrier, {})
     p, q = _coefficients(found, k, constants)
-    kappa = given.get("kappa", given.get("share", 1.0) * a * math.sqrt(abs(q / p)))
+    kappa = float(chosen_kappa(p, q, given))
     _check_length(2 * math.pi / (kappa * scene.eps))
     ring = wave_ring(k, kappa * scene.eps)
     if ring.k != k:
