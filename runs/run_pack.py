@@ -33,31 +33,30 @@ what another attempt may not meet (no memory, a worker that was killed)."""
 SETTLED = (DONE, BLOWN_UP, REFUSED)
 """Cells that another attempt would find as they are."""
 
-NUMBERS: Mapping[str, str] = {
-    "error": "largest relative sup error against the wave",
-    "own_error": "how far the run itself may be off, as part of error",
-    "error_estimate": "estimated sup error of the run, as in its scene's tolerance",
-    "steps": "time steps",
-    "sites": "sites, or cells of the lattice",
-    "force_evaluations": "force evaluations a site",
-    "seconds": "seconds of the run that is kept",
-    "planning_seconds": "seconds of the search for it",
-    "last_peak": "largest force at the end, 1 at the start",
-    "last_energy": "energy about the crest at the end",
-    "last_delay": "sites by which the crest is late at the end",
-    "growth_rate": "growth rate in T, on the lattice",
-    "growth_rate_error": "what the measured growth rate may be off",
-    "growth_rate_theory": "growth rate in T, by the envelope equation",
-    "carrier_k": "wavenumber of the carrier on the ring",
-    "perturbation_kappa": "wavenumber of the perturbation, in X",
+OPTIONAL: Mapping[str, tuple[str, str]] = {
+    "last_peak": ("1", "largest force at the end, 1 at the start"),
+    "last_energy": ("1", "energy about the crest at the end"),
+    "last_delay": ("sites", "sites by which the crest is late at the end"),
+    "growth_rate": ("1/slow time", "growth rate in T, on the lattice"),
+    "growth_rate_error": ("1/slow time", "what the measured growth rate may be off"),
+    "growth_rate_theory": ("1/slow time", "growth rate in T, by the envelope equation"),
+    "carrier_k": ("1/site", "wavenumber of the carrier on the ring"),
+    "perturbation_kappa": ("1/X", "wavenumber of the perturbation, in X"),
 }
-"""What a cell is told by, and what that means."""
+"""What is told of cells only where some have it: unit and meaning."""
 
-OPTIONAL = (
-    *("last_peak", "last_energy", "last_delay"),
-    *("growth_rate", "growth_rate_error", "growth_rate_theory", "carrier_k", "perturbation_kappa"),
-)
-"""Those that are told only where some cell has them."""
+NUMBERS: Mapping[str, tuple[str, str]] = {
+    "error": ("1", "largest relative sup error against the wave"),
+    "own_error": ("1", "how far the run itself may be off, as part of error"),
+    "error_estimate": ("1", "estimated sup error of the run, as in its scene's tolerance"),
+    "steps": ("1", "time steps"),
+    "sites": ("1", "sites, or cells of the lattice"),
+    "force_evaluations": ("1", "force evaluations a site"),
+    "seconds": ("s", "seconds of the run that is kept"),
+    "planning_seconds": ("s", "seconds of the search for it"),
+    **OPTIONAL,
+}
+"""What a cell is told by: unit and meaning."""
 
 TEXTS = ("key", "status", "message", "attributes")
 

@@ -25,14 +25,6 @@ if TYPE_CHECKING:
 MISSING = "missing"
 """The status of a cell that was not run yet."""
 
-UNITS = {"seconds": "s", "planning_seconds": "s", "last_delay": "sites"} | {
-    "growth_rate": "1/slow time",
-    "growth_rate_error": "1/slow time",
-    "growth_rate_theory": "1/slow time",
-    "carrier_k": "1/site",
-    "perturbation_kappa": "1/X",
-}
-
 
 @dataclass(frozen=True)
 class SweptCells:
@@ -113,11 +105,11 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
 
 
 def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
-    for name, meaning in NUMBERS.items():
+    for name, (unit, meaning) in NUMBERS.items():
         known = (record.numbers.get(name, np.nan) for record in records)
         if name in OPTIONAL and np.isnan([*known]).all():
             continue
-        yield name, {"long_name": meaning, "units": UNITS.get(name, "1")}
+        yield name, {"long_name": meaning, "units": unit}
 
 
 def _column(values: Sequence[float], shape: tuple[int, ...]) -> NDArray[np.float64]:
