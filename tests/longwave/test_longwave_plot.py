@@ -237,4 +237,6 @@ def test_a_time_that_is_too_late_for_any_site_is_one_line(made: xr.Dataset) -> N
 
 
 def test_a_run_that_is_zero_on_one_site_is_drawn(made: xr.Dataset) -> None:
-    plot(made[["strain", "analytic", "n"]] * 0.0)
+    figure = plot(made[["strain", "analytic", "n"]] * 0.0)
+    for ax in figure.get_axes():
+        assert np.isfinite([*ax.get_xlim(), *ax.get_ylim()]).all()
