@@ -18,8 +18,9 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bars
 
-from derive.command_line import announce, check_and_announce, fail, interrupted
+from derive.command_line import announce, fail, interrupted
 from derive.interruption import will_keep
+from derive.request_limits import ExpectedCost, check_request
 from reports.engine import CompileError, EngineMissingError, compile_pdf, ensure_engine
 from reports.figures.drawing import CostAxes, cost_figure, save, snapshot_figure, styled
 from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES, draw_all
@@ -131,18 +132,16 @@ PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
 """What the command and each worker hold at most."""
 
 
+def report_cost(full: bool, workers: int) -> ExpectedCost:
+    """What a report takes."""
+    work = sum(job.weight for job in all_jobs(report_scenes(), full).values())
+    cores = min(workers, os.cpu_count() or 1)
+    return ExpectedCost(work / cores, PROCESS_BYTES + WORKER_BYTES * workers)
+
+
 def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
     """Do the work of a report in the pool; raises as `run_jobs` does."""
-    jobs = all_jobs(scenes, full)
-    if workers >= 1:
-        cores = min(workers, os.cpu_count() or 1)
-        check_and_announce(
-            "the report",
-            sum(job.weight for job in jobs.values()) / cores,
-            PROCESS_BYTES + WORKER_BYTES * workers,
-            "take fewer --workers or no --full",
-        )
-    found = run_jobs(jobs, workers, progress)
+    found = run_jobs(all_jobs(scenes, full), workers, progress)
     accuracy = groupby(_of(found, "accuracy"), attrgetter("name"))
     return Findings(
         evidence=MeasuredRuns({name: found["run", name] for name in scenes}, scenes),
@@ -342,8 +341,11 @@ def write_report(options: ReportOptions, program: str) -> int:
     console, output = plain_console(), options.output
     try:
         options.check()
+        cost = report_cost(options.full, options.workers)
+        check_request("the report", cost, "take fewer --workers or no --full")
         missing = _missing_engine(console)
         will_keep(f"what was written is in {shown(output)}")
+        announce("the report", cost.seconds)
         tex, sound = build(output, options.full, options.workers, console)
         if missing:
             return 1

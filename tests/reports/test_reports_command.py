@@ -47,6 +47,7 @@ def findings(
 def without_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is computed or drawn; the source is one line."""
     monkeypatch.setattr(build, "find", lambda *_: findings())
+    monkeypatch.setattr(build, "all_jobs", lambda *_: {})
     monkeypatch.setattr(build, "write_figures", lambda *_: [])
 
     def write_source(_found: object, folder: Path, _full: bool, _wrote: object) -> Path:
@@ -91,6 +92,21 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
         "error: no LaTeX engine: install latexmk; the source alone is written\n"
     )
     assert (tmp_path / "longwave.tex").exists()
+
+
+def test_what_it_takes_is_refused_before_an_engine_is_looked_for(
+    without_work: None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def missing(say: object) -> None:
+        raise EngineMissingError("no LaTeX engine: install latexmk")
+
+    monkeypatch.setattr(build, "ensure_engine", missing)
+    assert main(["--output", str(tmp_path), "--max-memory", "1G"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: the report must fit 1 GB, got about 1.")
 
 
 @pytest.mark.parametrize(
