@@ -14,6 +14,8 @@ APT_PACKAGES = (
     "lmodern",
 )
 NO_APT = "LONGWAVE_NO_APT"
+LOCKED = 300
+"""Seconds in which another apt-get must end."""
 
 
 class EngineMissingError(RuntimeError):
@@ -67,8 +69,12 @@ def apt_prefix() -> list[str] | None:
 
 
 def apt_install(prefix: list[str]) -> None:
-    """Install the LaTeX packages with apt-get; raise EngineMissingError if that fails."""
-    install = ["apt-get", "-qq", "install", "-y", "--no-install-recommends", *APT_PACKAGES]
+    """Install the LaTeX packages with apt-get; raise EngineMissingError if that fails.
+
+    Another apt-get, of the machine's own updates say, is waited for.
+    """
+    install = ["apt-get", "-qq", f"-oDPkg::Lock::Timeout={LOCKED}", "install", "-y"]
+    install += ["--no-install-recommends", *APT_PACKAGES]
     for command in (
         [*prefix, "apt-get", "-qq", "update"],
         [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", *install],
