@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from solutions.run.source_digest import all_sources, text_digest
 from verify.cli.problem_file import StatedProblem
 from verify.dask_cluster import connect
 from verify.proof.statement_text import Statement
@@ -28,10 +29,18 @@ def decided_on_cluster(
     """As `verify.cli.statements.decided`, on the workers of a cluster.
 
     A statement whose worker is lost is decided again by another; one that loses several is
-    undecided. Raises ValueError where the cluster does not answer.
+    undecided. Raises ValueError where the cluster does not answer, and where a worker would decide
+    by another code than this process.
     """
-    client = connect(scheduler, f"{__name__}:{decide_apart.__name__}")
+    client = connect(scheduler, f"{__name__}:{proof_digest.__name__}")
     try:
+        for worker, digest in client.run(proof_digest).items():
+            if digest != proof_digest():
+                raise ValueError(
+                    "--scheduler must be of workers that prove by the sources and packages of "
+                    f"this machine, got other ones on {worker} (install the same there, or start "
+                    "it again where sources changed)"
+                )
         from distributed import KilledWorker, as_completed
 
         sent = {
@@ -50,6 +59,11 @@ def decided_on_cluster(
                 yield place, undecided(problems[place].statement, why)
     finally:
         client.close()
+
+
+def proof_digest() -> str:
+    """The digest (hexadecimal) of the sources and versions that a verdict follows from."""
+    return text_digest(all_sources(("verify.cli.statements",)))
 
 
 def decide_apart(statement: Statement, limit: float, hinting: float) -> StatementVerdict:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from verify.cli import cluster_verdicts
 from verify.cli.cluster_verdicts import decide_apart, decided_on_cluster
 from verify.cli.problem_file import StatedProblem
 from verify.proof.statement_text import Statement, read_statement
@@ -41,3 +42,17 @@ def test_a_cluster_gives_every_verdict_though_a_worker_is_killed(dask_cluster: A
         assert verdict.outcome is (Outcome.PROVED if speeds[place] == 4 else Outcome.REFUTED)
     proved = next(verdict for place, verdict in found if place == 0)
     assert proved.certificates
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:distributed", "ignore::ResourceWarning")
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_workers_that_prove_by_another_code_are_refused(
+    dask_cluster: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_verdicts, "text_digest", lambda sources: "of other sources")
+    verdicts = decided_on_cluster(
+        [StatedProblem(soliton(4))], 60.0, 0.0, dask_cluster.scheduler_address
+    )
+    with pytest.raises(ValueError, match="sources and packages of this machine, got other ones on"):
+        next(verdicts)
