@@ -76,7 +76,9 @@ class _Watch:
             processes = sys.modules.get("multiprocessing")
             for child in processes.active_children() if processes else ():
                 child.kill()
-        if not self.told:
+        if self.told:
+            time.sleep(LOOK)  # the line may be on its way
+        else:
             shown = SHOW_CURSOR if os.isatty(2) else ""
             kept = f" ({self.kept})" if self.kept else ""
             os.write(2, f"{shown}{self.called}: interrupted{kept}\n".encode())

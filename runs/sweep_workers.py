@@ -16,7 +16,7 @@ from runs.checkpoint_folder import LOG
 from runs.worker_code import check_cluster
 from solutions.run.cores import usable_cores
 from verify.dask_cluster import connect
-from verify.processes import ignore_interrupt
+from verify.processes import ignore_interrupt, pool_context
 
 PATIENCE = 1.0
 """Seconds that workers have to pack what they have when the sweep is stopped."""
@@ -68,7 +68,7 @@ class LocalWorkers:
     def submit(self, function: Callable[..., Any], *arguments: object) -> Future[Any]:
         """Have a call made."""
         if self._pool is None:
-            self._pool = ProcessPoolExecutor(self.count, mp.get_context("spawn"), _begin)
+            self._pool = ProcessPoolExecutor(self.count, pool_context(), _begin)
         return self._pool.submit(function, *arguments)
 
     def has_lost(self, error: BaseException) -> bool:

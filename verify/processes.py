@@ -1,13 +1,16 @@
 """Jobs in worker processes that end with their command on Ctrl-C; limits of time and memory."""
 
 import multiprocessing as mp
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from ctypes import c_double
 from dataclasses import dataclass
+from multiprocessing.context import SpawnContext
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -54,7 +57,7 @@ def run_jobs(jobs: Mapping[Subject, Job], workers: int, progress: Progress) -> d
     """
     if workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers} (2 is usual)")
-    context = mp.get_context("spawn")
+    context = pool_context()
     ordered = sorted(jobs, key=lambda key: jobs[key].weight, reverse=True)
     weights = [jobs[key].weight for key in ordered]
     shares: Any = context.Array(c_double, len(jobs), lock=False)
@@ -102,6 +105,24 @@ def _do(place: int, job: Job) -> Any:
 def ignore_interrupt() -> None:
     """Leave Ctrl-C to the parent; for workers to call first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def pool_context() -> SpawnContext:
+    """Where a pool takes fresh interpreters from.
+
+    A command that is ended while it works leaves the locks of its pool to Python's tracker, which
+    removes them; that it does so is nothing to warn of.
+    """
+    if os.name == "posix":
+        from multiprocessing.resource_tracker import ensure_running
+
+        given = sys.warnoptions[:]
+        sys.warnoptions.append("ignore:resource_tracker:UserWarning")  # an option of its process
+        try:
+            ensure_running()
+        finally:
+            sys.warnoptions[:] = given
+    return mp.get_context("spawn")
 
 
 @contextmanager

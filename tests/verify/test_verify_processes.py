@@ -1,13 +1,16 @@
 """Jobs in processes: results under their keys, progress rises to 1, failures reach the caller."""
 
+import subprocess
+import sys
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
+from pathlib import Path
 
 import pytest
 
 from verify.comparison import Scene, load_scene, run
-from verify.processes import Job, OutOfTime, run_jobs, time_limit
+from verify.processes import Job, OutOfTime, pool_context, run_jobs, time_limit
 from verify.studies.measured_runs import scene_job
 
 SHORT = replace(
@@ -51,3 +54,29 @@ def test_what_loses_the_limit_does_not_get_away_with_it() -> None:
 
     with pytest.raises(OutOfTime), time_limit(0.05, passing=True):
         loses_it()
+
+
+ENDED = """
+import os
+from concurrent.futures import ProcessPoolExecutor
+from verify.processes import ignore_interrupt, pool_context
+if __name__ == "__main__":
+    pool = ProcessPoolExecutor(1, pool_context(), ignore_interrupt)
+    pool.submit(abs, -1).result()
+    for worker in pool._processes.values():
+        worker.kill()
+    os._exit(130)
+"""
+
+
+def test_a_command_ended_over_its_pool_leaves_no_warning(tmp_path: Path) -> None:
+    script = tmp_path / "ended.py"
+    script.write_text(ENDED)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (130, "")
+
+
+def test_workers_warn_as_ever() -> None:
+    before = sys.warnoptions[:]
+    pool_context()
+    assert sys.warnoptions == before

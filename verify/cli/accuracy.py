@@ -8,14 +8,13 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 from rich.table import Table
 
 from derive.algebra.exact_numbers import shown
 from derive.command_line import check_and_announce, fail, interrupted
 from verify.cli.console import finished, table_console
-from verify.processes import ignore_interrupt, starting_workers, stopping
+from verify.processes import ignore_interrupt, pool_context, starting_workers, stopping
 from verify.studies.evaluation_accuracy import (
     DRAWN,
     PROMISED_ERROR,
@@ -80,8 +79,7 @@ def print_accuracy(
 
 def _measured(names: Sequence[str], jobs: int, drawn: int) -> Iterator[Accuracy]:
     """Each wave's worst errors; its cases run in ``jobs`` fresh processes."""
-    context = get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, ignore_interrupt) as pool, stopping(pool):
+    with ProcessPoolExecutor(jobs, pool_context(), ignore_interrupt) as pool, stopping(pool):
         with starting_workers():
             pending = [
                 (name, [pool.submit(measure_accuracy, case) for case in all_cases(name, drawn)])
