@@ -1,4 +1,4 @@
-"""Random scenes on the lattices of the catalogue, over waves, constants and orders.
+"""Random scenes on the lattices of the catalogue, over waves, constants, orders and disorder.
 
 A scene is drawn without a look at what it takes. The wave is one of those that solve the equation
 which its lattice turns out to have; where none does, the scene is one to be refused.
@@ -13,11 +13,14 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
 from derive import LATTICES
+from lattice.random_sites import DISTRIBUTIONS
 from solutions import CATALOGUE, closed_form
 from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_scene import ORDERS, LatticeScene
+from verify.lattices.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
 
 Draw = random.Random
+
+LARGEST_SITE = 9_999
 
 POSITIVE = ("0.25", "1/2", "1", "1", "1.5", "2", "3", "4")
 REAL = ("-2", "-1", "-1/2", "0", "0", "1/3", "1", "1", "2", "eps/2", "-eps")
@@ -67,6 +70,29 @@ def soak_scene(seed: int, index: int, redrawn: int = 0) -> LatticeScene:
         if fitting:
             wave = draw.choice(fitting[1].split(", "))
             scene = scene.changed(wave=wave, parameters=_parameters(draw, wave))
+    return _varied(random.Random(f"{seed}:{index}:{redrawn}:varied"), scene)
+
+
+def _varied(draw: Draw, scene: LatticeScene) -> LatticeScene:
+    """The scene, or one in four times with deviations, or of its plane wave's growth rate."""
+    chance = draw.random()
+    if chance < 0.15:
+        begin = draw.choice([-LARGEST_SITE, draw.randint(-50, 200)])
+        disorder = {
+            "of": draw.choice(["mass", *(name for name, _ in scene.constants)]),
+            "spread": draw.choice([0.0, round(draw.uniform(0.0, 0.5), 3)]),
+            "seed": draw.randrange(10**6),
+            "distribution": draw.choice(DISTRIBUTIONS),
+            "sites": (begin, LARGEST_SITE),
+        }
+        return scene.changed(disorder=tuple(disorder.items()))
+    if chance < 0.25 and scene.carrier:
+        perturbation = {
+            "amplitude": _between(0.1, 1.0)(draw),
+            draw.choice(["kappa", "share"]): _between(0.2, 2.0)(draw),
+        }
+        found = {"slow_times": (), "half_width": None, "order": draw.choice(ORDERS[:2])}
+        return scene.changed(wave=PERTURBED_PLANE, parameters=tuple(perturbation.items()), **found)
     return scene
 
 
