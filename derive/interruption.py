@@ -17,6 +17,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
+from derive.user_files import on_one_line
+
 INTERRUPTED = 130
 """Exit status after Ctrl-C: 128 + the signal."""
 
@@ -168,14 +170,14 @@ def interrupted(called: str = "", kept: str = "") -> int:
     """Print one line on stderr after Ctrl-C, with what is ``kept``; return the exit status 130."""
     watch = _watch or _Watch(called)
     watch.called = called or watch.called
-    watch.tell(f" ({kept})" if kept else "")
+    watch.tell(f" ({on_one_line(kept)})" if kept else "")
     return INTERRUPTED
 
 
 def will_keep(kept: str) -> None:
     """Say what of the work there is by now, for the line that ends it from outside."""
     if _watch is not None:
-        _watch.kept = kept
+        _watch.kept = on_one_line(kept)
 
 
 @contextmanager

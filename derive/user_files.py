@@ -46,6 +46,15 @@ def shown_path(path: str | Path) -> str:
     text = str(path)
     if len(text) > QUOTED:
         text = f"{text[: QUOTED // 2]}...{text[3 - QUOTED // 2 :]}"
+    return on_one_line(text)
+
+
+def on_one_line(text: str) -> str:
+    r"""The text, with the ends of its lines and what would steer the terminal written out.
+
+    >>> print(on_one_line("kept in a\n.nc"))
+    kept in a\n.nc
+    """
     return printable(text).replace("\n", "\\n")
 
 
