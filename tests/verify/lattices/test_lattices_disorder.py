@@ -151,7 +151,8 @@ def test_a_crest_is_followed_out_of_the_cells_that_are_compared() -> None:
 
 def test_on_a_background_is_measured_what_rises_above_it() -> None:
     """About the strain 1/5 the forces are those of springs with K2 = 0.88 and without K3."""
-    mean = {"constants": {"K2": 1, "K3": -0.6, "K4": 1}, "background": "-K3/(3*K4)"}
+    mean: dict[str, Any] = {"background": "-K3/(3*K4)"}
+    mean["constants"] = {"K2": 1, "K3": -0.6, "K4": 1}
     same = last(run(0.2, constants={"K2": 0.88, "K3": 0, "K4": 1}))
     assert last(run(0.2, **mean)) == pytest.approx(same, rel=1e-5)
 
