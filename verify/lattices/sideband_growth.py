@@ -24,7 +24,7 @@ from lattice.checkpoint import begin_loop, spared_seconds
 from lattice.model import GROWTH
 from lattice.refine import Announce, refine
 from lattice.schemes import stability_limit
-from lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
+from lattice.trial import Choices, Progress, StepSearch, Trial, nudged, rounding_error
 from verify.comparison.observables import TIME
 from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.lattice_derivation import formula, scene_envelope
@@ -352,7 +352,11 @@ class SidebandRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the number of steps."""
         loop = begin_loop(f"sidebands {choices}")
-        march = March(self.ring, self._times.tolist(), choices.step, loop)
+        ring = self.ring
+        if choices.nudged:
+            f, v = nudged(ring.f, ring.v)
+            ring = replace(ring, f=f, v=v)
+        march = March(ring, self._times.tolist(), choices.step, loop)
         for t in march.through():
             march.measured.append(self._sidebands(march, t))
             progress(t / self._times[-1])

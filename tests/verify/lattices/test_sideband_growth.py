@@ -1,6 +1,7 @@
 """Benjamin-Feir growth on lattices against theory, as scenes."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,12 @@ from sympy import Integer, Rational, pi
 from derive.request_limits import TooMuchError, request_limits
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
-from verify.lattices.sideband_growth import SidebandGrowth, measure_growth
+from verify.lattices.sideband_growth import (
+    SidebandGrowth,
+    SidebandRuns,
+    growth_plan,
+    measure_growth,
+)
 
 CUBIC: dict[str, Any] = {"K2": 1, "K3": "1/4", "K4": 1}
 PINNED: dict[str, Any] = {"K2": 1, "g1": 2, "g2": 1, "g3": 4}
@@ -98,6 +104,30 @@ def test_the_error_holds_what_a_smaller_tolerance_changes() -> None:
         coarse = rate(tolerance=tolerance)
         assert coarse.run_error <= tolerance * coarse.plan.wave.largest_growth
         assert abs(coarse.measured - fine.measured) <= coarse.error + fine.error
+
+
+def test_what_becomes_of_rounding_is_seen() -> None:
+    """Without it a perturbation that others overtake was run for minutes before it was refused."""
+    wanted = scene(tolerance=1e-2)
+    engine = SidebandRuns(growth_plan(wanted), wanted)
+    choices = engine.first()
+    found, other = (
+        engine.run(replace(choices, nudged=nudged), False).values for nudged in (False, True)
+    )
+    assert found is not None
+    assert other is not None
+    assert 0.0 < float(np.max(np.abs(found - other))) < 1e-6
+
+
+def test_a_perturbation_that_others_overtake_is_refused_in_one_line() -> None:
+    with pytest.raises(ValueError, match="neighbouring states of the lattice part so fast"):
+        rate(
+            eps=0.05,
+            tolerance=1e-3,
+            constants={"K2": 1, "K3": 0, "K4": 1},
+            carrier="2*pi/3",
+            parameters={"amplitude": 0.3, "share": 0.1},
+        )
 
 
 SIGNS = st.sampled_from([-1.0, 1.0])
