@@ -68,7 +68,8 @@ small."""
 
 BEATS = 4
 """Of a wave that does not grow: from the first moment to the last, beats of b and c with what else
-the data hold."""
+the data hold; and no less than one that grows fastest would take, or what the plane wave does
+meanwhile, more slowly, is a line."""
 
 LEVER = 2.5 / (15.0 / 16.0)
 """By how much a line through the moments may be steeper for what each is off, times their span:
@@ -258,7 +259,8 @@ def growth_plan(scene: LatticeScene) -> GrowthPlan:
     if wave.growth:
         first, last = (units / wave.growth / scene.eps**2 for units in GROWING)
     else:
-        first, last = 0.0, BEATS * math.pi / abs(wave.rate) / scene.eps**2
+        beats, fastest = BEATS * math.pi / abs(wave.rate), np.ptp(GROWING) / wave.largest_growth
+        first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 

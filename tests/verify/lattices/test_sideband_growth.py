@@ -88,6 +88,16 @@ def test_what_is_stable_is_told_from_what_grows(changes: dict[str, Any], why: st
     assert f"stable ({why}), and no growth is seen" in found.verdict()
 
 
+@pytest.mark.parametrize(("carrier", "kappa"), [("pi/2", 21.02), ("2*pi/3", 30)])
+def test_no_growth_is_seen_far_beyond_the_band(carrier: str, kappa: float) -> None:
+    """By Floquet's exponents of the periodic wave there is none: 3e-12 and 7e-12."""
+    chain: dict[str, Any] = {"K2": 1, "K3": 0, "K4": 1}
+    given = {"amplitude": 0.3, "kappa": kappa}
+    found = rate(eps=0.05, tolerance=1e-3, constants=chain, carrier=carrier, parameters=given)
+    assert found.theory == 0.0
+    assert abs(found.measured) < found.error
+
+
 def test_kappa_is_that_of_the_scene_or_grows_fastest() -> None:
     fastest = rate(tolerance=1e-2)
     wave = fastest.plan.wave
