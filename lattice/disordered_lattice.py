@@ -44,17 +44,25 @@ def mass_kind(lattice: NumericLattice) -> MassKind:
 
     Raises ValueError for a lattice of neither kind: its masses have no place in a cell.
     """
+    found = _moving(lattice)
+    if found is None:
+        raise ValueError(
+            f"masses must be those of displacements or of the strains between them, got "
+            f"{lattice.name}, whose bonds do not act on what they are stretched by (declare it in "
+            "its displacements)"
+        )
+    return found
+
+
+def _moving(lattice: NumericLattice) -> MassKind | None:
+    """What moves in the lattice, None if neither does."""
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
         _terms(bond.action) == _terms(_moves(bond.stretch)) for bond in lattice.bonds
     ):
         return "strains"
-    raise ValueError(
-        f"masses must be those of displacements or of the strains between them, got "
-        f"{lattice.name}, whose bonds do not act on what they are stretched by (declare it in "
-        "its displacements)"
-    )
+    return None
 
 
 def _terms(entries: Sequence[Entry]) -> dict[int, float]:
@@ -216,6 +224,11 @@ class DisorderedLattice(NumericLattice):
                 part, row = varied
                 total = total + row * _stored(part, stretch, still)
         return np.asarray(total)
+
+    @property
+    def has_energy(self) -> bool:
+        """Whether there are masses: of a lattice without, `energies` are none."""
+        return _moving(self) is not None
 
     @property
     def holds_strains(self) -> bool:

@@ -26,7 +26,8 @@ class Pulse(NamedTuple):
     """What is left of a wave at a time.
 
     ``peak``: the largest force of a bond; ``place`` of it, a cell; ``energy`` about it and
-    ``whole``, that of the ring, nan where a ring of strains does not close.
+    ``whole``, that of the ring, nan where a ring of strains does not close and where a lattice has
+    no masses.
     """
 
     peak: float
@@ -71,6 +72,8 @@ class PulseMeter:
         return float(np.sum(self._masses[0] * (np.cumsum(v[0]) - v[0])))
 
     def _energies(self, f: Array, v: Array) -> Array:
+        if not self._lattice.has_energy:
+            return np.full(v.shape[1], np.nan)
         if not self._lattice.holds_strains:
             return self._lattice.energies(f, v, rest=self._rest)
         if abs(float(np.sum(v))) > CLOSED * float(np.sum(np.abs(v))):

@@ -157,6 +157,18 @@ def test_on_a_background_is_measured_what_rises_above_it() -> None:
     assert last(run(0.2, **mean)) == pytest.approx(same, rel=1e-5)
 
 
+def test_a_lattice_without_masses_has_no_energy() -> None:
+    """Its second bond is stretched by strains and pulls at them: no spring between masses does."""
+    near = {"stretch": "y[n]", "force": "K2*x + K4*x**3", "action": {"y": "F[n+1]-2*F[n]+F[n-1]"}}
+    far = {"stretch": "y[n+1] - y[n-1]", "force": "K2*x/4", "action": {"y": "F[n+1] - F[n-1]"}}
+    declared = json.dumps({"fields": ["y"], "masses": [1], "positive": ["K2"], "bond": [near, far]})
+    given: dict[str, Any] = {"constants": {"K2": 1, "K4": 1}, "times": (0.0, 9.0), "eps": 0.1}
+    found = run(0.2, "K2", lattice="mine", declared=declared, tolerance=1e-2, **given)
+    assert np.isnan(last(found)["last_energy"])
+    assert last(found)["last_peak"] > 0.5
+    assert "energy_drift" not in found.cost
+
+
 @pytest.mark.parametrize(
     "changes",
     [
