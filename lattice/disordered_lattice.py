@@ -44,17 +44,25 @@ def mass_kind(lattice: NumericLattice) -> MassKind:
 
     Raises ValueError for a lattice of neither kind: its masses have no place in a cell.
     """
+    found = _moving(lattice)
+    if found is None:
+        raise ValueError(
+            f"masses must be those of displacements or of the strains between them, got "
+            f"{lattice.name}, whose bonds do not act on what they are stretched by (declare it in "
+            "its displacements)"
+        )
+    return found
+
+
+def _moving(lattice: NumericLattice) -> MassKind | None:
+    """What moves in the lattice, None if neither does."""
     if lattice.conserves_energy:
         return "displacements"
     if len(lattice.fields) == lattice.dimension == 1 and all(
         _terms(bond.action) == _terms(_moves(bond.stretch)) for bond in lattice.bonds
     ):
         return "strains"
-    raise ValueError(
-        f"masses must be those of displacements or of the strains between them, got "
-        f"{lattice.name}, whose bonds do not act on what they are stretched by (declare it in "
-        "its displacements)"
-    )
+    return None
 
 
 def _terms(entries: Sequence[Entry]) -> dict[int, float]:
@@ -198,21 +206,29 @@ class DisorderedLattice(NumericLattice):
         """The sum of `energies`."""
         return float(np.sum(self.energies(f, v)))
 
-    def energies(self, f: Array, v: Array, velocity: float = 0.0) -> Array:
-        """The energy of each cell, 0 at rest without stretch.
+    def energies(
+        self, f: Array, v: Array, velocity: float = 0.0, rest: Sequence[float] = ()
+    ) -> Array:
+        """The energy of each cell, 0 where bonds are stretched as at ``rest``: not, unless told.
 
         Of strains it takes the ``velocity`` of the first cell's mass, which they do not tell.
         """
         moving = velocity + (np.cumsum(v, axis=1) - v) if self.holds_strains else v
         total = np.sum(0.5 * self.cell_masses * moving * moving, axis=0)
-        for bond, stretch, varied in zip(
-            self.bonds, self.stretches(f), self._varied(), strict=True
+        resting = rest or (0.0,) * len(self.bonds)
+        for bond, stretch, varied, still in zip(
+            self.bonds, self.stretches(f), self._varied(), resting, strict=True
         ):
-            total = total + _stored(bond.force, stretch)
+            total = total + _stored(bond.force, stretch, still)
             if varied is not None:
                 part, row = varied
-                total = total + row * _stored(part, stretch)
+                total = total + row * _stored(part, stretch, still)
         return np.asarray(total)
+
+    @property
+    def has_energy(self) -> bool:
+        """Whether there are masses: of a lattice without, `energies` are none."""
+        return _moving(self) is not None
 
     @property
     def holds_strains(self) -> bool:
@@ -226,9 +242,11 @@ class DisorderedLattice(NumericLattice):
         return np.asarray(masses * (1.0 + self.deviations)) if self.variation.masses else masses
 
 
-def _stored(force: ForceProgram, stretch: Array) -> Array:
-    """The energy of a stretch less what the force at no stretch does on the way."""
-    return np.asarray(force.potential(stretch) - float(force(np.array(0.0))) * stretch)
+def _stored(force: ForceProgram, stretch: Array, rest: float) -> Array:
+    """The energy of a stretch above that at rest, less what the force there does on the way."""
+    still = np.array(rest)
+    held = float(force.potential(still)) + float(force(still)) * (stretch - rest)
+    return np.asarray(force.potential(stretch) - held)
 
 
 def disordered(

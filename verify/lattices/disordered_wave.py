@@ -20,7 +20,7 @@ from verify.lattices.scene_disorder import MASS, Disorder
 
 if TYPE_CHECKING:
     from derive.lattice import Lattice
-    from lattice.numeric_lattice import NumericLattice
+    from lattice.numeric_lattice import NumericBond, NumericLattice
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,10 @@ class DisorderedWave(LatticeWave):
     """``wave``, whose lattice is ordered, on rings of the same lattice with ``disorder``.
 
     Data and theory are the ordered lattice's. ``symbolic`` is its declaration and ``values`` are
-    its constants. A wave ``has_crest`` if its largest force is where it is: an envelope's is not.
-    Raises ValueError in one line for a lattice without such a disorder.
+    its constants. ``far``: what a long wave tends to on both sides, None of an envelope and of what
+    does not end. Only a wave that tends to 0 has a crest, whose largest force is where it is.
+    Raises ValueError in one line for a lattice without such a disorder, and for springs that differ
+    where a background stretches them.
     """
 
     def __init__(
@@ -39,15 +41,29 @@ class DisorderedWave(LatticeWave):
         disorder: Disorder,
         symbolic: Lattice,
         values: Mapping[str, Expr],
-        has_crest: bool = True,
+        far: float | None = 0.0,
     ) -> None:
-        self._has_crest = has_crest
+        self._has_crest = far == 0.0
         self.disorder, self._wave = disorder, wave
         self.eps, self.order, self.power = wave.eps, wave.order, wave.power
         self.slow, self.speed = wave.slow, wave.speed
         self._ordered = wave.lattice
         self._variation = variation_of(disorder, symbolic, values, wave.lattice)
         self.lattice = self._with_cells(wave.lattice, np.zeros(0))
+        self._rest = [
+            0.0 if far is None else self._background_stretch(b) for b in self._ordered.bonds
+        ]
+        if not self._variation.masses and (far or any(self._rest)):
+            raise ValueError(
+                f"of in [disorder] must be {MASS} with a wave on a background, got "
+                f"{disorder.of} (springs that differ would move where they are stretched alike)"
+            )
+
+    def _background_stretch(self, bond: NumericBond) -> float:
+        uniform = self._wave.background(np.zeros(1), 0.0)[:, 0]
+        if not np.any(uniform):
+            return 0.0
+        return math.fsum(entry.weight * float(uniform[entry.field]) for entry in bond.stretch)
 
     def _with_cells(self, lattice: NumericLattice, cells: Array) -> DisorderedLattice:
         rows = range(self._variation.rows(len(lattice.fields)))
@@ -109,9 +125,9 @@ class DisorderedWave(LatticeWave):
         share = abs(float(part.slope(rest) / bond.force.slope(rest)))
         return mean_inverse(self.disorder.distribution, share * self.disorder.spread) ** -0.5
 
-    def meter(self, ring: CellRing, places: slice) -> PulseMeter | None:
+    def meter(self, ring: CellRing) -> PulseMeter | None:
         """What measures the crest on its way."""
-        return PulseMeter(ring, places) if self._has_crest else None
+        return PulseMeter(ring, self._rest) if self._has_crest else None
 
 
 def variation_of(

@@ -292,7 +292,8 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     values = dict(_formulas(scene.constants, {"eps": exact("eps", scene.eps)}))
     disorder = Disorder.of_pairs(scene.disorder)
     lattice = declared_lattice(scene)
-    return DisorderedWave(wave, disorder, lattice, values, has_crest=not scene.is_envelope)
+    far = None if scene.is_envelope else wave_of(scene).constant_background
+    return DisorderedWave(wave, disorder, lattice, values, far)
 
 
 def _ordered_wave(scene: LatticeScene) -> LatticeWave:

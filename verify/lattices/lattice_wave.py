@@ -42,9 +42,9 @@ class CellRing:
 
 
 class Meter(Protocol):
-    """Measures numbers of a state: fields, velocities, and where its compared cells are."""
+    """Measures numbers of a state: fields and velocities."""
 
-    def __call__(self, f: Array, v: Array, places: slice) -> tuple[float, ...]:
+    def __call__(self, f: Array, v: Array) -> tuple[float, ...]:
         """The numbers, of which the last is the energy of the ring."""
 
 
@@ -139,8 +139,8 @@ class LatticeWave(ABC):
         """The speed of very long waves on its rings, in units of that of the ordered lattice."""
         return 1.0
 
-    def meter(self, ring: CellRing, places: slice) -> Meter | None:
-        """What else is measured on a ring on its way, compared cells at ``places`` at first."""
+    def meter(self, ring: CellRing) -> Meter | None:
+        """What else is measured on a ring on its way."""
         return None
 
     def signal_speed(self, ring: CellRing) -> float:

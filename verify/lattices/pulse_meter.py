@@ -26,7 +26,8 @@ class Pulse(NamedTuple):
     """What is left of a wave at a time.
 
     ``peak``: the largest force of a bond; ``place`` of it, a cell; ``energy`` about it and
-    ``whole``, that of the ring, nan where a ring of strains does not close.
+    ``whole``, that of the ring, nan where a ring of strains does not close and where a lattice has
+    no masses.
     """
 
     peak: float
@@ -36,50 +37,55 @@ class Pulse(NamedTuple):
 
 
 class PulseMeter:
-    """Measures `Pulse` on a ring of a disordered lattice, within the cells that are compared.
+    """Measures `Pulse` on a ring of a disordered lattice, wherever on it the crest is.
 
-    ``places`` are those at the first time. The window in which a crest's energy is counted is as
-    wide on either side as holds the share ``HELD`` of the energy at the start.
+    A crest may be so late that it is in none of the cells that are compared. ``rest``: the bonds'
+    stretches beside the wave. The window in which a crest's energy is counted is as wide on either
+    side as holds the share ``HELD`` of the energy at the start.
     """
 
-    def __init__(self, ring: CellRing, places: slice) -> None:
+    def __init__(self, ring: CellRing, rest: Sequence[float]) -> None:
         assert isinstance(ring.lattice, DisorderedLattice)
         self._lattice = ring.lattice
+        self._rest = tuple(rest)
         self._cells = ring.cells
         self._masses = ring.lattice.cell_masses
         self._momentum = self._momentum_at_rest(ring.v)
         self._reach = 0.0
-        energies = self._energies(ring.f, ring.v)[places]
-        place = self._crest(ring.f, places)[1]
-        distances = np.abs(self._cells[places] - place)
+        energies = self._energies(ring.f, ring.v)
+        place = self._crest(ring.f)[1]
+        distances = np.abs(self._cells - place)
         order = np.argsort(distances, kind="stable")
         held = np.cumsum(energies[order])
         enough = np.searchsorted(held, HELD * held[-1])
         self._reach = float(distances[order][min(int(enough), held.size - 1)])
 
-    def __call__(self, f: Array, v: Array, places: slice) -> Pulse:
+    def __call__(self, f: Array, v: Array) -> Pulse:
         """The pulse of a state of that ring."""
         energies = self._energies(f, v)
-        peak, place = self._crest(f, places)
-        near = np.abs(self._cells[places] - place) <= self._reach + 0.5
-        return Pulse(peak, place, float(np.sum(energies[places][near])), float(np.sum(energies)))
+        peak, place = self._crest(f)
+        near = np.abs(self._cells - place) <= self._reach + 0.5
+        return Pulse(peak, place, float(np.sum(energies[near])), float(np.sum(energies)))
 
     def _momentum_at_rest(self, v: Array) -> float:
         """That of a ring of strains whose first mass rests; it stays."""
         return float(np.sum(self._masses[0] * (np.cumsum(v[0]) - v[0])))
 
     def _energies(self, f: Array, v: Array) -> Array:
+        if not self._lattice.has_energy:
+            return np.full(v.shape[1], np.nan)
         if not self._lattice.holds_strains:
-            return self._lattice.energies(f, v)
+            return self._lattice.energies(f, v, rest=self._rest)
         if abs(float(np.sum(v))) > CLOSED * float(np.sum(np.abs(v))):
             return np.full(v.shape[1], np.nan)
         missing = self._momentum - self._momentum_at_rest(v)
-        return self._lattice.energies(f, v, missing / float(np.sum(self._masses)))
+        velocity = missing / float(np.sum(self._masses))
+        return self._lattice.energies(f, v, velocity, self._rest)
 
-    def _crest(self, f: Array, places: slice) -> tuple[float, float]:
-        pairs = zip(self._lattice.bonds, self._lattice.forces(f), strict=True)
-        forces = [force[places] - float(bond.force(np.array(0.0))) for bond, force in pairs]
-        return crest(self._cells[places], np.max(np.abs(forces), axis=0))
+    def _crest(self, f: Array) -> tuple[float, float]:
+        found = zip(self._lattice.bonds, self._lattice.forces(f), self._rest, strict=True)
+        forces = [force - float(bond.force(np.array(still))) for bond, force, still in found]
+        return crest(self._cells, np.max(np.abs(forces), axis=0))
 
 
 @dataclass(frozen=True)

@@ -204,14 +204,14 @@ class RingRuns(StepSearch):
             f, v = nudged(ring.f, ring.v)
             ring = replace(ring, f=f, v=v)
         energy = _energy(ring, ring.f, ring.v)
-        meter = self.wave.meter(ring, self.compared.places(ends, self.times[0])[0])
+        meter = self.wave.meter(ring)
         march = March(ring, self.times, choices.step, loop)
         for t in march.through():
             found = self.wave.measured(march.f, ring.mean_strain)
             places = self.compared.places(ends, t)
             march.measured.append(found[(slice(None), *places)] / self.wave.scale)
             if meter is not None:
-                march.metered.append(np.array(meter(march.f, march.v, places[0])))
+                march.metered.append(np.array(meter(march.f, march.v)))
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
         measured, steps = march.measured, march.steps
         metered = np.array(march.metered)

@@ -24,7 +24,7 @@ from lattice.checkpoint import begin_loop, spared_seconds
 from lattice.model import GROWTH
 from lattice.refine import Announce, refine
 from lattice.schemes import stability_limit
-from lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
+from lattice.trial import Choices, Progress, StepSearch, Trial, nudged, rounding_error
 from verify.comparison.observables import TIME
 from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.lattice_derivation import formula, scene_envelope
@@ -68,7 +68,8 @@ small."""
 
 BEATS = 4
 """Of a wave that does not grow: from the first moment to the last, beats of b and c with what else
-the data hold."""
+the data hold; and no less than one that grows fastest would take, or what the plane wave does
+meanwhile, more slowly, is a line."""
 
 LEVER = 2.5 / (15.0 / 16.0)
 """By how much a line through the moments may be steeper for what each is off, times their span:
@@ -258,7 +259,8 @@ def growth_plan(scene: LatticeScene) -> GrowthPlan:
     if wave.growth:
         first, last = (units / wave.growth / scene.eps**2 for units in GROWING)
     else:
-        first, last = 0.0, BEATS * math.pi / abs(wave.rate) / scene.eps**2
+        beats, fastest = BEATS * math.pi / abs(wave.rate), np.ptp(GROWING) / wave.largest_growth
+        first, last = 0.0, max(beats, float(fastest)) / scene.eps**2
     moments = np.linspace(first, last, MOMENTS)
     return GrowthPlan(ring, wave, data, moments + max(0.0, period - first))
 
@@ -352,7 +354,11 @@ class SidebandRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the number of steps."""
         loop = begin_loop(f"sidebands {choices}")
-        march = March(self.ring, self._times.tolist(), choices.step, loop)
+        ring = self.ring
+        if choices.nudged:
+            f, v = nudged(ring.f, ring.v)
+            ring = replace(ring, f=f, v=v)
+        march = March(ring, self._times.tolist(), choices.step, loop)
         for t in march.through():
             march.measured.append(self._sidebands(march, t))
             progress(t / self._times[-1])

@@ -128,14 +128,67 @@ def test_a_constant_deviates_in_every_bond_that_has_it_and_nothing_else_does() -
 def test_the_meter_finds_the_crest_and_the_energy_about_it() -> None:
     wave = lattice_wave(LatticeScene.of(**(SOLITON | {"disorder": MASSES})))
     ring = wave.ring(np.arange(-100.0, 101.0), 0.0)
-    meter = wave.meter(ring, slice(30, 171))
+    meter = wave.meter(ring)
     assert isinstance(meter, PulseMeter)
-    found = meter(ring.f, ring.v, slice(30, 171))
+    found = meter(ring.f, ring.v)
     assert found.place == pytest.approx(0.0, abs=1e-9)
     assert found.energy == pytest.approx(0.999 * found.whole, rel=2e-3)
-    moved = meter(np.roll(ring.f, 7, 1), np.roll(ring.v, 7, 1), slice(37, 178))
+    moved = meter(np.roll(ring.f, 7, 1), np.roll(ring.v, 7, 1))
     assert moved.place == pytest.approx(7.0, abs=1e-9)
     assert crest(np.arange(5.0), np.array([0.0, -1.0, -3.0, -3.0, -1.0])) == (3.25, 2.5)
+
+
+def test_a_crest_is_followed_out_of_the_cells_that_are_compared() -> None:
+    """It is late by 15 cells, and 10 are compared on either side."""
+    springs = {"of": "K2", "spread": 0.5}
+    wide, narrow = (
+        last(run(0.5, disorder=MASSES | springs, times=(0.0, 500.0), half_width=half))
+        for half in (20, 2)
+    )
+    assert wide["last_delay"] > 12.0
+    assert narrow == pytest.approx(wide, rel=1e-5)
+
+
+def test_on_a_background_is_measured_what_rises_above_it() -> None:
+    """About the strain 1/5 the forces are those of springs with K2 = 0.88 and without K3."""
+    mean: dict[str, Any] = {"background": "-K3/(3*K4)"}
+    mean["constants"] = {"K2": 1, "K3": -0.6, "K4": 1}
+    same = last(run(0.2, constants={"K2": 0.88, "K3": 0, "K4": 1}))
+    assert last(run(0.2, **mean)) == pytest.approx(same, rel=1e-5)
+
+
+def test_a_lattice_without_masses_has_no_energy() -> None:
+    """Its second bond is stretched by strains and pulls at them: no spring between masses does."""
+    near = {"stretch": "y[n]", "force": "K2*x + K4*x**3", "action": {"y": "F[n+1]-2*F[n]+F[n-1]"}}
+    far = {"stretch": "y[n+1] - y[n-1]", "force": "K2*x/4", "action": {"y": "F[n+1] - F[n-1]"}}
+    declared = json.dumps({"fields": ["y"], "masses": [1], "positive": ["K2"], "bond": [near, far]})
+    given: dict[str, Any] = {"constants": {"K2": 1, "K4": 1}, "times": (0.0, 9.0), "eps": 0.1}
+    found = run(0.2, "K2", lattice="mine", declared=declared, tolerance=1e-2, **given)
+    assert np.isnan(last(found)["last_energy"])
+    assert last(found)["last_peak"] > 0.5
+    assert "energy_drift" not in found.cost
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"constants": {"K2": 1, "K3": -0.6, "K4": 1}, "background": "-K3/(3*K4)"},
+        {"wave": "rational_2", "parameters": {}, "eps": 0.05},
+    ],
+)
+def test_springs_do_not_differ_where_a_background_stretches_them(changes: dict[str, Any]) -> None:
+    given = SOLITON | changes | {"disorder": MASSES | {"of": "K2"}}
+    with pytest.raises(ValueError, match=r"of in .* must be mass with a wave on a background"):
+        lattice_wave(LatticeScene.of(**given))
+
+
+@pytest.mark.parametrize(
+    ("wave", "parameters", "K4"), [("kink", {"A": 1}, -1), ("wave_cn", {"k": 0.9}, 1)]
+)
+def test_a_wave_that_does_not_end_has_no_crest(wave: str, parameters: Any, K4: int) -> None:
+    constants = {"K2": 1, "K3": 0, "K4": K4}
+    given = {"wave": wave, "parameters": parameters, "constants": constants, "times": (0.0, 9.0)}
+    assert run(0.1, **given, tolerance=1e-2).pulse is None
 
 
 def test_a_scene_reads_back_and_its_key_is_its_own(tmp_path: Path) -> None:

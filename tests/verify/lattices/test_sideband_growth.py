@@ -1,6 +1,7 @@
 """Benjamin-Feir growth on lattices against theory, as scenes."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,12 @@ from sympy import Integer, Rational, pi
 from derive.request_limits import TooMuchError, request_limits
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
-from verify.lattices.sideband_growth import SidebandGrowth, measure_growth
+from verify.lattices.sideband_growth import (
+    SidebandGrowth,
+    SidebandRuns,
+    growth_plan,
+    measure_growth,
+)
 
 CUBIC: dict[str, Any] = {"K2": 1, "K3": "1/4", "K4": 1}
 PINNED: dict[str, Any] = {"K2": 1, "g1": 2, "g2": 1, "g3": 4}
@@ -82,6 +88,16 @@ def test_what_is_stable_is_told_from_what_grows(changes: dict[str, Any], why: st
     assert f"stable ({why}), and no growth is seen" in found.verdict()
 
 
+@pytest.mark.parametrize(("carrier", "kappa"), [("pi/2", 21.02), ("2*pi/3", 30)])
+def test_no_growth_is_seen_far_beyond_the_band(carrier: str, kappa: float) -> None:
+    """By Floquet's exponents of the periodic wave there is none: 3e-12 and 7e-12."""
+    chain: dict[str, Any] = {"K2": 1, "K3": 0, "K4": 1}
+    given = {"amplitude": 0.3, "kappa": kappa}
+    found = rate(eps=0.05, tolerance=1e-3, constants=chain, carrier=carrier, parameters=given)
+    assert found.theory == 0.0
+    assert abs(found.measured) < found.error
+
+
 def test_kappa_is_that_of_the_scene_or_grows_fastest() -> None:
     fastest = rate(tolerance=1e-2)
     wave = fastest.plan.wave
@@ -98,6 +114,30 @@ def test_the_error_holds_what_a_smaller_tolerance_changes() -> None:
         coarse = rate(tolerance=tolerance)
         assert coarse.run_error <= tolerance * coarse.plan.wave.largest_growth
         assert abs(coarse.measured - fine.measured) <= coarse.error + fine.error
+
+
+def test_what_becomes_of_rounding_is_seen() -> None:
+    """Without it a perturbation that others overtake was run for minutes before it was refused."""
+    wanted = scene(tolerance=1e-2)
+    engine = SidebandRuns(growth_plan(wanted), wanted)
+    choices = engine.first()
+    found, other = (
+        engine.run(replace(choices, nudged=nudged), False).values for nudged in (False, True)
+    )
+    assert found is not None
+    assert other is not None
+    assert 0.0 < float(np.max(np.abs(found - other))) < 1e-6
+
+
+def test_a_perturbation_that_others_overtake_is_refused_in_one_line() -> None:
+    with pytest.raises(ValueError, match="neighbouring states of the lattice part so fast"):
+        rate(
+            eps=0.05,
+            tolerance=1e-3,
+            constants={"K2": 1, "K3": 0, "K4": 1},
+            carrier="2*pi/3",
+            parameters={"amplitude": 0.3, "share": 0.1},
+        )
 
 
 SIGNS = st.sampled_from([-1.0, 1.0])
