@@ -111,7 +111,7 @@ def _whole(name: str, value: object, least: int, most: int) -> int:
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not (is_whole and least <= int(value) <= most):  # type: ignore[call-overload]
         raise ValueError(
-            f"{name} in [disorder] must be a whole number, {least:g} <= {name} <= {most:g}, got "
+            f"{name} in [disorder] must be a whole number, {least} <= {name} <= {most}, got "
             f"{shown(value)} (such as 1)"
         )
     return int(value)  # type: ignore[call-overload]
