@@ -371,14 +371,17 @@ def _interrupts_ignored() -> Iterator[None]:
 BEFOREHAND = ("runs.scene_command", "verify.lattices.lattice_run", "derive.reduction", "xarray")
 """Modules that a process takes whatever is asked."""
 
+ROOM = 5e8
+"""Bytes that a process may take to see that a run would not fit a smaller limit, and to say it."""
+
 
 def _serve(connection: Connection, limits: RequestLimits) -> None:
     """Compare what is asked for, always the newest, until the page's process has gone."""
     ignore_interrupt()
-    if math.isfinite(limits.memory_bytes):
-        limit_memory(int(limits.memory_bytes))
     for module in BEFOREHAND:
         import_module(module)
+    if math.isfinite(limits.memory_bytes):
+        limit_memory(int(max(limits.memory_bytes, ROOM)))
     with suppress(EOFError, OSError):
         while True:
             asked, scene = connection.recv()

@@ -268,6 +268,21 @@ def test_the_newest_choice_is_answered_and_a_process_that_ended_is_replaced(
 
 
 @pytest.mark.slow
+def test_a_limit_below_what_a_process_takes_refuses_the_run_in_one_line(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    explorer = Explorer(RequestLimits(99.0, 60.0))
+    try:
+        explorer.ask(scene_of_choices(SOLITON))
+        refusal = answered(explorer)
+    finally:
+        explorer.close()
+    assert isinstance(refusal, Refusal)
+    assert "must fit 0.099 kB, got about" in refusal.line
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("wave", CATALOGUE.names)
 def test_every_wave_runs_on_its_first_lattice(wave: str) -> None:
     found = compare(scene_of_choices(first_choices(wave)))
