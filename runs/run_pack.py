@@ -193,11 +193,12 @@ def read_pack(path: Path) -> list[tuple[CellRecord, PackedRun | None]]:
 
 def packed_records(folder: Path) -> dict[str, tuple[CellRecord, PackedRun | None]]:
     """What the packs of the store in that folder hold, by key; of several attempts one that settled
-    it. Damaged packs count as missing."""
+    it, if one did with its run. Damaged packs count as missing."""
     found: dict[str, tuple[CellRecord, PackedRun | None]] = {}
     for path in _packs(folder):
         for record, place in read_pack(path):
-            if record.status in SETTLED or record.key not in found:
+            older = found.get(record.key)
+            if older is None or (record.status in SETTLED and older[1] is None):
                 found[record.key] = record, place
     return found
 

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
@@ -91,9 +91,13 @@ class SweepState:
 
 
 def settled_keys(store: RunStore) -> set[str]:
-    """The keys of what the store's packs hold and is not run again."""
-    records = packed_records(store.folder).items()
-    return {key for key, (record, _) in records if record.status in SETTLED}
+    """The keys of what the store's packs hold and is not run again: runs, and what has none. A run
+    that has a file of its own counts if that is whole."""
+    return {
+        key
+        for key, (record, place) in packed_records(store.folder).items()
+        if record.status == REFUSED or (record.status in SETTLED and place is not None)
+    }
 
 
 def run_sweep(
@@ -113,12 +117,37 @@ def run_sweep(
     done is kept then, too.
     """
     state = SweepState(len(sweep), workers.count) if state is None else state
-    (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
-    with _token(Path(store.folder)) as token:
-        known = settled_keys(store) if settled is None else settled
-        march = _March(sweep, store, workers, state, progress, token, known)
-        march.run()
+    known = settled_keys(store) if settled is None else settled
+    missing = _missing(sweep, store, known, state)
+    first = next(missing, None)
+    if first is not None:  # a store that holds all of it need not be writable
+        (Path(store.folder) / PACKS).mkdir(parents=True, exist_ok=True)
+        with _token(Path(store.folder)) as token:
+            march = _March(store, workers, state, progress, token, chain([first], missing))
+            march.run()
     return state
+
+
+def _missing(
+    sweep: Sweep, store: RunStore, settled: Collection[str], state: SweepState
+) -> Iterator[Cell]:
+    """The cells that the store does not hold, as they are asked for; of cells with one scene the
+    first."""
+    given: set[str] = set()
+    for number in range(len(sweep)):
+        try:
+            scene = sweep.scene(number)
+        except ValueError as error:
+            state.first_fault = state.first_fault or str(error)
+            state.faults += 1
+            state.found += 1
+            continue
+        key = store.key(scene)
+        if key in settled or key in given or is_whole(store.file_of(key)):
+            state.found += 1
+        else:
+            given.add(key)
+            yield Cell(number, key, scene)
 
 
 @contextmanager
@@ -136,23 +165,21 @@ def _token(folder: Path) -> Iterator[str]:
 class _March:
     """The cells on their way: to be sent, sent, and those that lost a worker."""
 
-    sweep: Sweep
     store: RunStore
     workers: Workers
     state: SweepState
     progress: Tell
     token: str
-    settled: Collection[str]
+    missing: Iterator[Cell]
     sent: dict[Promise, list[Cell]] = field(default_factory=dict)
     suspects: deque[tuple[Cell, int]] = field(default_factory=deque)
     answered: SimpleQueue[Promise] = field(default_factory=SimpleQueue)
 
     def run(self) -> None:
-        missing = self._missing()
         ended = False
         while True:
             while not ended and not self.suspects and len(self.sent) < AHEAD * self.workers.count:
-                cells = list(islice(missing, self._size()))
+                cells = list(islice(self.missing, self._size()))
                 ended = not cells
                 if cells:
                     self._send(cells)
@@ -161,22 +188,6 @@ class _March:
             if not self.sent and not self.suspects:
                 return
             self._take()
-
-    def _missing(self) -> Iterator[Cell]:
-        """The cells that the store does not hold, as they are asked for."""
-        for number in range(len(self.sweep)):
-            try:
-                scene = self.sweep.scene(number)
-            except ValueError as error:
-                self.state.first_fault = self.state.first_fault or str(error)
-                self.state.faults += 1
-                self.state.found += 1
-                continue
-            key = self.store.key(scene)
-            if key in self.settled or is_whole(self.store.file_of(key)):
-                self.state.found += 1
-            else:
-                yield Cell(number, key, scene)
 
     def _size(self) -> int:
         """Cells of the next batch."""

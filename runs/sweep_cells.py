@@ -30,7 +30,7 @@ from runs.run_pack import (
     CellRecord,
     write_pack,
 )
-from runs.run_store import RunStore
+from runs.run_store import RunStore, UnkeptRunError, runs_its_sources
 from runs.worker_code import check_code
 from solutions.run.cores import keep_to_one_core
 
@@ -153,10 +153,13 @@ def _ending() -> Iterator[None]:
 def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     """Run one cell; what it raises is told in its record.
 
-    What is expected to take long is kept in the ``store`` instead of the record.
+    What is expected to take long is kept in the ``store`` instead of the record; in both if it
+    cannot be written there as a file of its own.
     """
 
     from runs.run_file import load_run, run_any_scene
+
+    alone = False
 
     def told(seconds: float) -> None:
         if store is not None and seconds >= LONG:
@@ -164,18 +167,22 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
 
     try:
         try:
-            run, kept = run_any_scene(cell.scene, announce=told), True
+            run = run_any_scene(cell.scene, announce=told)
         except LongCell:
             assert store is not None
-            run, kept = load_run(store.fetch(cell.scene)), False
+            alone = True
+            run = load_run(store.fetch(cell.scene))
+    except UnkeptRunError as error:
+        run, alone = error.run, False
     except TooMuchError as error:  # the next attempt may be allowed more
         return CellRecord(cell.key, FAILED, _line(error))
     except ValueError as error:
-        return CellRecord(cell.key, REFUSED, _line(error))
+        changed = alone and not runs_its_sources()  # which the store refuses, and not the scene
+        return CellRecord(cell.key, FAILED if changed else REFUSED, _line(error))
     except Exception as error:  # the sweep goes on, and the next attempt may succeed
         return CellRecord(cell.key, FAILED, _line(f"{type(error).__name__}: {error}"))
     record = record_of(cell.key, cell.scene, run)
-    return record if kept else replace(record, run=None)
+    return replace(record, run=None) if alone else record
 
 
 def record_of(key: str, scene: AnyScene, run: xr.Dataset) -> CellRecord:

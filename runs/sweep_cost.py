@@ -59,6 +59,7 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str])
     begun = process_time()
     seconds = memory = 0.0
     looked_at = missing = 0
+    given: set[str] = set()
     for number in order:
         share = LOOKING_SHARE * seconds * len(sweep) / max(1, looked_at)
         allowed = min(max(LOOKING_SECONDS, share), MOST_LOOKING_SECONDS)
@@ -69,8 +70,9 @@ def expected_sweep_cost(sweep: Sweep, store: RunStore, settled: Collection[str])
         try:
             scene = sweep.scene(number)
             key = store.key(scene)
-            if key in settled or is_whole(store.file_of(key)):
+            if key in settled or key in given or is_whole(store.file_of(key)):
                 continue
+            given.add(key)
             cost = expected_cell_cost(scene)
         except ValueError:
             continue

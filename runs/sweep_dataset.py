@@ -13,11 +13,11 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import file_content, load_run
-from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, CellRecord, PackedRun, packed_records
+from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, SETTLED, CellRecord, PackedRun, packed_records
 from runs.run_store import RunStore
 from runs.sweep_cells import record_of
 from runs.sweep_fields import Place, swept_fields
-from runs.sweep_file import CASE, SAMPLE, Sweep
+from runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +61,7 @@ def _found(
     if record is not None and place is not None:
         return record, place
     path = store.find(scene)
-    if path is not None and record is None:
+    if path is not None and (record is None or record.status not in SETTLED):
         record = record_of(key, scene, load_run(path))
     return record or CellRecord(key, MISSING), path
 
@@ -120,7 +120,7 @@ def _short(field: str, fields: Sequence[str]) -> str:
     """The last part of a field's name, where no other field has it."""
     last = field.rpartition(".")[2]
     alike = [other for other in fields if other.rpartition(".")[2] == last]
-    return last if len(alike) == 1 else field.replace(".", "_")
+    return last if len(alike) == 1 and last not in TAKEN else field.replace(".", "_")
 
 
 def _values(column: Sequence[Any]) -> NDArray[Any]:

@@ -136,14 +136,15 @@ def swept_fields(
     A coordinate that is the same in all runs stays one; one that is not is called ``cell_NAME``,
     and what is ``taken`` ``run_NAME``.
     """
-    kinds: dict[str, set[FieldKind]] = defaultdict(set)
-    for group in _groups(places):
+    kinds: dict[str, list[FieldKind]] = defaultdict(list)
+    groups = _groups(places)
+    for group in groups:
         for field, kind in _kinds(group):
-            kinds[field].add(kind)
+            kinds[field].append(kind)
     for field, found in kinds.items():
-        if len(found) > 1:
+        if len(found) < len(groups) or len(set(found)) > 1:
             continue
-        kind = found.pop()
+        kind = found[0]
         array = FieldOfCells(field, places, shape, kind)
         told = json.loads(kind.attributes)
         if kind.is_coordinate:

@@ -38,6 +38,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from runs.run_pack import NUMBERS, TEXTS
 from runs.sweep_scene import (
     AnyScene,
     base_document,
@@ -64,8 +65,8 @@ DRAWN = ("from", "to", "log", "whole", "choose")
 CASE, SAMPLE = "case", "sample"
 """The dimensions of a list and of a random sample."""
 
-TAKEN = (CASE, SAMPLE, "time", "site", "row", "quantity", "background")
-"""Names that runs have for something else."""
+TAKEN = (CASE, SAMPLE, "time", "site", "row", "quantity", "background", *TEXTS, *NUMBERS)
+"""Names that runs, or cells, have for something else."""
 
 FOLDER = files("runs.sweeps")
 
@@ -237,6 +238,7 @@ def _flat(entries: Mapping[str, Any], where: str, inner: str = "") -> Iterator[t
 def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
     for field, given in _flat(table(document, "grid"), "grid"):
         values = _range(field, given) if isinstance(given, Mapping) else _listed(field, given)
+        _check_different(field, values)
         yield SweptDimension(field, (field,), tuple((value,) for value in values))
     columns = {
         field: _range(field, given) if isinstance(given, Mapping) else _listed(field, given)
@@ -253,6 +255,19 @@ def _dimensions(document: Mapping[str, Any]) -> Iterator[SweptDimension]:
         yield SweptDimension(CASE, tuple(columns), tuple(zip(*columns.values(), strict=True)))
     if "random" in document:
         yield _sampled(dict(table(document, "random")))
+
+
+def _check_different(field: str, values: Sequence[Any]) -> None:
+    """Refuse a value that stands twice on an axis: of its cells one could not be asked for."""
+    found: set[str | float] = set()
+    for value in values:
+        told = json.dumps(value, sort_keys=True) if isinstance(value, list | dict) else value
+        if told in found:
+            raise ValueError(
+                f"{field} in [grid] must have different values, got {shown(value)} twice (leave "
+                "one out)"
+            )
+        found.add(told)
 
 
 def _sampled(given: dict[str, Any]) -> SweptDimension:
@@ -296,6 +311,10 @@ def _value(field: str, value: object) -> Any:
         return [_value(field, part) for part in value]
     if isinstance(value, Mapping):
         return {key: _value(f"{field}.{key}", part) for key, part in value.items()}
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{field} must be finite numbers or texts, got {value} (such as 0.5)")
+    if isinstance(value, str) and "\0" in value:
+        raise ValueError(f"{field} must be a text without NUL, got {shown(value)} (leave it out)")
     if isinstance(value, str | bool | int | float):
         return value
     raise ValueError(f"{field} must be numbers or texts, got {shown(value)} (such as 0.5)")

@@ -1,6 +1,7 @@
 """Sweeps in one process: what is kept, resumed, recorded and given back."""
 
 import ctypes
+import errno
 import signal
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -12,13 +13,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file, run_pack, scene_command, sweep_cells
+from runs import run_file, run_pack, run_store, scene_command, sweep_cells
 from runs.run_file import load_run, run_any_scene
 from runs.run_pack import CellRecord, packed_records, read_pack, write_pack
 from runs.run_store import RunStore
 from runs.scene_command import RunOptions, run_and_print
 from runs.sweep import MOST_LOSSES, run_sweep
 from runs.sweep_cells import Cell, run_cells
+from runs.sweep_cost import expected_sweep_cost
 from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
 from runs.sweep_file import Sweep, sweep_of
 from runs.worker_code import code_here
@@ -209,6 +211,55 @@ def test_what_is_there_is_not_run_again(store: RunStore) -> None:
     assert again.cells == 0
 
 
+def test_cells_with_one_scene_are_run_once(store: RunStore) -> None:
+    workers = HereWorkers()
+    sweep = sweep_of({"scene": SMALL, "list": {"eps": [0.1, 0.2, 0.1, 0.1], "t0": [0, 0, 0, 0.0]}})
+    assert expected_sweep_cost(sweep, store, ()).missing == 2
+    state = run_sweep(sweep, store, workers)
+    assert (workers.cells, state.found, state.done) == (2, 2, 2)
+    errors = sweep_dataset(sweep, store).error.values
+    assert errors[0] == errors[2] == errors[3] != errors[1]
+
+
+def test_a_run_is_read_though_an_attempt_failed_before(store: RunStore) -> None:
+    """As when a process is killed after a long run is in its file and before that is in a pack."""
+    sweep = small_sweep(eps=[0.1])
+    key = store.key(sweep.scene(0))
+    (store.folder / "packs").mkdir(parents=True)
+    write_pack(store.folder / "packs" / "0.h5", [CellRecord(key, "failed", "no room")])
+    store.fetch(sweep.scene(0))
+    workers = HereWorkers()
+    run_sweep(sweep, store, workers)
+    found = sweep_dataset(sweep, store)
+    assert (workers.cells, found.status.item(), found.message.item()) == (0, "done", "")
+    assert found.error.item() > 0
+
+
+def test_a_store_that_holds_all_is_not_written(store: RunStore) -> None:
+    """So one that cannot be written serves."""
+    sweep = small_sweep()
+    run_sweep(sweep, store, HereWorkers())
+    before = store.folder.stat().st_mtime_ns
+    run_sweep(sweep, store, HereWorkers())
+    assert store.folder.stat().st_mtime_ns == before
+
+
+@pytest.mark.parametrize("kind", ["grid", "list", "random"])
+def test_fields_that_are_called_as_numbers_of_cells_have_their_table(
+    kind: str, store: RunStore, tmp_path: Path
+) -> None:
+    varied: dict[str, Any] = {"domain.sites": [1024, 2048], "domain.compared": [20, 30]}
+    if kind == "random":
+        varied = {"count": 2, "seed": 1, "domain.sites": {"choose": [1024]}}
+    sweep = sweep_of({"scene": SMALL, kind: varied})
+    run_sweep(sweep, store, HereWorkers())
+    found = write_sweep(sweep, store, tmp_path / "sweep.nc")
+    assert found.domain_sites.attrs["field"] == "domain.sites"
+    np.testing.assert_array_equal(
+        found.sites, xr.broadcast(found.sites, found.domain_sites)[1].transpose(*found.sites.dims)
+    )
+
+
 def test_a_run_is_found_whoever_made_it(
     store: RunStore,
     monkeypatch: pytest.MonkeyPatch,
@@ -297,6 +348,15 @@ def test_fields_of_different_shapes_are_left_to_each_run(store: RunStore) -> Non
     assert cell_run(sweep, store, compared=1, snapshots=0).sizes["site"] == 61
 
 
+def test_fields_that_some_runs_have_not_are_left_to_each_run(store: RunStore) -> None:
+    sweep = small_sweep(observables=[["strain"], ["strain", "error_curve"]])
+    run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store).load()
+    assert "strain" in found
+    assert "error_curve" not in found
+    assert "error_curve" in cell_run(sweep, store, observables=1)
+
+
 def test_a_worker_of_other_code_makes_no_runs(store: RunStore, tmp_path: Path) -> None:
     """The key of a run that it made would be a lie; versions and folders that differ are told."""
     (cell,) = [Cell(0, "key", small_sweep(eps=[0.1]).scene(0))]
@@ -350,15 +410,17 @@ def test_a_cell_that_kills_its_workers_is_given_up(store: RunStore) -> None:
     assert killed[1:] == [1] * MOST_LOSSES
 
 
-def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(
-        scene: Any, progress: Any = None, announce: Callable[[float], None] | None = None
-    ) -> xr.Dataset:
-        if announce is not None:
-            announce(100.0 if scene.eps == 0.2 else 1.0)
-        return run_any_scene(scene)
+def _run_long(
+    scene: Any, progress: Any = None, announce: Callable[[float], None] | None = None
+) -> xr.Dataset:
+    """The run, of which one with eps = 0.2 is announced as a long one."""
+    if announce is not None:
+        announce(100.0 if scene.eps == 0.2 else 1.0)
+    return run_any_scene(scene)
 
-    monkeypatch.setattr(run_file, "run_any_scene", run)
+
+def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_file, "run_any_scene", _run_long)
     sweep = small_sweep(eps=[0.1, 0.2])
     run_sweep(sweep, store, HereWorkers())
     assert [store.find(sweep.scene(cell)) is None for cell in (0, 1)] == [True, False]
@@ -366,6 +428,53 @@ def test_long_cells_are_runs_of_their_own(store: RunStore, monkeypatch: pytest.M
     np.testing.assert_array_equal(
         found.strain.values[1], run_any_scene(sweep.scene(1)).strain.values
     )
+
+
+def test_a_long_run_that_is_damaged_or_gone_is_made_anew(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_file, "run_any_scene", _run_long)
+    sweep = small_sweep(eps=[0.1, 0.2])
+    run_sweep(sweep, store, HereWorkers())
+    path = store.path(sweep.scene(1))
+    path.write_bytes(path.read_bytes()[:1000])
+    workers = HereWorkers()
+    run_sweep(sweep, store, workers)
+    assert workers.cells == 1
+    path.unlink()
+    monkeypatch.undo()  # a faster machine: the run goes into a pack
+    run_sweep(sweep, store, HereWorkers())
+    run_sweep(sweep, store, workers)
+    assert workers.cells == 1
+    assert bits(cell_run(sweep, store, eps=1)) == bits(run_any_scene(sweep.scene(1)))
+
+
+def test_a_long_run_that_has_no_place_of_its_own_goes_into_the_pack(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, run: xr.Dataset) -> Path:
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr(run_file, "run_any_scene", _run_long)
+    monkeypatch.setattr(run_store, "_kept", full)
+    sweep = small_sweep(eps=[0.2])
+    assert run_sweep(sweep, store, HereWorkers()).faults == 0
+    assert bits(cell_run(sweep, store, eps=0)) == bits(run_any_scene(sweep.scene(0)))
+
+
+def test_a_cell_that_changed_sources_would_run_is_tried_again(
+    store: RunStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_file, "run_any_scene", _run_long)
+    for module in (run_store, sweep_cells):
+        monkeypatch.setattr(module, "runs_its_sources", lambda: False)
+    sweep = small_sweep(eps=[0.2])
+    run_sweep(sweep, store, HereWorkers())
+    found = sweep_dataset(sweep, store)
+    assert "sources must be what this process runs" in found.message.item()
+    monkeypatch.undo()
+    run_sweep(sweep, store, HereWorkers())
+    assert sweep_dataset(sweep, store).status.item() == "done"
 
 
 def test_a_pack_keeps_bits_and_kinds_apart(tmp_path: Path) -> None:

@@ -129,6 +129,26 @@ def test_a_member_of_a_family_and_tables_are_bases() -> None:
         ),
         ({"scene": "toda_soliton", "grid": {"eps": []}}, "eps must be a list of values or a range"),
         ({"scene": "toda_soliton", "grid": {"eps": 0.1}}, "eps must be a list of values"),
+        (
+            {"scene": "toda_soliton", "grid": {"parameters.kappa": [1, 2, 1.0]}},
+            r"parameters.kappa in \[grid\] must have different values, got 1.0 twice",
+        ),
+        (
+            {"scene": "toda_soliton", "grid": {"slow_times": [[0, 1], [0, 2], [0, 1]]}},
+            r"slow_times in \[grid\] must have different values, got \[0, 1\] twice",
+        ),
+        (
+            {"scene": "toda_soliton", "grid": {"eps": [0.1, float("nan")]}},
+            "eps must be finite numbers or texts, got nan",
+        ),
+        (
+            {"scene": "toda_soliton", "list": {"slow_times": [[0, float("inf")]]}},
+            "slow_times must be finite numbers or texts, got inf",
+        ),
+        (
+            {"scene": "toda_soliton", "grid": {"order": ["leading", "a\0b"]}},
+            "order must be a text without NUL, got 'a",
+        ),
         (_grid({"from": 1, "to": 0, "count": 2}), "eps must have from < to, got 1 and 0"),
         (_grid({"from": 0, "to": 1, "count": 2, "log": True}), "eps must have from > 0 with log"),
         (_grid({"from": 0, "to": 1, "count": 1}), "count of eps must be at least 2, got 1"),
