@@ -28,6 +28,7 @@ from reports.figures.lattice_figures import lattice_snapshots
 from runs import run_any_scene
 from runs.run_cost import CHEAPER as CHEAPER_RUN
 from runs.run_cost import expected_run_cost
+from runs.run_file import SWEPT
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
@@ -178,6 +179,10 @@ def _distinct(times: Array) -> tuple[float, ...]:
 
 def _within(data: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     """The snapshots between two times that hold finite strains; ValueError if there are none."""
+    if SWEPT in data.attrs:
+        raise ValueError(
+            "source must be the run of a scene, got the result of a sweep (longwave plot draws it)"
+        )
     for name in ("strain", "analytic", "n", "error"):
         if name not in data:
             raise ValueError(

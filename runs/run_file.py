@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 PARTS = "real_imag"
 """The last dimension of what is complex."""
 
+SWEPT = "sweep"
+"""The attribute of the result of a sweep that runs have not."""
+
 TEXTS = "json_attributes"
 """The attribute that lists those that are JSON."""
 
@@ -147,6 +150,11 @@ def open_run(path: str | Path) -> xr.Dataset:
 def scene_of_run(run: xr.Dataset) -> Scene | LatticeScene:
     """The scene that a run was asked for; ValueError in one line if it carries none."""
     text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
+    if SWEPT in run.attrs:
+        raise ValueError(
+            "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
+            "it, longwave plot draws it)"
+        )
     if not isinstance(text, str):
         raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
     return any_scene_of_toml(text)

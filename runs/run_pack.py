@@ -217,4 +217,4 @@ def packed_run(folder: Path, key: str) -> PackedRun | None:
 
 
 def _packs(folder: Path) -> list[Path]:
-    return sorted((folder / PACKS).glob(f"[!.]*{SUFFIX}"))
+    return sorted(path for path in (folder / PACKS).glob(f"[!.]*{SUFFIX}") if path.is_file())

@@ -14,7 +14,7 @@ import numpy as np
 from derive.command_line import duration, fail, interrupted
 from derive.request_limits import Announcer, check_request, current_limits
 from runs.rescue import check_run_output
-from runs.run_file import open_run
+from runs.run_file import SWEPT, open_run
 from runs.run_pack import DONE
 from runs.run_store import RunStore
 from runs.sweep import SweepState, run_sweep, settled_keys
@@ -63,6 +63,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
             check_run_output(output, force=True)
             _check_overwriting(sweep, Path(output), options.force)
             store = RunStore(Path(options.store or f"{sweep.name}.store"))
+            _check_apart(Path(output), Path(store.folder))
             settled = settled_keys(store)
             expected = expected_sweep_cost(sweep, store, settled)
         with store_told():
@@ -84,6 +85,13 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     return 0 if bool((found["status"] == DONE).all()) else 1
 
 
+def _check_apart(output: Path, store: Path) -> None:
+    if output.resolve() == store.resolve():
+        raise ValueError(
+            f"--output must not be the --store, a folder, got {output} for both (take another name)"
+        )
+
+
 def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
     """Refuse to write over what is no result of this sweep, before anything is run."""
     if force or not output.exists():
@@ -91,7 +99,7 @@ def _check_overwriting(sweep: Sweep, output: Path, force: bool) -> None:
     held = ""
     try:
         with open_run(output) as older:
-            held = str(older.attrs.get("sweep", ""))
+            held = str(older.attrs.get(SWEPT, ""))
     except (ValueError, OSError):
         pass
     if held != sweep.json():

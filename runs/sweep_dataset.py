@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from derive.atomic_file import write_atomically
-from runs.run_file import file_content, load_run
+from runs.run_file import SWEPT, file_content, load_run
 from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, SETTLED, CellRecord, PackedRun, packed_records
 from runs.run_store import RunStore
 from runs.sweep_cells import record_of
@@ -98,7 +98,7 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
             (coordinates if is_coordinate else data)[name] = variable
     attributes = {
         "title": sweep.title or sweep.name,
-        "sweep": sweep.json(),
+        SWEPT: sweep.json(),
         "store": str(store.folder),
     }
     return xr.Dataset(data, coordinates, attributes)

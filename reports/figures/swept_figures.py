@@ -257,6 +257,9 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
     for ax, words in zip(panels, ("seconds of the run", "site updates"), strict=True):
         ax.set_xlabel(words)
         ax.xaxis.set_minor_formatter(NullFormatter())
+        low, high = ax.dataLim.intervalx
+        if high < 1.1 * low:  # the same work in all cells
+            ax.set_xlim(low / 2.0, 2.0 * high)
         low, high = ax.get_xlim()
         if high < 10.0 * low:  # no power of ten may be among them
             ticks = np.geomspace(low, high, 5)[1::2]

@@ -136,6 +136,8 @@ def test_wrong_input_is_one_line_before_anything_is_run(
 def test_a_run_without_snapshots_is_one_line(made: xr.Dataset, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"got none of strain \(the scene must ask for strain\)$"):
         animate(made[["error"]], tmp_path / "film.gif")
+    with pytest.raises(ValueError, match=r"^source must be the run of a scene, got the result of"):
+        animate(made.assign_attrs(sweep="{}"), tmp_path / "film.gif")
 
 
 def test_the_command_says_that_a_run_has_few_snapshots(

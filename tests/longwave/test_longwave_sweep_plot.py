@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 
 from longwave.__main__ import main
 from longwave.command_tree import SWEEP_PICTURES as WORDS
 from longwave.plotting import plot
 from longwave.sweep_plotting import SWEEP_PICTURES, axis_of
-from reports.figures.swept_figures import SweptAxis
+from reports.figures.swept_figures import SweptAxis, WorkCurve, draw_work_precision
 from runs import save_run
 
 EPS = [0.2, 0.05, 0.1, 0.4]
@@ -196,6 +197,16 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
     assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
+
+
+def test_cells_that_took_the_same_work_stand_in_the_panel() -> None:
+    curve = WorkCurve("", *(np.full(3, 2e6) for _ in range(2)), *(np.full(3, 1e-3),) * 3)
+    figure = Figure()
+    draw_work_precision(figure, [curve])
+    for ax in figure.get_axes():
+        low, high = ax.get_xlim()
+        assert (low, high) == pytest.approx((1e6, 4e6))
+        assert len({label.get_text() for label in ax.get_xticklabels()}) == 2
 
 
 @pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])

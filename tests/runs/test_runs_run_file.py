@@ -231,6 +231,8 @@ def test_what_is_no_run_is_one_line(make: Callable[[Path], Any], said: str, tmp_
 def test_a_run_without_a_scene_is_one_line() -> None:
     with pytest.raises(ValueError, match=r"^run must carry the scene"):
         scene_of_run(xr.Dataset())
+    with pytest.raises(ValueError, match=r"^run must be one of one scene, got the result of a sw"):
+        scene_of_run(xr.Dataset(attrs={"sweep": "{}"}))
     with pytest.raises(ValueError, match=r"^scene must be a TOML file"):
         scene_of_run(xr.Dataset(attrs={"scene": "{}"}))
     assert scene_of_run(xr.Dataset(attrs={"scene": RING.toml()})) == RING

@@ -534,6 +534,11 @@ def test_the_written_data_set_is_plain(store: RunStore, tmp_path: Path) -> None:
         assert read.error.attrs["long_name"]
 
 
+def test_a_folder_among_the_packs_is_passed_over(store: RunStore) -> None:
+    (store.folder / "packs" / "x.h5").mkdir(parents=True)
+    assert packed_records(store.folder) == {}
+
+
 def test_nothing_is_left_beside_the_packs(store: RunStore) -> None:
     run_sweep(small_sweep(eps=[0.1]), store, HereWorkers())
     names = [path.name for path in store.folder.rglob("*") if path.is_file()]

@@ -29,6 +29,17 @@ def test_force_overwrites_nothing_but_results(
     assert (tmp_path / name).read_text(encoding="utf-8") == TEXT
 
 
+def test_a_store_is_not_the_file_of_its_sweep(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else all was run before it could not be written."""
+    path, both = tmp_path / "sw.toml", str(tmp_path / "both.nc")
+    path.write_text(TEXT, encoding="utf-8")
+    assert sweep_and_print(SweepOptions(str(path), 1, output=both, store=both), "sweep") == 2
+    assert "--output must not be the --store, a folder, got" in capsys.readouterr().err
+    assert not Path(both).exists()
+
+
 def test_a_sweep_that_takes_its_time_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
