@@ -93,7 +93,7 @@ def save_run(run: xr.Dataset, path: str | Path, force: bool = True) -> None:
     write_atomically(Path(path), lambda draft: draft.write_bytes(content), force)
 
 
-def file_content(run: xr.Dataset) -> memoryview:
+def file_content(run: xr.Dataset) -> bytes:
     """The bytes of a run's file. They are made in memory: a full disk then breaks no library."""
     import h5netcdf  # type: ignore[import-untyped]
     from xarray.backends import H5NetCDFStore
@@ -102,7 +102,7 @@ def file_content(run: xr.Dataset) -> memoryview:
     image = BytesIO()
     with h5netcdf.File(image, "w") as file:
         kept.dump_to_store(H5NetCDFStore(file), encoding=_encoding(kept))
-    return image.getbuffer()
+    return image.getvalue()
 
 
 def load_run(path: str | Path) -> xr.Dataset:

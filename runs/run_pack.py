@@ -121,7 +121,7 @@ def write_pack(path: Path, records: Iterable[CellRecord]) -> None:
     with h5py.File(image, "w") as file:
         for number, alike in enumerate(kinds.values()):
             _write_group(file.create_group(str(number)), alike)
-    write_sealed(path, image.getbuffer(), force=False)
+    write_sealed(path, image.getvalue(), force=False)
 
 
 def _kind(run: xr.Dataset | None) -> str:

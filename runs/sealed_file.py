@@ -26,7 +26,7 @@ PART = 2**20
 """Bytes that are read at once."""
 
 
-def write_sealed(path: Path, content: bytes | memoryview, force: bool = True) -> None:
+def write_sealed(path: Path, content: bytes, force: bool = True) -> None:
     """Write the content and its seal, whole or not at all; raises as `write_atomically`."""
 
     def write(draft: Path) -> None:

@@ -254,12 +254,16 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
             ax.loglog(work, values, label=f"{name}relative to the wave", **achieved)
             low = np.maximum(values - curve.own, 0.01 * values)
             ax.vlines(work, low, values + curve.own, color=look["color"], linewidth=1.0)
-    for ax, words in zip(panels, ("seconds of the run", "site updates"), strict=True):
+    along = {
+        "seconds of the run": np.concatenate([curve.seconds for curve in curves]),
+        "site updates": np.concatenate([curve.updates for curve in curves]),
+    }
+    for ax, (words, done) in zip(panels, along.items(), strict=True):
         ax.set_xlabel(words)
         ax.xaxis.set_minor_formatter(NullFormatter())
-        low, high = ax.dataLim.intervalx
-        if high < 1.1 * low:  # the same work in all cells
-            ax.set_xlim(low / 2.0, 2.0 * high)
+        known = done[np.isfinite(done)]
+        if known.size and known.max() < 1.1 * known.min():  # the same work in all cells
+            ax.set_xlim(known.min() / 2.0, 2.0 * known.max())
         low, high = ax.get_xlim()
         if high < 10.0 * low:  # no power of ten may be among them
             ticks = np.geomspace(low, high, 5)[1::2]

@@ -248,3 +248,20 @@ def test_a_damaged_root_leaves_no_half_object(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="must be a whole NetCDF-4 file"):
         open_run(path)
     gc.collect()  # what is left behind tells of itself as a warning
+
+
+def test_no_view_of_an_image_is_given_out() -> None:
+    """A collector that closes the image under it has Python 3.13 say so, on the terminal."""
+    script = (
+        "import gc, xarray as xr\n"
+        "from runs.run_file import file_content\n"
+        "class Held: pass\n"
+        "held = Held()\n"
+        "held.itself = held\n"
+        "held.content = file_content(xr.Dataset({'a': ('x', [1.0, 2.0])}))\n"
+        "del held\n"
+        "gc.collect()\n"
+    )
+    words = [sys.executable, "-X", "dev", "-W", "ignore", "-c", script]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+    assert (done.returncode, done.stderr) == (0, "")
