@@ -140,7 +140,12 @@ def called_by() -> str:
     return click.get_current_context().command_path
 
 
-def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
+def run_words(
+    command: click.Command,
+    program: str,
+    argv: Sequence[str] | None = None,
+    whole: bool | None = None,
+) -> int:
     """Run a command (by default on the words of the command line); return its exit status.
 
     0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
@@ -151,7 +156,7 @@ def run_words(command: click.Command, program: str, argv: Sequence[str] | None =
     known = command.commands if isinstance(command, click.Group) else ()
     called = f"{program} {words[0]}" if words and words[0] in known else program
     call_it(called)
-    whole = argv is None
+    whole = argv is None if whole is None else whole
     with speaking_up(called) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, words), whole)
 

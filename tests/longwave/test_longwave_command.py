@@ -300,3 +300,19 @@ def test_ctrl_c_is_one_line_and_status_130(seconds: float, press_ctrl_c: Any) ->
     assert done.errors.startswith("longwave verify")
     assert done.errors.count("\n") == 1
     assert ": interrupted" in done.errors
+
+
+def test_no_command_of_the_process_stays_silent() -> None:
+    """It is the words of the process that are watched, though they are handed on."""
+    script = (
+        "import sys, time\n"
+        "import derive.open_end as open_end\n"
+        "import longwave.inventory as inventory\n"
+        "from longwave.__main__ import main\n"
+        "open_end.SILENT = 0.1\n"
+        "inventory.print_tables = lambda *_: time.sleep(1.0)\n"
+        "sys.argv = ['longwave', 'list']\n"
+        "sys.exit(main())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stderr == "longwave list: takes more than some seconds (Ctrl-C stops it)\n"
