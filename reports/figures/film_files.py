@@ -132,19 +132,24 @@ def _write_mp4(film: Film, path: Path, fps: float, show: Show) -> None:
         "-f", "mp4", str(path),
     ]  # fmt: skip
     with tempfile.TemporaryFile() as said, ThreadPoolExecutor(1) as pool:
-        # A session of its own: Ctrl-C is this process's, which then ends ffmpeg. Begun in a thread,
-        # as Ctrl-C within Popen would lose ffmpeg, which then makes the file after all.
-        begun = pool.submit(
-            subprocess.Popen,
-            words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True,
-        )  # fmt: skip
+        begun: list[subprocess.Popen[bytes]] = []
+
+        def begin() -> None:  # in a session of its own: Ctrl-C is this process's, which ends ffmpeg
+            encoder = subprocess.Popen(
+                words, stdin=subprocess.PIPE, stdout=said, stderr=said, start_new_session=True
+            )
+            begun.append(encoder)
+
         try:
-            _feed(begun.result(), chain([first], frames))
-            status = begun.result().wait()
+            # In a thread, as Ctrl-C within Popen would lose ffmpeg, which then makes the file.
+            pool.submit(begin).result()
+            _feed(begun[0], chain([first], frames))
+            status = begun[0].wait()
         except BaseException:
-            encoder = begun.result()
-            encoder.kill()
-            encoder.communicate()
+            pool.shutdown()
+            for encoder in begun:
+                encoder.kill()
+                encoder.communicate()
             raise
         if status != 0:
             raise OSError(f"ffmpeg could not write it: {_last_line(said)}")

@@ -6,6 +6,7 @@ import stat
 import subprocess
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from reports.figures import film_files
 from reports.figures.drawing import Snapshot, styled
 from reports.figures.film import ChainFilm, FilmWords, PlaneFilm, PlaneFrames
 from reports.figures.film_files import film_path, has_ffmpeg, save_film
@@ -176,6 +178,34 @@ def test_ctrl_c_while_ffmpeg_starts_leaves_nothing(
         return begun[0]
 
     monkeypatch.setattr(subprocess, "Popen", pressed)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # of a job in the background
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            save_film(chain(), tmp_path / "film.mp4", 10.0)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert begun[0].returncode == -signal.SIGKILL
+    assert not list(tmp_path.iterdir())
+
+
+@NEED_FFMPEG
+def test_ctrl_c_before_ffmpeg_is_known_to_run_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = []
+    start = subprocess.Popen
+
+    class Interrupted(ThreadPoolExecutor):
+        def submit(self, *call: Any, **named: Any) -> Any:
+            super().submit(*call, **named)
+            raise KeyboardInterrupt
+
+    def noted(*words: Any, **settings: Any) -> subprocess.Popen[bytes]:
+        begun.append(start(*words, **settings))
+        return begun[0]
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    monkeypatch.setattr(film_files, "ThreadPoolExecutor", Interrupted)
     with pytest.raises(KeyboardInterrupt):
         save_film(chain(), tmp_path / "film.mp4", 10.0)
     assert begun[0].returncode == -signal.SIGKILL
