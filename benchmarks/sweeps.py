@@ -1,10 +1,11 @@
 """What a sweep costs beyond its cells, and what a second core gives.
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
-    python benchmarks/sweeps.py speed [SCENES]        # 400 scenes: loops, 1 and 2 processes
+    python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 8000: loops, 1 and 2 processes
 
 Shares are of processor time, which a loaded machine changes little; the speed-up is of the clock
-and needs two idle cores.
+and needs two idle cores. A worker takes two seconds to start, which the speed-up of short sweeps
+holds: longer scenes, to t = END, show what is left of it.
 """
 
 from __future__ import annotations
@@ -109,9 +110,9 @@ def on_processes(sweep: Sweep, count: int) -> tuple[float, float]:
         return time.perf_counter() - begun, state.worker_seconds
 
 
-def speed(count: int) -> None:
+def speed(count: int, end: float) -> None:
     """Print a sweep's time with one and with two processes beside that of a plain loop."""
-    sweep = sweep_of_solitons(count, 8000.0)
+    sweep = sweep_of_solitons(count, end)
     with mp.get_context("spawn").Pool(1) as pool:
         clock, spent = pool.apply(bare, (sweep,))
     print(f"plain loop: {clock:.1f} s, {1e3 * spent / count:.1f} ms of a processor each")
@@ -135,6 +136,6 @@ def speed(count: int) -> None:
 if __name__ == "__main__":
     kind, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 0
     if kind == "speed":
-        speed(count or 400)
+        speed(count or 400, float(sys.argv[3]) if len(sys.argv) > 3 else 8000.0)
     else:
         bookkeeping(count or 10_000)

@@ -150,7 +150,7 @@ def run_words(
 
     0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
     end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the output has
-    gone.
+    gone. The ``whole`` process is watched for silence and Ctrl-C: it is if the words are its own.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     known = command.commands if isinstance(command, click.Group) else ()
