@@ -140,23 +140,18 @@ def called_by() -> str:
     return click.get_current_context().command_path
 
 
-def run_words(
-    command: click.Command,
-    program: str,
-    argv: Sequence[str] | None = None,
-    whole: bool | None = None,
-) -> int:
+def run_words(command: click.Command, program: str, argv: Sequence[str] | None = None) -> int:
     """Run a command (by default on the words of the command line); return its exit status.
 
     0 if all is well; 1 if something is refuted, undecided, rejected, missing or did not come to its
     end; 2 for wrong input, told in one line; 130 after Ctrl-C; 141 if the reader of the output has
-    gone. The ``whole`` process is watched for silence and Ctrl-C: it is if the words are its own.
+    gone. The process is watched for silence and Ctrl-C as a whole if the words are its own.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     known = command.commands if isinstance(command, click.Group) else ()
     called = f"{program} {words[0]}" if words and words[0] in known else program
     call_it(called)
-    whole = argv is None if whole is None else whole
+    whole = argv is None
     with speaking_up(called) if whole else nullcontext():
         return interruptible(called, lambda: _run(command, program, called, words), whole)
 

@@ -20,8 +20,8 @@ def _main(argv: Sequence[str] | None) -> int:
 
     if COMPLETION in os.environ:
         return shell_complete(longwave, {}, "longwave", COMPLETION, os.environ[COMPLETION])
-    words = list(sys.argv[1:] if argv is None else argv)
-    return run_words(longwave, "longwave", words or ["--help"], whole=argv is None)
+    words = sys.argv[1:] if argv is None else argv
+    return run_words(longwave, "longwave", argv if words else ["--help"])
 
 
 if __name__ == "__main__":

@@ -132,16 +132,18 @@ PROCESS_BYTES, WORKER_BYTES = 6e8, 4e8
 """What the command and each worker hold at most."""
 
 
-def report_cost(full: bool, workers: int) -> ExpectedCost:
-    """What a report takes."""
-    work = sum(job.weight for job in all_jobs(report_scenes(), full).values())
+def report_cost(jobs: Mapping[Key, Job], workers: int) -> ExpectedCost:
+    """What a report of these jobs takes."""
+    work = sum(job.weight for job in jobs.values())
     cores = min(workers, os.cpu_count() or 1)
     return ExpectedCost(work / cores, PROCESS_BYTES + WORKER_BYTES * workers)
 
 
-def find(scenes: Mapping[str, Scene], full: bool, workers: int, progress: Progress) -> Findings:
+def find(
+    scenes: Mapping[str, Scene], jobs: Mapping[Key, Job], workers: int, progress: Progress
+) -> Findings:
     """Do the work of a report in the pool; raises as `run_jobs` does."""
-    found = run_jobs(all_jobs(scenes, full), workers, progress)
+    found = run_jobs(jobs, workers, progress)
     accuracy = groupby(_of(found, "accuracy"), attrgetter("name"))
     return Findings(
         evidence=MeasuredRuns({name: found["run", name] for name in scenes}, scenes),
@@ -341,12 +343,14 @@ def write_report(options: ReportOptions, program: str) -> int:
     console, output = plain_console(), options.output
     try:
         options.check()
-        cost = report_cost(options.full, options.workers)
+        scenes = report_scenes()
+        jobs = all_jobs(scenes, options.full)
+        cost = report_cost(jobs, options.workers)
         check_request("the report", cost, "take fewer --workers or no --full")
         missing = _missing_engine(console)
         will_keep(f"what was written is in {shown(output)}")
         announce("the report", cost.seconds)
-        tex, sound = build(output, options.full, options.workers, console)
+        tex, sound = build(options, scenes, jobs, console)
         if missing:
             return 1
         pdf = compile_pdf(tex)
@@ -371,8 +375,10 @@ def _missing_engine(console: Console) -> bool:
     return False
 
 
-def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Path, bool]:
-    """Write figures, tables and source below the folder.
+def build(
+    options: ReportOptions, scenes: Mapping[str, Scene], jobs: Mapping[Key, Job], console: Console
+) -> tuple[Path, bool]:
+    """Do the jobs on the scenes; write figures, tables and source below the folder.
 
     Returns the source's path, and whether every form stands and every run came to its end.
     """
@@ -380,15 +386,15 @@ def build(output: Path, full: bool, workers: int, console: Console) -> tuple[Pat
     with bars(console) as bar:
         working = bar.add_task("proving and running", total=1.0)
         found = find(
-            report_scenes(), full, workers, lambda share: bar.update(working, completed=share)
+            scenes, jobs, options.workers, lambda share: bar.update(working, completed=share)
         )
         drawing = bar.add_task("drawing", total=figures)
-        for _ in write_figures(found, output):
+        for _ in write_figures(found, options.output):
             bar.advance(drawing)
         writing = bar.add_task(
             "writing", total=len(TABLES) + len(STUDY_TABLES) + len(CHAPTER_TABLES)
         )
-        tex = write_source(found, output, full, partial(bar.advance, writing))
+        tex = write_source(found, options.output, options.full, partial(bar.advance, writing))
     return tex, found.sound
 
 

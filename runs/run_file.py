@@ -149,12 +149,12 @@ def open_run(path: str | Path) -> xr.Dataset:
 
 def scene_of_run(run: xr.Dataset) -> Scene | LatticeScene:
     """The scene that a run was asked for; ValueError in one line if it carries none."""
-    text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
     if SWEPT in run.attrs:
         raise ValueError(
             "run must be one of one scene, got the result of a sweep (longwave sweep goes on with "
             "it, longwave plot draws it)"
         )
+    text = run.attrs.get("lattice_scene", run.attrs.get("scene"))
     if not isinstance(text, str):
         raise ValueError("run must carry the scene that it was made from, got none (run it anew)")
     return any_scene_of_toml(text)

@@ -77,16 +77,17 @@ def test_it_ends_with_the_path(
     assert capsys.readouterr().out.rstrip().endswith(f"{tmp_path}/longwave.pdf")
 
 
-def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
-    without_work: None,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+@pytest.fixture
+def without_latex(without_work: None, monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(say: object) -> None:
         raise EngineMissingError("no LaTeX engine: install latexmk")
 
     monkeypatch.setattr(build, "ensure_engine", missing)
+
+
+def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
+    without_latex: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["--output", str(tmp_path)]) == 1
     assert capsys.readouterr().err == (
         "error: no LaTeX engine: install latexmk; the source alone is written\n"
@@ -95,15 +96,8 @@ def test_without_latex_the_source_is_left_and_one_line_says_what_to_install(
 
 
 def test_what_it_takes_is_refused_before_an_engine_is_looked_for(
-    without_work: None,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    without_latex: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def missing(say: object) -> None:
-        raise EngineMissingError("no LaTeX engine: install latexmk")
-
-    monkeypatch.setattr(build, "ensure_engine", missing)
     assert main(["--output", str(tmp_path), "--max-memory", "1G"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("error: the report must fit 1 GB, got about 1.")

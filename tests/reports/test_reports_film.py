@@ -164,18 +164,31 @@ def test_what_a_failing_ffmpeg_says_is_one_error(
     assert not list(tmp_path.glob("*.mp4"))
 
 
-@NEED_FFMPEG
-def test_ctrl_c_while_ffmpeg_starts_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun = []
+@pytest.fixture
+def begun(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
+    """The processes that were begun."""
+    found: list[subprocess.Popen[bytes]] = []
     start = subprocess.Popen
 
-    def pressed(*words: Any, **settings: Any) -> subprocess.Popen[bytes]:
-        begun.append(start(*words, **settings))
+    def noted(*words: Any, **settings: Any) -> subprocess.Popen[bytes]:
+        found.append(start(*words, **settings))
+        return found[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    return found
+
+
+@NEED_FFMPEG
+def test_ctrl_c_while_ffmpeg_starts_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begun: list[subprocess.Popen[bytes]]
+) -> None:
+    start = subprocess.Popen
+
+    def pressed(*words: Any, **settings: Any) -> Any:
+        encoder = start(*words, **settings)
         signal.raise_signal(signal.SIGINT)
         time.sleep(0.2)  # time for the press to come where it comes
-        return begun[0]
+        return encoder
 
     monkeypatch.setattr(subprocess, "Popen", pressed)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # of a job in the background
@@ -190,21 +203,13 @@ def test_ctrl_c_while_ffmpeg_starts_leaves_nothing(
 
 @NEED_FFMPEG
 def test_ctrl_c_before_ffmpeg_is_known_to_run_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begun: list[subprocess.Popen[bytes]]
 ) -> None:
-    begun = []
-    start = subprocess.Popen
-
     class Interrupted(ThreadPoolExecutor):
         def submit(self, *call: Any, **named: Any) -> Any:
             super().submit(*call, **named)
             raise KeyboardInterrupt
 
-    def noted(*words: Any, **settings: Any) -> subprocess.Popen[bytes]:
-        begun.append(start(*words, **settings))
-        return begun[0]
-
-    monkeypatch.setattr(subprocess, "Popen", noted)
     monkeypatch.setattr(film_files, "ThreadPoolExecutor", Interrupted)
     with pytest.raises(KeyboardInterrupt):
         save_film(chain(), tmp_path / "film.mp4", 10.0)

@@ -6,13 +6,14 @@ Cells are real numbers: an array (sites,) on a chain, (axes, *sites) on a lattic
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lattice.numeric_lattice import NumericLattice
+from lattice.trial import nudged
 
 Array = NDArray[np.float64]
 
@@ -39,6 +40,11 @@ class CellRing:
     def slopes(self) -> list[Array]:
         """The slope of each bond's force in each cell."""
         return self.lattice.slopes(self.lattice.stretches(self.f))
+
+    def nudged(self) -> CellRing:
+        """The ring with the last digits of its state changed."""
+        f, v = nudged(self.f, self.v)
+        return replace(self, f=f, v=v)
 
 
 class Meter(Protocol):

@@ -28,7 +28,6 @@ from lattice.trial import (
     Progress,
     StepSearch,
     Trial,
-    nudged,
     rounding_error,
     shorter_step,
 )
@@ -201,8 +200,7 @@ class RingRuns(StepSearch):
         ends = self.compared.ring(self.times, self.signals, wider)
         ring = self.wave.ring(_grid(ends), self.times[0])
         if choices.nudged:
-            f, v = nudged(ring.f, ring.v)
-            ring = replace(ring, f=f, v=v)
+            ring = ring.nudged()
         energy = _energy(ring, ring.f, ring.v)
         meter = self.wave.meter(ring)
         march = March(ring, self.times, choices.step, loop)

@@ -24,7 +24,7 @@ from lattice.checkpoint import begin_loop, spared_seconds
 from lattice.model import GROWTH
 from lattice.refine import Announce, refine
 from lattice.schemes import stability_limit
-from lattice.trial import Choices, Progress, StepSearch, Trial, nudged, rounding_error
+from lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
 from verify.comparison.observables import TIME
 from verify.lattices.envelope_data import EnvelopeData
 from verify.lattices.lattice_derivation import formula, scene_envelope
@@ -354,10 +354,7 @@ class SidebandRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run; its payload is the number of steps."""
         loop = begin_loop(f"sidebands {choices}")
-        ring = self.ring
-        if choices.nudged:
-            f, v = nudged(ring.f, ring.v)
-            ring = replace(ring, f=f, v=v)
+        ring = self.ring.nudged() if choices.nudged else self.ring
         march = March(ring, self._times.tolist(), choices.step, loop)
         for t in march.through():
             march.measured.append(self._sidebands(march, t))
