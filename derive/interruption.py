@@ -7,6 +7,7 @@ watching thread, which the signal wakes without Python's help. A second Ctrl-C e
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
@@ -128,6 +129,8 @@ def _watched(watch: _Watch, whole_process: bool) -> Iterator[None]:
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     threading.Thread(target=watch.watch, args=(reading,), daemon=True).start()
+    if whole_process:
+        atexit.register(_ignore_from_here)
     _watch, hook = watch, sys.unraisablehook
     sys.unraisablehook = lambda lost: None if watch.since else hook(lost)
     woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
@@ -140,6 +143,14 @@ def _watched(watch: _Watch, whole_process: bool) -> Iterator[None]:
             signal.signal(signal.SIGINT, handler)
             _watch, sys.unraisablehook, watch.left = None, hook, True
             os.close(writing)
+
+
+def _ignore_from_here() -> None:
+    """The last step of a process that has done its work: it ends with its own status.
+
+    Python forgets handlers as it ends, and the signal would kill it; one to ignore it leaves.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _leave_to_parent() -> None:

@@ -6,7 +6,6 @@ import pytest
 
 from derive.__main__ import main
 from derive.command_line import fail
-from derive.interruption import interrupted
 
 COMMANDS = {
     "derive.__main__": ("",),
@@ -43,12 +42,3 @@ def test_a_long_word_of_a_file_is_cut(capsys: pytest.CaptureFixture[str]) -> Non
 def test_two_dashes_are_no_value(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--k2", "--"]) == 2
     assert capsys.readouterr().err.startswith("error: K2 must be a rational number, got '--'")
-
-
-def test_an_interruption_is_told_in_one_line_whatever_a_file_is_called(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert interrupted("longwave run", "2 snapshots are kept in out\n\x1b[31m.nc") == 130
-    assert capsys.readouterr().err == (
-        "longwave run: interrupted (2 snapshots are kept in out\\n\\x1b[31m.nc)\n"
-    )

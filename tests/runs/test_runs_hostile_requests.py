@@ -96,8 +96,10 @@ def test_ctrl_c_at_any_moment_is_one_line(command: str, tmp_path: Path, interrup
     done = interrupt(["longwave", *command.split()], moment, tmp_path)
     if done is None:
         return  # it had ended
-    assert done.status == 130, done.errors
     assert done.seconds < 4.0  # two, and as much for a loaded machine
+    if done.status == 0 and done.seconds < 1.0:
+        return  # it had done its work, and was ending
+    assert done.status == 130, done.errors
     told = [line for line in done.errors.splitlines() if "interrupted" in line]
     others = [line for line in done.errors.splitlines() if "(Ctrl-C stops it)" not in line]
     assert [line for line in others if not line.startswith("measuring ")] == told
