@@ -1,7 +1,7 @@
 """What a sweep costs beyond its cells, and what a second core gives.
 
     python benchmarks/sweeps.py bookkeeping [CELLS]   # 10 000 small cells on all cores
-    python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 8000: loops, 1 and 2 processes
+    python benchmarks/sweeps.py speed [SCENES] [END]  # 400 to t = 16000: a loop, 1 and 2 processes
 
 Shares are of processor time, which a loaded machine changes little; the speed-up is of the clock
 and needs two idle cores. A worker takes two seconds to start, which the speed-up of short sweeps
@@ -16,14 +16,26 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from statistics import median
 
 from runs.run_file import run_any_scene
+from runs.run_pack import PACKS
 from runs.run_store import RunStore
 from runs.sweep import SweepState, run_sweep
+from runs.sweep_cells import Cell, run_cells
 from runs.sweep_dataset import write_sweep
 from runs.sweep_file import Sweep, sweep_of
 from runs.sweep_workers import LocalWorkers
 from solutions.run.cores import keep_to_one_core
+
+TEN = 10
+"""Scenes that are run in one way before it is the other's turn."""
+
+TOKEN = "token"
+"""The file by which a worker knows the store."""
+
+ROUNDS = 3
+"""Sweeps on one process and on two, in turn."""
 
 SCENE = {
     "wave": "soliton_sech",
@@ -39,7 +51,7 @@ SCENE = {
 
 def sweep_of_solitons(count: int, end: float) -> Sweep:
     """So many cells over the soliton's height; each takes 0.03 s of a processor to t = 50,
-    0.08 s to t = 8000."""
+    0.16 s to t = 16000."""
     heights = {"from": 0.5, "to": 1, "count": count}
     scene = SCENE | {"snapshots": [0, end]}
     return sweep_of({"scene": scene, "grid": {"parameters.A": heights}})
@@ -85,57 +97,63 @@ def bookkeeping(count: int) -> None:
     print(f"in all {(there + here + written) / own:.2%}; finding {found} again {resumed:.2f} s")
 
 
-def bare(sweep: Sweep) -> tuple[float, float]:
-    """Seconds and processor seconds of a plain loop of runs; the first imports what they need."""
-    keep_to_one_core()
-    begun, spent = time.perf_counter(), time.process_time()
-    for cell in range(len(sweep)):
-        run_any_scene(sweep.scene(cell))
-    return time.perf_counter() - begun, time.process_time() - spent
+def side_by_side(sweep: Sweep) -> tuple[float, float]:
+    """Processor seconds of a scene in a plain loop of runs, and in a worker's batches.
 
-
-def on_processes(sweep: Sweep, count: int) -> tuple[float, float]:
-    """Seconds of a sweep with so many workers, start and data set included, and of the processor.
-
-    The latter is that of the workers in the cells' batches.
+    Tens of scenes go to the one and to the other in turn, in one process that has done both
+    before: what the machine gives changes within a minute by more than the two differ.
     """
+    keep_to_one_core()
+    spent, number = [0.0, 0.0], [0, 0]
+    with tempfile.TemporaryDirectory() as folder:
+        store = RunStore(folder)
+        (Path(folder) / PACKS).mkdir()
+        (Path(folder) / TOKEN).touch()
+        for place in range(-2, len(sweep) // TEN):
+            scenes = [sweep.scene(TEN * max(place, 0) + i) for i in range(TEN)]
+            cells = [Cell(i, store.key(scene), scene) for i, scene in enumerate(scenes)]
+            begun = time.process_time()
+            if place % 4 in (1, 2):
+                run_cells(cells, Path(folder), TOKEN)
+            else:
+                for scene in scenes:
+                    run_any_scene(scene)
+            if place >= 0:
+                spent[place % 4 in (1, 2)] += time.process_time() - begun
+                number[place % 4 in (1, 2)] += TEN
+    return spent[0] / number[0], spent[1] / number[1]
+
+
+def on_processes(sweep: Sweep, count: int) -> float:
+    """Seconds of a sweep with so many workers, their start and the data set included."""
     workers = LocalWorkers(count)
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         try:
-            state = run_sweep(sweep, RunStore(folder), workers)
+            run_sweep(sweep, RunStore(folder), workers)
         finally:
             workers.stop()
         write_sweep(sweep, RunStore(folder), Path(folder) / "out.nc")
-        return time.perf_counter() - begun, state.worker_seconds
+        return time.perf_counter() - begun
 
 
 def speed(count: int, end: float) -> None:
-    """Print a sweep's time with one and with two processes beside that of a plain loop."""
+    """Print what a scene costs beside a plain loop, and how much faster two processes are."""
     sweep = sweep_of_solitons(count, end)
     with mp.get_context("spawn").Pool(1) as pool:
-        clock, spent = pool.apply(bare, (sweep,))
-    print(f"plain loop: {clock:.1f} s, {1e3 * spent / count:.1f} ms of a processor each")
-    with mp.get_context("spawn").Pool(2) as pool:
-        at_once = max(clock for clock, _ in pool.map(bare, [sweep, sweep], chunksize=1))
-    print(
-        f"two such loops at once: {at_once:.1f} s, so a second core gives {2 * clock / at_once:.2f}"
-    )
-    one, by_one = on_processes(sweep, 1)
-    print(
-        f"one process: {one:.1f} s, {one / clock:.3f} of the loop; "
-        f"{1e3 * by_one / count:.1f} ms each, {by_one / spent:.3f} of the loop"
-    )
-    two, by_two = on_processes(sweep, 2)
-    print(
-        f"two processes: {two:.1f} s, {one / two:.2f} times as fast as one; "
-        f"{1e3 * by_two / count:.1f} ms each, {by_two / spent:.3f} of the loop"
-    )
+        loop, batch = pool.apply(side_by_side, (sweep,))
+    print(f"a scene: {1e3 * loop:.1f} ms of a processor in a loop, {batch / loop:.3f} of it here")
+    ratios = []
+    for _ in range(ROUNDS):
+        one, two = on_processes(sweep, 1), on_processes(sweep, 2)
+        ratios.append(one / two)
+        print(f"{count} scenes: {one:.1f} s on one process, {two:.1f} s on two: {one / two:.2f}")
+    print(f"two processes are {median(ratios):.2f} times as fast (median)")
 
 
 if __name__ == "__main__":
     kind, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 0
     if kind == "speed":
-        speed(count or 400, float(sys.argv[3]) if len(sys.argv) > 3 else 8000.0)
+        speed(count or 400, float(sys.argv[3]) if len(sys.argv) > 3 else 16000.0)
     else:
         bookkeeping(count or 10_000)
