@@ -22,8 +22,17 @@ PAGES = sorted(
     if not {"generated", "build"} & set(path.relative_to(DOCS).parts)
     and path.name != "many-runs.md"  # is one session of a shell, and has a test of its own
 )
-LONG = ("how-to/disorder.md", "how-to/lattice-scene.md", "how-to/run-files.md")
-"""Pages whose runs take 8 to 20 s of a processor."""
+LONG = (
+    "how-to/command-line.md",
+    "how-to/disorder.md",
+    "how-to/lattice-scene.md",
+    "how-to/pictures.md",
+    "how-to/prove-your-own.md",
+    "how-to/run-files.md",
+    "how-to/sweeps.md",
+    "tutorial.md",
+)
+"""Pages whose commands take 8 to 20 s of a processor."""
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 TARGETS = re.findall(r"^([\w-]+):", (HOUSE / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -119,7 +119,10 @@ print(blocked.why_plain())
 @pytest.mark.parametrize(
     ("setting", "size", "steps", "ulps", "why"),
     [
-        ("LONGWAVE_PLAIN_KERNELS", 4160, 21, 0, "LONGWAVE_PLAIN_KERNELS is set"),
+        pytest.param(
+            *("LONGWAVE_PLAIN_KERNELS", 4160, 21, 0, "LONGWAVE_PLAIN_KERNELS is set"),
+            marks=pytest.mark.slow,  # compiles them for 10 s
+        ),
         ("NUMBA_DISABLE_JIT", 112, 2, 64, "numba's compiler is switched off"),
     ],
 )

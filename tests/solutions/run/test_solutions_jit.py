@@ -109,6 +109,7 @@ CHANGES = [
 ]
 
 
+@pytest.mark.slow
 def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
     """A function, a constant, a table, LLVM code and the kernel's own file; times kept."""
     plain = {"PYTHONDONTWRITEBYTECODE": "1"}
@@ -179,6 +180,7 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
     assert call(house, f"from solutions.kernel import kernel\n{hits}") == ["27.0", "27.0", "2"]
 
 
+@pytest.mark.slow
 def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
     """The force of the vector code changed from y^3 to y^2 and back."""
     for name in (
