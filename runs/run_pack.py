@@ -58,6 +58,12 @@ NUMBERS: Mapping[str, tuple[str, str]] = {
 }
 """What a cell is told by: unit and meaning."""
 
+RATES: Mapping[str, tuple[str, str]] = {
+    "error": ("1", "growth rate off theory, over the largest"),
+    "error_estimate": ("1", "estimated error of the rate by the run's steps, over the largest"),
+}
+"""What numbers of a cell mean that measures a growth rate: the largest is that in theory."""
+
 TEXTS = ("key", "status", "message", "attributes")
 
 COMPRESSED = 4096

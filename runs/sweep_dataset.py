@@ -13,7 +13,16 @@ import xarray as xr
 
 from derive.atomic_file import write_atomically
 from runs.run_file import SWEPT, file_content, load_run
-from runs.run_pack import NUMBERS, OPTIONAL, REFUSED, SETTLED, CellRecord, PackedRun, packed_records
+from runs.run_pack import (
+    NUMBERS,
+    OPTIONAL,
+    RATES,
+    REFUSED,
+    SETTLED,
+    CellRecord,
+    PackedRun,
+    packed_records,
+)
 from runs.run_store import RunStore
 from runs.sweep_cells import record_of
 from runs.sweep_fields import Place, swept_fields
@@ -78,8 +87,8 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     cells = swept_cells(sweep, store)
     names, shape = tuple(d.name for d in sweep.dimensions), sweep.shape
     data: dict[str, Any] = {
-        name: (names, _column([r.numbers.get(name, np.nan) for r in cells.records], shape), told)
-        for name, told in _numbers_told(cells.records)
+        name: (names, column.reshape(shape), told)
+        for name, column, told in _number_columns(cells.records)
     }
     for name in ("status", "message", "key"):
         texts = np.array([getattr(record, name) for record in cells.records], dtype=object)
@@ -104,16 +113,19 @@ def sweep_dataset(sweep: Sweep, store: RunStore, fields: bool = True) -> xr.Data
     return xr.Dataset(data, coordinates, attributes)
 
 
-def _numbers_told(records: Sequence[CellRecord]) -> Iterator[tuple[str, dict[str, str]]]:
-    for name, (unit, meaning) in NUMBERS.items():
-        known = (record.numbers.get(name, np.nan) for record in records)
-        if name in OPTIONAL and np.isnan([*known]).all():
-            continue
-        yield name, {"long_name": meaning, "units": unit}
-
-
-def _column(values: Sequence[float], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    return np.array(values, dtype=np.float64).reshape(shape)
+def _number_columns(
+    records: Sequence[CellRecord],
+) -> Iterator[tuple[str, NDArray[np.float64], dict[str, str]]]:
+    """The numbers of all cells: name, values, and what they are."""
+    columns = {
+        name: np.array([record.numbers.get(name, np.nan) for record in records], dtype=np.float64)
+        for name in NUMBERS
+    }
+    judged = np.isfinite(columns["error"])
+    of_rates = judged.any() and np.isfinite(columns["growth_rate"][judged]).all()
+    for name, (unit, meaning) in ({**NUMBERS, **RATES} if of_rates else NUMBERS).items():
+        if not (name in OPTIONAL and np.isnan(columns[name]).all()):
+            yield name, columns[name], {"long_name": meaning, "units": unit}
 
 
 def _short(field: str, fields: Sequence[str]) -> str:

@@ -71,6 +71,7 @@ def test_cells_tell_growth_from_none_and_from_no_run(swept: tuple[xr.Dataset, Pa
     assert (measured[1:3] > 10 * own[1:3]).all()
     np.testing.assert_allclose(measured[1:3], theory[1:3], rtol=0.1)
     assert (at.own_error.values[:3] < 0.1).all()
+    assert data.error.attrs["long_name"] == "growth rate off theory, over the largest"
 
 
 def test_the_difference_falls_with_eps_squared(swept: tuple[xr.Dataset, Path]) -> None:
