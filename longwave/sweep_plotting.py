@@ -248,7 +248,8 @@ def _own_told(values: xr.DataArray, bars: xr.DataArray) -> str:
         return ""
     with np.errstate(over="ignore"):
         share = float(np.max(bars.values[known] / np.abs(values.values[known])))
-    return f"bars: own error, at most {100.0 * share:.2g}% of the value"
+    percent = float(f"{100.0 * share:.2g}")
+    return f"bars: own error, at most {percent:g}% of the value"
 
 
 def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:

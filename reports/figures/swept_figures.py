@@ -43,8 +43,12 @@ LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "be
 LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
 """Names that are one letter, with or without an index."""
 
-LONGEST_TICK = 14
-"""Characters of a text beside a tick."""
+LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE = 16, 24, 60
+"""Characters of a text beside a tick, and in a legend beside a picture, as in the
+title of a map, or above it."""
+
+CUT = "..."
+"""What stands for the middle of a longer one."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +134,7 @@ def draw_swept_curves(
     ax.set_title(told, loc="left")
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     if len(curves) > 1:
-        _plain_legend(ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5)))
+        _plain_legend(ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5)), LONGEST_BESIDE)
 
 
 @dataclass(frozen=True)
@@ -186,7 +190,7 @@ def draw_heat_maps(
         dark = np.asarray(norm(shown) < DARK)
         _hatch(ax, x.edges, y.edges, unsure & dark, "white")
         _hatch(ax, x.edges, y.edges, unsure & ~dark, "black")
-        ax.set_title(found.title, loc="left", parse_math=False)
+        ax.set_title(_short(found.title, LONGEST_BESIDE), loc="left", parse_math=False)
         _set_axis(ax, x, "x")
         _set_axis(ax, y, "y")
     for ax in list(grid.flat)[len(maps) :]:
@@ -271,17 +275,27 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
         ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    _plain_legend(figure.legend(handles, labels, loc="outside upper center", ncols=2))
+    above = figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    _plain_legend(above, LONGEST_ABOVE)
 
 
 def _positive(values: Array) -> Array:
     return np.where(values > 0.0, values, np.nan)
 
 
-def _plain_legend(legend: Any) -> None:
-    """Show texts of a file as they are."""
+def _plain_legend(legend: Any, longest: int) -> None:
+    """Show texts of a file as they are, if they are not longer than that."""
     for text in legend.get_texts():
         text.set_parse_math(False)
+        text.set_text(_short(text.get_text(), longest))
+
+
+def _short(text: str, longest: int) -> str:
+    """A text with its middle left out if it is longer: texts of one axis may begin alike."""
+    if len(text) <= longest:
+        return text
+    half = (longest - len(CUT)) // 2
+    return f"{text[:half].rstrip()}{CUT}{text[-half:].lstrip()}"
 
 
 def _is_wide(values: Array) -> bool:
@@ -306,7 +320,7 @@ def _set_axis(ax: Axes, axis: SweptAxis, letter: str) -> None:
     getattr(ax, f"set_{letter}label")(label, parse_math=label.startswith("$"))
     set_ticks = getattr(ax, f"set_{letter}ticks")
     if axis.is_text:
-        texts = [str(value)[:LONGEST_TICK] for value in axis.values]
+        texts = [_short(str(value), LONGEST_TICK) for value in axis.values]
         set_ticks(axis.places, texts, parse_math=False, rotation=30 if letter == "x" else 0)
     elif axis.is_logarithmic:
         getattr(ax, f"set_{letter}scale")("log")

@@ -69,6 +69,9 @@ def test_one_dimension_is_a_curve_in_order_with_its_own_errors() -> None:
     assert ax.get_xscale() == "log"
     assert ax.get_xlabel() == r"$\epsilon$"
     assert ax.get_title("left") == "bars: own error, at most 10% of the value"
+    unsure = cube().assign(own_error=1.44 * cube()["error"])
+    ax = plot(unsure, at={"wave": "wave_dn", "k": 0.5}).get_axes()[0]
+    assert ax.get_title("left") == "bars: own error, at most 140% of the value"
 
 
 def test_two_dimensions_are_a_heat_map_in_order() -> None:
@@ -96,6 +99,19 @@ def test_texts_make_a_curve_each() -> None:
     assert [text.get_text() for text in ax.get_legend().get_texts()] == WAVES
     heights = [container[0].get_ydata() for container in ax.containers]
     assert np.allclose(heights, cube()["error"].values[:, [1, 2, 0, 3], 0])
+
+
+def test_long_texts_that_begin_alike_are_told_apart_and_leave_room() -> None:
+    long = [f"{'a lattice of ' * 40}{end}" for end in ("one mass", "two masses")]
+    data = cube().assign_coords(wave=("case", np.array(long, dtype=object)))
+    curves = plot(data, at={"k": 0.1})
+    for figure in (curves, plot(data), plot(data, at={"eps": 0.1, "k": 0.1})):
+        figure.draw_without_rendering()
+        assert all(ax.get_position().width > 0.2 for ax in figure.get_axes()[:2])
+    (ax,) = curves.get_axes()
+    held = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert [text[-4:] for text in held] == ["mass", "sses"]
+    assert all(len(text) <= 24 for text in held)
 
 
 def hatched(ax: Any) -> set[tuple[float, float]]:
