@@ -153,7 +153,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     raise ValueError(
         f"tolerance must satisfy tolerance >= {1.05 * best:.2g} here, got {tolerance:g} "
         "(finer steps and wider domains no longer help: rounding or an instability is what is "
-        "left; raise it or end earlier)"
+        "left; raise it or shorten the run)"
     )
 
 
@@ -235,7 +235,7 @@ class _Search:
             raise ValueError(
                 f"tolerance must satisfy tolerance >= {2.5 * grown:.2g} here, got "
                 f"{self._tolerance:g} (neighbouring states of the lattice part so fast that "
-                "rounding comes to that much, whatever the step; raise it or end earlier)"
+                "rounding comes to that much, whatever the step; raise it or shorten the run)"
             )
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
