@@ -13,7 +13,7 @@ import numpy as np
 
 from derive.command_line import duration, fail, interrupted
 from derive.request_limits import Announcer, check_request, current_limits
-from runs.rescue import check_run_output
+from runs.rescue import BROKEN, check_run_output
 from runs.run_file import SWEPT, open_run
 from runs.run_pack import DONE
 from runs.run_store import RunStore
@@ -47,9 +47,10 @@ class SweepOptions:
 def sweep_and_print(options: SweepOptions, program: str) -> int:
     """Run a sweep, print how its cells ended, and write its data set.
 
-    Exit status 0, 1 if a cell did not come to its end, 2 for bad input, told in one line, and 130
-    after Ctrl-C, which ``program`` tells: what was done is in the store then, and the same command
-    goes on with what is missing. More than 5 s are announced, and 2 s that nobody foresaw.
+    Exit status 0, 1 if a cell did not come to its end or could not be written, 2 for bad input,
+    told in one line, and 130 after Ctrl-C, which ``program`` tells: what was done is in the store
+    then, and the same command goes on with what is missing. More than 5 s are announced, and 2 s
+    that nobody foresaw.
     """
     from runs.sweep_dataset import write_sweep
 
@@ -72,17 +73,24 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
                 _run_with_bar(sweep, store, workers, told, expected, settled)
             found = write_sweep(sweep, store, output)
     except KeyboardInterrupt:
-        kept = (
-            f"{told.found + told.done} of {told.cells} cells are kept; again goes on with the rest"
-        )
-        return interrupted(program, kept)
-    except (ValueError, OSError) as error:
+        return interrupted(program, _kept(told))
+    except OSError as error:
+        if not told.found + told.done:
+            return fail(error)
+        fail(f"{error.filename or output}: {error.strerror or error} ({_kept(told)})")
+        return BROKEN
+    except ValueError as error:
         return fail(error)
     console = plain_console(soft_wrap=True)
     for line in summary_lines(sweep, found, told):
         console.print(line)
     console.print(f"written: {output}; runs: {store.folder}")
     return 0 if bool((found["status"] == DONE).all()) else 1
+
+
+def _kept(told: SweepState) -> str:
+    kept = told.found + told.done
+    return f"{kept} of {told.cells} cells are kept; again goes on with the rest"
 
 
 def _check_apart(output: Path, store: Path) -> None:

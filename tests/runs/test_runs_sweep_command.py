@@ -1,11 +1,12 @@
 """What ``longwave sweep`` overwrites, and what it says before it is done."""
 
+import errno
 import time
 from pathlib import Path
 
 import pytest
 
-from runs import sweep_command
+from runs import sweep_command, sweep_dataset
 from runs.run_store import RunStore
 from runs.sweep_command import SweepOptions, sweep_and_print
 from runs.sweep_file import load_sweep
@@ -38,6 +39,22 @@ def test_a_store_is_not_the_file_of_its_sweep(
     assert sweep_and_print(SweepOptions(str(path), 1, output=both, store=both), "sweep") == 2
     assert "--output must not be the --store, a folder, got" in capsys.readouterr().err
     assert not Path(both).exists()
+
+
+def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "sw.nc")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sweep_dataset, "write_sweep", full)
+    Path("sw.toml").write_text(TEXT, encoding="utf-8")
+    for _ in ("run", "found again"):
+        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 1
+        *_, told = capsys.readouterr().err.splitlines()
+        kept = "2 of 2 cells are kept; again goes on with the rest"
+        assert told == f"error: sw.nc: No space left on device ({kept})"
 
 
 def test_a_sweep_that_takes_its_time_says_so(
