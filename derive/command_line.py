@@ -199,10 +199,12 @@ def fail(message: object) -> int:
 
     An error of a file says which file, and what is wrong with it. What the command line holds is
     quoted in at most ``QUOTED`` characters. After Ctrl-C that is told instead: what it breaks off
-    may raise anything.
+    may raise anything. That the reader of the output has gone is no error: it is raised again.
     """
     if was_interrupted():
         return interrupted()
+    if isinstance(message, BrokenPipeError):
+        raise message
     if isinstance(message, OSError) and message.strerror:
         message = f"{message.filename or 'output'}: {message.strerror}"
     context = click.get_current_context(silent=True)

@@ -60,10 +60,10 @@ def converge_and_draw(options: ConvergeOptions, program: str) -> int:
         check_output(options.output, "rate.png", force=options.force)
         path = None if options.output is None else picture_path(options.output)
         study = measured_convergence(options.scene, options.eps, options.tolerance)
-        print_convergence(study, options.json_wanted)
         if path is not None:
             with styled():
                 save(convergence_figure(study), path)
+        print_convergence(study, options.json_wanted)
     except KeyboardInterrupt:
         return interrupted(program, "nothing was kept")
     except (ValueError, OSError) as error:

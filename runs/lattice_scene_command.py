@@ -47,10 +47,10 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    print_lattice_run(run, scene, plain_console())
     status = 0 if options.output is None else save_or_rescue(run, options.output, options.force)
     if status == 0:
         checkpoint.clear()
+    print_lattice_run(run, scene, plain_console())
     return status
 
 

@@ -37,16 +37,15 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
         return fail(error)
     except MemoryError as error:
         return fail(f"run must fit the memory, got one that does not: {error} (take fewer sites)")
-    found = compare_runs(kept, made)
-    first, *further = found.lines()
-    print_lines(plain_console(), [f"{options.scene}: {first}", *further])
-    status = 0 if found.is_same else 1
+    broken = 0
     if options.output is not None:
         broken = save_or_rescue(made, options.output, options.force)
         if not broken:
             checkpoint.clear()
-        return broken or status
-    return status
+    found = compare_runs(kept, made)
+    first, *further = found.lines()
+    print_lines(plain_console(), [f"{options.scene}: {first}", *further])
+    return broken or (0 if found.is_same else 1)
 
 
 def _finished_run(options: RunOptions) -> xr.Dataset:

@@ -63,7 +63,8 @@ def run_and_print(options: RunOptions, program: str) -> int:
             run = _run_with_bar(scene, options.store)
     except UnfinishedRun as stop:
         with keeping():
-            status = _give(stop.record, scene, options)
+            status = _written(stop.record, options)
+            print_summary(stop.record, scene, plain_console())
         where = f" in {options.output}" if options.output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
         return interrupted(program, checkpoint.left(count, written=bool(where)))
@@ -73,15 +74,15 @@ def run_and_print(options: RunOptions, program: str) -> int:
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    status = _give(run, scene, options)
+    status = _written(run, options)
     if status == 0:
         checkpoint.clear()
+    print_summary(run, scene, plain_console())
     return status or int(bool(run.attrs["blow_up"]))
 
 
-def _give(run: RunRecord, scene: Scene, options: RunOptions) -> int:
-    """Print a run's summary, and write it if asked; the exit status."""
-    print_summary(run, scene, plain_console())
+def _written(run: RunRecord, options: RunOptions) -> int:
+    """Write a run if asked, before it is printed: nobody may read that. The exit status."""
     if options.output is None:
         return 0
     return save_or_rescue(run.dataset, options.output, options.force)

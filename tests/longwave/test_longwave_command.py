@@ -21,7 +21,7 @@ import verify.cli.verdicts
 from derive.__main__ import CONSTANTS
 from derive.models.lattices import FPUT_STRAIN
 from longwave.__main__ import main
-from runs import run_words
+from runs import load_run, run_words
 from verify.comparison import ENGINES, further_scenes, shipped_scenes
 from verify.lattices.lattice_scene import shipped_lattice_scenes
 
@@ -269,6 +269,52 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
         running.stdout.close()
         assert running.stderr.read() == ""
     assert running.returncode == 141
+
+
+SHORT = {
+    "chain.toml": """
+wave = "soliton_sech"
+eps = 0.1
+t0 = 0
+snapshots = [0, 20]
+tolerance = 1e-3
+lattice = { K2 = 1, K4 = 1 }
+parameters = { A = 1 }
+domain = { compared = 60 }
+""",
+    "growth.toml": """
+lattice = "fput"
+wave = "perturbed_plane"
+eps = 0.2
+order = "slaved"
+tolerance = 1e-2
+constants = { K2 = 1, K3 = 0.5, K4 = 1 }
+parameters = { amplitude = 0.3 }
+envelope = { k = 2 }
+""",
+}
+
+
+@pytest.mark.parametrize("scene", SHORT)
+def test_a_run_is_written_though_nobody_reads_what_it_prints(scene: str, tmp_path: Path) -> None:
+    (tmp_path / scene).write_text(SHORT[scene], encoding="utf-8")
+    words = [sys.executable, "-m", "longwave", "run", scene, "--output", "run.nc"]
+    with subprocess.Popen(
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(HOUSE)},
+    ) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        errors = running.stderr.read()
+    assert running.returncode == 141, errors
+    assert "error" not in errors
+    assert {path.name for path in tmp_path.iterdir()} == {"run.nc", scene}
+    assert load_run(tmp_path / "run.nc").attrs["title"]
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")

@@ -52,6 +52,8 @@ def print_certificates(
                 print(lines_of(record))
         if scripts is not None:
             scripts.write(certificates)
+    except BrokenPipeError:
+        raise
     except OSError as error:
         if scripts is not None and error.filename == scripts.output:
             return fail(error)

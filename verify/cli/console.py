@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import process_time
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
@@ -72,6 +72,10 @@ class PlainConsole(Console):
     def render_str(self, text: str, *words: Any, **options: Any) -> Text:
         """The text of what is printed, or of a table's cell."""
         return super().render_str(printable(text), *words, **options)
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Leave it to the command that the reader of the output has gone: Rich would exit here."""
+        raise BrokenPipeError
 
 
 def check_output(
