@@ -48,10 +48,10 @@ from reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
 from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
 from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
 from runs import load_run
-from runs.own_error import MEASURED
 from runs.run_file import REMEDY, names_a_run
 from verify.cli.console import check_output, picture_path, plain_console, progress_bar
 from verify.comparison import Scene, run
+from verify.comparison.observables import MEASURED
 from verify.comparison.stated_run import UnfinishedRun
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
 

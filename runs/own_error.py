@@ -1,7 +1,7 @@
 """A run's own error: how far it may be from the infinite lattice, in the units of what it measures.
 
-With a tolerance it is the estimate, the same at all times; with a stated step what half the step
-and twice the sites change, at the snapshots, if the scene asks for that.
+With a tolerance it is the estimate, the same at all times; with a stated step twice what half the
+step and twice the sites change, at the snapshots, if the scene asks for that.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from lattice.model import State
+from verify.comparison.observables import measured_error
 from verify.comparison.view import View
 
 if TYPE_CHECKING:
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
     from verify.comparison.scene import Scene
     from verify.lattices.lattice_scene import LatticeScene
 
-MEASURED = ("time_step_error", "domain_error")
-"""Differences of y/eps to finer runs, at the snapshots; they add up to the run's error."""
-
 
 def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     """The run's own error at each snapshot, in units of eps or of its power that errors are told
@@ -31,8 +29,8 @@ def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:
     estimate = run.attrs.get("error_estimate")
     if estimate is not None:
         return np.full(run.sizes.get("time", 0), float(estimate))
-    parts = [run.variables[name].values for name in MEASURED if name in run.variables]
-    return np.sum(parts, axis=0, dtype=np.float64) if parts else None
+    measured = measured_error(run)
+    return None if measured is None else measured.values
 
 
 def wave_size(scene: Scene, t: float, far_field: bool = False) -> float:

@@ -57,7 +57,7 @@ def toda() -> xr.Dataset:
 
 def test_a_stated_run_has_bars_where_its_errors_were_measured(stated: xr.Dataset) -> None:
     own = own_error(stated, frame_of(stated))
-    measured = stated.time_step_error.values + stated.domain_error.values
+    measured = 2.0 * (stated.time_step_error.values + stated.domain_error.values)
     assert own is not None
     assert np.allclose(own, 0.2 * measured, atol=0.0)
     ax = plot(stated, kind="errors").get_axes()[0]
@@ -98,7 +98,7 @@ def test_spectra_are_those_of_lattice_and_wave_with_what_is_below_trust(
     assert np.array_equal(lattice.get_ydata(), amplitudes(stated.strain.values[2]))
     assert np.array_equal(wave.get_ydata(), amplitudes(stated.analytic.values[2]))
     assert lattice.get_xdata()[-1] <= np.pi
-    own = 0.2 * (stated.time_step_error.values + stated.domain_error.values)[2]
+    own = 0.4 * (stated.time_step_error.values + stated.domain_error.values)[2]
     assert np.isclose(ax.patches[0].get_height(), 2.0 * own, atol=0.0)
     assert 0.0 < rounding.get_ydata()[0] < 2.0**-52 * float(abs(stated.strain).max())
 

@@ -23,16 +23,22 @@ The error is then, exactly,
 Each is reported as its largest modulus over max_n |w - b|, the denominator of the error figure.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lattice.model import ring_energy
+from lattice.trial import SAFETY
 from verify.comparison.view import Array, View
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Moment = Literal["snapshots", "curve", "looks", "refinement"]
 
@@ -414,3 +420,17 @@ def _refinement(name: str, change: str) -> None:
 
 _refinement("time_step_error", "half the step")
 _refinement("domain_error", "twice the sites")
+
+MEASURED = ("time_step_error", "domain_error")
+"""What finer runs differ by at the snapshots, in y/eps."""
+
+
+def measured_error(run: xr.Dataset) -> xr.DataArray | None:
+    """What y/eps may be off at each snapshot by step and domain together; None if it was not
+    measured.
+
+    A run differs from the finer one by as little as half of what it is off, where its error falls
+    as slowly as the step or 1/size: hence ``SAFETY``.
+    """
+    parts = [run[name] for name in MEASURED if name in run.variables]
+    return SAFETY * sum(parts[1:], start=parts[0]) if parts else None

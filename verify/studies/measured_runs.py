@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from verify.comparison import Scene, load_scene, run, shipped_scenes
+from verify.comparison.observables import measured_error
 from verify.comparison.stated_run import stated_seconds
 from verify.processes import Job
 
@@ -40,13 +41,13 @@ class MeasuredRuns:
         return [name for name, run in self.runs.items() if run.attrs["blow_up"]]
 
     def discretisation(self, name: str) -> xr.DataArray:
-        """Return the sup error of y/eps by step and domain together, at each snapshot.
+        """Return what y/eps may be off by step and domain together, at each snapshot.
 
         A run that measured only one of the two counts that one.
         """
-        run = self.runs[name]
-        parts = [run[part] for part in ("time_step_error", "domain_error") if part in run]
-        return sum(parts[1:], start=parts[0])
+        found = measured_error(self.runs[name])
+        assert found is not None, f"{name} measured no error"
+        return found
 
     def relative_error(self, name: str, time: float, variable: str = "error") -> UncertainNumber:
         """Return the relative sup error at a snapshot.
