@@ -101,8 +101,11 @@ def _pulse_lines(run: xr.Dataset) -> Iterator[str]:
         f"{run[name].values[-1]:.4g} +- {run[name + '_error'].values[-1]:.1g}"
         for name in ("peak", "energy", "delay")
     )
-    held = "" if np.isnan(run["energy"].values[-1]) else f" and energy {energy}"
+    unknown = np.isnan(run["energy"].values[-1])
+    held = "" if unknown else f" and energy {energy}"
     yield f"at the end: largest force {peak}{held} of the start's, {delay} sites late"
+    if unknown:
+        yield "no energy is told: the lattice has none, or the wave goes on beyond half_width"
     speed = run.attrs.get("effective_speed")
     if speed is not None:
         yield f"very long waves: {speed:.6g} of the ordered lattice's speed"

@@ -82,6 +82,20 @@ def test_what_is_measured_is_within_its_error(of: str) -> None:
         assert allowed[-1] > 0.0
 
 
+def test_an_energy_on_a_ring_that_cuts_the_wave_is_within_its_error() -> None:
+    """Two runs are compared: one that tells no energy leaves none, and not one +- nan."""
+    wide = run(0.3, "K4", half_width=20).pulse
+    assert wide is not None
+    for half_width in (1, 2, 3, 5, 7, 10):
+        found = run(0.3, "K4", half_width=half_width).pulse
+        assert found is not None
+        energy, error = found.columns["energy"], found.columns["energy_error"]
+        apart = np.abs(energy - wide.columns["energy"])
+        assert np.array_equal(np.isnan(energy), np.isnan(error))
+        assert np.all(np.isnan(energy) | (apart <= error + wide.columns["energy_error"]))
+        assert half_width < 3 or not np.isnan(energy).any()
+
+
 def test_no_spread_has_the_bits_of_no_disorder() -> None:
     ordered = run_lattice_scene(LatticeScene.of(**SOLITON))
     still = run(0.0, "K2")
