@@ -376,7 +376,13 @@ def _drawn(field: str, given: object, stream: Random) -> Any:
         choices = _listed(field, given["choose"])
         return choices[int(stream.random() * len(choices))]
     low, high, log = _ends(field, given)
-    if _flag(field, given, "whole"):
-        return int(low) + int(stream.random() * (int(high) - int(low) + 1))
     share = stream.random()
-    return low * (high / low) ** share if log else low + (high - low) * share
+    is_whole = _flag(field, given, "whole")
+    if is_whole and not (low.is_integer() and high.is_integer()):
+        raise ValueError(
+            f"{field} must have whole ends where it is whole, got {low:g} and {high:g} (such as "
+            "{from = 1, to = 100, whole = true})"
+        )
+    beyond = high + is_whole
+    drawn = low * (beyond / low) ** share if log else low + (beyond - low) * share
+    return min(math.floor(drawn), int(high)) if is_whole else drawn

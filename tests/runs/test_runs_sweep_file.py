@@ -55,6 +55,12 @@ def test_samples_follow_the_seed_and_no_other_field() -> None:
     assert whole == {64, 128}
     counted = drawn(seed=1, curve_points={"from": 3, "to": 5, "whole": True})
     assert {row["curve_points"] for row in counted} == {3, 4, 5}
+    sites = {"from": 64, "to": 6400, "whole": True, "log": True}
+    logs = [row["domain.sites"] for row in drawn(seed=1, **{"domain.sites": sites})]
+    assert all(isinstance(value, int) and 64 <= value <= 6400 for value in logs)
+    assert 10 < sum(value < 640 for value in logs) < 40
+    with pytest.raises(ValueError, match=r"must have whole ends where it is whole, got 0.5 and 3"):
+        drawn(seed=1, curve_points={"from": 0.5, "to": 3, "whole": True})
 
 
 def test_ranges_have_both_ends_and_round_values() -> None:
