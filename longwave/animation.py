@@ -28,7 +28,7 @@ from reports.figures.lattice_figures import lattice_snapshots
 from runs import run_any_scene
 from runs.run_cost import CHEAPER as CHEAPER_RUN
 from runs.run_cost import expected_run_cost
-from runs.run_file import SWEPT
+from runs.run_file import SWEPT, names_a_run
 from verify.cli.console import check_output, plain_console, progress_bar
 from verify.comparison import Scene
 from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
@@ -165,12 +165,25 @@ def _scene_of_film(found: Scene | LatticeScene, options: FilmOptions) -> Scene |
 
 
 def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
-    """The scene at the times of the film's frames, as many as such a scene may have."""
+    """The scene at the times of the film's frames, as many as such a scene may have.
+
+    It begins where it did: frames that begin later come after that moment.
+    """
+    from verify.lattices.lattice_derivation import derivation
+    from verify.lattices.lattice_run import lattice_times
+
     scene.check_compared()
-    named = "times" if scene.times else "slow_times"
-    own = getattr(scene, named)
-    count = min(options.count, MOST_TIMES)
-    return scene.changed(**{named: _distinct(np.linspace(own[0], own[-1], count))})
+    if options.times is None:
+        named = "times" if scene.times else "slow_times"
+        own = getattr(scene, named)
+        count = min(options.count, MOST_TIMES)
+        return scene.changed(**{named: _distinct(np.linspace(own[0], own[-1], count))})
+    begin = lattice_times(scene, derivation(scene).slow)[0]
+    first, last = options.times
+    if first < begin:
+        raise ValueError(f"times must begin at {begin:g} or later, got {first:g}")
+    moments = np.linspace(first, last, min(options.count, MOST_TIMES - 1))
+    return scene.changed(times=_distinct(np.append(begin, moments)), slow_times=())
 
 
 def _distinct(times: Array) -> tuple[float, ...]:
@@ -259,7 +272,7 @@ def draw_film(
         return fail(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    if count < FEW:
+    if count < FEW and names_a_run(source):
         print(f"{source} has {count} snapshots: so many frames (a scene has more)", file=sys.stderr)
     print(path)
     return 0
