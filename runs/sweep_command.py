@@ -56,18 +56,18 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
 
     told = SweepState(0)
     try:
-        errors = plain_console(stderr=True, soft_wrap=True)
-        with store_told(), progress_bar("reading", "reading the sweep", errors):
-            sweep = load_sweep(options.sweep)
-            told.cells = len(sweep)
-            output = options.output or f"{sweep.name}.nc"
-            check_run_output(output, force=True)
-            _check_overwriting(sweep, Path(output), options.force)
-            store = RunStore(Path(options.store or f"{sweep.name}.store"))
-            _check_apart(Path(output), Path(store.folder))
-            settled = settled_keys(store)
-            expected = expected_sweep_cost(sweep, store, settled)
         with store_told():
+            errors = plain_console(stderr=True, soft_wrap=True)
+            with progress_bar("reading", "reading the sweep", errors):
+                sweep = load_sweep(options.sweep)
+                told.cells = len(sweep)
+                output = options.output or f"{sweep.name}.nc"
+                check_run_output(output, force=True)
+                _check_overwriting(sweep, Path(output), options.force)
+                store = RunStore(Path(options.store or f"{sweep.name}.store"))
+                _check_apart(Path(output), Path(store.folder))
+                settled = settled_keys(store)
+                expected = expected_sweep_cost(sweep, store, settled)
             with sweep_workers(options.processes, options.scheduler) as workers:
                 told.workers = workers.count
                 _run_with_bar(sweep, store, workers, told, expected, settled)
@@ -154,12 +154,13 @@ def summary_lines(sweep: Sweep, found: xr.Dataset, told: SweepState) -> Iterator
     sizes = " x ".join(f"{d.size} {d.name}" for d in sweep.dimensions)
     yield f"{len(sweep)} cells ({sizes}): {ended}"
     if told.done:
-        yield (
-            f"{told.done} were run now by {told.workers} workers, {duration(told.seconds)} in all"
-        )
+        were = "was" if told.done == 1 else "were"
+        workers = "1 worker" if told.workers == 1 else f"{told.workers} workers"
+        yield f"{told.done} {were} run now by {workers}, {duration(told.seconds)} in all"
     errors = found["error"].values
     if np.any(np.isfinite(errors)):
-        line = f"relative error {np.nanmin(errors):.3g} to {np.nanmax(errors):.3g}"
+        least, most = (f"{end(errors):.3g}" for end in (np.nanmin, np.nanmax))
+        line = f"relative error {least}" + (f" to {most}" if most != least else "")
         own = found["own_error"].values
         known = np.any(np.isfinite(own))
         yield f"{line}, the runs' own part at most {np.nanmax(own):.2g}" if known else line

@@ -21,10 +21,18 @@ if TYPE_CHECKING:
 
 
 class _Lines(logging.Handler):
-    """Each record in one line on the standard error."""
+    """Each record in one line on the standard error, a warning once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._warned: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        print(one_line(record.getMessage()), file=sys.stderr, flush=True)
+        line = one_line(record.getMessage())
+        if line not in self._warned:
+            print(line, file=sys.stderr, flush=True)
+        if record.levelno >= logging.WARNING:
+            self._warned.add(line)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from longwave.__main__ import main
 from runs import sweep_command, sweep_dataset
 from runs.run_store import RunStore
 from runs.sweep_command import SweepOptions, sweep_and_print
@@ -55,6 +56,30 @@ def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
         *_, told = capsys.readouterr().err.splitlines()
         kept = "2 of 2 cells are kept; again goes on with the rest"
         assert told == f"error: sw.nc: No space left on device ({kept})"
+
+
+def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sw.toml").write_text(TEXT.replace("0.1, 0.2", "0.2"), encoding="utf-8")
+    for damaged in (0, 1):
+        assert sweep_and_print(SweepOptions("sw.toml", 1), "longwave sweep") == 0
+        told = capsys.readouterr()
+        assert "1 was run now by 1 worker, " in told.out
+        (error,) = (line for line in told.out.splitlines() if line.startswith("relative error"))
+        assert " to " not in error
+        assert told.err.count("is damaged") == damaged
+        for pack in Path("sw.store", "packs").glob("*.h5"):
+            pack.write_bytes(pack.read_bytes()[:-100])
+
+
+def test_a_sweep_is_no_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "sw.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    assert main(["run", str(path)]) == 2
+    told = "a scene must be one, got a sweep, which has [grid] (run it with `longwave sweep`)"
+    assert capsys.readouterr().err == f"error: {path}: {told}\n"
 
 
 def test_a_sweep_that_takes_its_time_says_so(

@@ -394,5 +394,11 @@ def any_scene_of_toml(text: str) -> Scene | LatticeScene:
 
 
 def _scene_of_document(document: Mapping[str, Any], path: Path) -> Scene | LatticeScene:
+    swept = {"grid", "list", "random"} & document.keys()
+    if "scene" in document and swept:
+        raise ValueError(
+            f"{path}: a scene must be one, got a sweep, which has [{min(swept)}] (run it with "
+            "`longwave sweep`)"
+        )
     kind = LatticeScene if names_a_lattice(document) else Scene
     return kind.of_document(document, path)
