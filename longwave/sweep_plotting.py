@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -47,6 +48,9 @@ MOST_CURVES, MOST_MAPS = 8, 12
 LONGEST_LABEL = 50
 """Characters of a long name that an axis has room for."""
 
+MOST_LISTED = 20
+"""Values that an error lists."""
+
 BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
@@ -76,21 +80,34 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
                 f"at must name a swept field, got {shown(name)} (one of {', '.join(known)})"
             )
         column = data[name]
-        places = [place for place, held in enumerate(column.values) if _same(held, value)]
-        if not places:
-            held = ", ".join(dict.fromkeys(_text(one) for one in column.values[:20]))
-            raise ValueError(
-                f"{name} must be one of its values, got {shown(value)} (one of {held})"
-            )
-        data = data.isel({column.dims[0]: places})
+        data = data.isel({column.dims[0]: _places(name, column.values, value)})
     return data.squeeze()
 
 
-def _same(held: object, value: str | float) -> bool:
+def _places(name: str, held: NDArray[Any], value: str | float) -> list[int]:
+    """Where a field has that value, or else the one that is printed so."""
+    for read in (str, _text):
+        places = [place for place, one in enumerate(held) if _same(one, value, read)]
+        found = list(dict.fromkeys(str(held[place]) for place in places))
+        if len(found) > 1 and read is _text:
+            raise ValueError(
+                f"{name} must tell one value, got {shown(value)} (one of {_listed(found)})"
+            )
+        if places:
+            return places
+    known = _listed(list(dict.fromkeys(_text(one) for one in held)))
+    raise ValueError(f"{name} must be one of its values, got {shown(value)} (one of {known})")
+
+
+def _same(held: object, value: str | float, read: Callable[[object], str]) -> bool:
     try:
-        return bool(np.isclose(float(held), float(value), rtol=1e-9, atol=0.0))  # type: ignore[arg-type]
+        return bool(np.isclose(float(read(held)), float(value), rtol=1e-9, atol=0.0))
     except (TypeError, ValueError):
         return str(held) == str(value)
+
+
+def _listed(texts: Sequence[str]) -> str:
+    return ", ".join(texts[:MOST_LISTED]) + (", ..." if len(texts) > MOST_LISTED else "")
 
 
 def _text(value: object) -> str:

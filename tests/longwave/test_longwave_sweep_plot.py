@@ -287,6 +287,29 @@ def test_no_numbers_and_too_many_maps_are_one_line() -> None:
         plot(four)
 
 
+def test_a_value_may_be_given_as_it_is_printed() -> None:
+    eps = [0.1, 0.1 * 3.0**0.5, 0.3]
+    data = swept({"eps": 3, "k": 3}, {"eps": eps, "k": K})
+    for value in ("0.173205", 0.173205, repr(eps[1])):
+        ax = plot(data, at={"eps": value}).get_axes()[0]
+        assert np.allclose(ax.containers[0][0].get_ydata(), data["error"].values[1])
+    for value in (0.17320512, "0.1732"):
+        with pytest.raises(ValueError, match=r"^eps must be one of its values, .* 0\.3\)"):
+            plot(data, at={"eps": value})
+    near = data.assign_coords(eps=[0.1732051, 0.1732052, 0.3])
+    with pytest.raises(ValueError, match=r"^eps must tell .* \(one of 0\.1732051, 0\.1732052\)"):
+        plot(near, at={"eps": "0.173205"})
+    assert plot(near, at={"eps": "0.1732052"}).get_axes()
+
+
+def test_a_list_of_values_says_that_it_is_cut() -> None:
+    for size, end in ((20, "19)"), (21, "19, ...)")):
+        data = swept({"k": size}, {"k": np.arange(float(size))})
+        with pytest.raises(ValueError, match=r"^k must be one of its values") as raised:
+            plot(data, at={"k": -1})
+        assert str(raised.value).endswith(end)
+
+
 def test_words_of_sweeps_are_refused_for_scenes_before_a_run() -> None:
     for words in ({"at": {"k": 1}}, {"variable": "steps"}, {"kind": "values"}):
         with pytest.raises(ValueError, match=r"must not be given for a run or a scene"):
