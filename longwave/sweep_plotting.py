@@ -51,6 +51,9 @@ LONGEST_LABEL = 50
 MOST_LISTED = 20
 """Values that an error lists."""
 
+TOLD = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
+"""How fields are called in pictures whose last part says nothing alone."""
+
 BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
@@ -220,9 +223,10 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
     for field in fields:
         held = field.values
         if len({str(one) for one in held}) == held.size:
+            told = TOLD.get(field.attrs.get("field", ""), str(field.name))
             if held.dtype.kind in "fiu":
-                return SweptAxis(str(field.name), [float(one) for one in held])
-            return SweptAxis(str(field.name), [str(one) for one in held])
+                return SweptAxis(told, [float(one) for one in held])
+            return SweptAxis(told, [str(one) for one in held])
     return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 

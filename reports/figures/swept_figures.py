@@ -325,8 +325,13 @@ def _set_axis(ax: Axes, axis: SweptAxis, letter: str) -> None:
     elif axis.is_logarithmic:
         getattr(ax, f"set_{letter}scale")("log")
         ticks = axis.places[:: -(-len(axis.places) // MOST_TICKS)]
-        set_ticks(ticks, [f"{tick:.3g}" for tick in ticks])
+        set_ticks(ticks, [_plain(tick) for tick in ticks])
         set_ticks([], minor=True)
+
+
+def _plain(value: float) -> str:
+    """Three digits of a number, and all of a long one that has no power of ten."""
+    return f"{value:.0f}" if 1e3 <= value < 1e7 else f"{value:.3g}"
 
 
 MOST_TICKS = 6

@@ -195,6 +195,27 @@ def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> 
     assert len(plot(data, variable="last_peak").get_axes()) == 1
 
 
+def test_names_that_say_nothing_alone_are_told_by_their_fields() -> None:
+    names = ("name", np.array(["rk4", "leapfrog"], dtype=object), {"field": "scheme.name"})
+    data = swept({"name": 2, "eps": 4, "k": 3}, {"name": names, "eps": EPS, "k": K})
+    titles = [ax.get_title("left") for ax in plot(data).get_axes()[:2]]
+    assert titles == ["scheme = rk4", "scheme = leapfrog"]
+    of = ("case", np.array(["mass", "K2"], dtype=object), {"field": "disorder.of"})
+    assert axis_of(swept({"case": 2}, {"of": of}), "case").name == "disorder of"
+
+
+def test_ticks_of_a_logarithmic_axis_are_plain() -> None:
+    for values, texts in (
+        ([256.0, 512.0, 1024.0], ["256", "512", "1024"]),
+        ([0.05, 1.0, 1048576.0], ["0.05", "1", "1048576"]),
+        ([1e-6, 1e-5, 1e-4], ["1e-06", "1e-05", "0.0001"]),
+        ([1e8, 1e9, 1.5e10], ["1e+08", "1e+09", "1.5e+10"]),
+        ([0.1 * 3**0.5, 0.3, 0.9], ["0.173", "0.3", "0.9"]),
+    ):
+        (ax,) = plot(swept({"x": 3}, {"x": values})).get_axes()
+        assert [tick.get_text() for tick in ax.get_xticklabels()] == texts
+
+
 def sample_deviation(values: np.ndarray) -> float:
     return float(np.std(values, ddof=1))
 
