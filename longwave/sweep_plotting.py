@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,7 +22,6 @@ from longwave.growth_plotting import growth_panels
 from reports.figures.growth_figures import draw_growth, growth_height
 from reports.figures.swept_figures import (
     CURVE_HEIGHT,
-    WORK_HEIGHT,
     HeatMap,
     SweptAxis,
     SweptCurve,
@@ -32,6 +30,7 @@ from reports.figures.swept_figures import (
     draw_swept_curves,
     draw_work_precision,
     heat_height,
+    work_height,
 )
 
 Array = NDArray[np.float64]
@@ -57,8 +56,8 @@ TOLD = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disord
 BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
-WORK = ("tolerance", "order", "scheme", "step", "lattice.order", "scheme.name", "scheme.step")
-"""Dimensions along which a run takes more work for less error."""
+WORK = ("tolerance", "scheme.step", "step", "lattice.order", "order", "scheme.name", "scheme")
+"""Fields along which a run takes more work for less error: of two the first is drawn along."""
 
 ENDED = ("done", "blown up")
 """Cells whose numbers are drawn."""
@@ -191,6 +190,16 @@ def _repeats(data: xr.Dataset, values: xr.DataArray) -> list[str]:
 
 def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
     """A number of each cell that came to an end, NaN of the others."""
+    values = _ended(data, variable)
+    if not np.isfinite(values).any():
+        raise ValueError(
+            f"{variable} must be a number in some cell, got none in {values.size} cells "
+            "(see their status and message)"
+        )
+    return values
+
+
+def _ended(data: xr.Dataset, variable: str) -> xr.DataArray:
     known = [
         str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == data.status.dims
     ]
@@ -201,13 +210,7 @@ def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
         )
     ended = np.isin(data["status"].values, ENDED)
     values = data[variable].astype(float)
-    values = values.where(ended & np.isfinite(values))
-    if not np.isfinite(values).any():
-        raise ValueError(
-            f"{variable} must be a number in some cell, got none in {values.size} cells "
-            "(see their status and message)"
-        )
-    return values
+    return values.where(ended & np.isfinite(values))
 
 
 def _families(data: xr.Dataset, values: xr.DataArray) -> list[str]:
@@ -335,38 +338,66 @@ def _label(data: xr.Dataset, values: xr.DataArray) -> str:
 
 def work_dimension(data: xr.Dataset) -> str | None:
     """The dimension along which more work is done, None if there is none."""
-    return next((name for name in WORK if name in data["status"].dims), None)
+    names = [str(name) for name in data["status"].dims]
+    fields = {data[n].attrs.get("field", n) if n in data.coords else n: n for n in names}
+    return next((fields[field] for field in WORK if field in fields), None)
 
 
 def work_part(data: xr.Dataset) -> SweepPart:
-    """Errors against work along the tolerance or the order, a curve for each other cell."""
+    """Errors against work along the tolerance, step or order, a curve for each other cell.
+
+    Texts, such as schemes, have a curve each where they are few.
+    """
     along = work_dimension(data)
     if along is None:
         raise ValueError(
-            f"work_precision must have a sweep over one of {', '.join(WORK[:4])}, got "
+            f"work_precision must have a sweep over one of tolerance, order, scheme, step, got "
             f"{', '.join(map(str, data['status'].dims)) or 'one cell'} (sweep the tolerance)"
         )
-    others = [str(name) for name in data["status"].dims if name != along]
-    count = int(np.prod([data.sizes[name] for name in others], dtype=int))
+    numbers = _work_numbers(data)
+    held = numbers.estimated.notnull() | numbers.achieved.notnull()
+    others = [str(name) for name in held.dims if name != along]
+    joined = not axis_of(data, along).is_text
+    if not joined and int(held.sum()) <= MOST_CURVES:
+        others = [str(name) for name in held.dims]
+    drawn = held.any([name for name in held.dims if name not in others])
+    count = int(drawn.sum())
     if count > MOST_CURVES:
         raise ValueError(
             f"work_precision must have at most {MOST_CURVES} curves, got {count} "
             f"(choose with --at {others[0]}=VALUE)"
         )
-    curves = list(_work_curves(data, others))
-    height = WORK_HEIGHT + 0.2 * len(curves)
-    return SweepPart(height, lambda figure: draw_work_precision(figure, curves))
-
-
-def _work_curves(data: xr.Dataset, others: Sequence[str]) -> Iterator[WorkCurve]:
-    seconds, evaluations, sites, estimated, achieved = (
-        _numbers(data, name)
-        for name in ("seconds", "force_evaluations", "sites", "error_estimate", "error")
+    curves = list(_work_curves(data, numbers, drawn))
+    return SweepPart(
+        work_height(curves), lambda figure: draw_work_precision(figure, curves, joined)
     )
-    updates, own = evaluations * sites, _bars(data, achieved)
-    axes = {name: axis_of(data, name) for name in others}
-    for places in product(*(range(data.sizes[name]) for name in others)):
-        where = dict(zip(others, places, strict=True))
+
+
+class WorkNumbers(NamedTuple):
+    """What a `WorkCurve` has, of all cells."""
+
+    seconds: xr.DataArray
+    updates: xr.DataArray
+    estimated: xr.DataArray
+    achieved: xr.DataArray
+    own: xr.DataArray
+
+
+def _work_numbers(data: xr.Dataset) -> WorkNumbers:
+    seconds, evaluations, sites = (
+        _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")
+    )
+    estimated = _ended(data, "error_estimate")  # none where a step is stated
+    achieved = _ended(data, "error") if np.isfinite(estimated).any() else _numbers(data, "error")
+    return WorkNumbers(seconds, evaluations * sites, estimated, achieved, _bars(data, achieved))
+
+
+def _work_curves(
+    data: xr.Dataset, numbers: WorkNumbers, drawn: xr.DataArray
+) -> Iterator[WorkCurve]:
+    names = [str(name) for name in drawn.dims]
+    axes = {name: axis_of(data, name) for name in names}
+    for places in np.argwhere(drawn.values):
+        where = dict(zip(names, places.tolist(), strict=True))
         label = ", ".join(f"{axes[n].name} = {_text(axes[n].values[p])}" for n, p in where.items())
-        parts = [found.isel(where).values for found in (seconds, updates, estimated, achieved, own)]
-        yield WorkCurve(label, *parts)
+        yield WorkCurve(label, *(np.atleast_1d(part.isel(where).values) for part in numbers))

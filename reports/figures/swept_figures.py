@@ -43,7 +43,7 @@ LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "be
 LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
 """Names that are one letter, with or without an index."""
 
-LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE = 16, 24, 60
+LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE = 16, 24, 80
 """Characters of a text beside a tick, and in a legend beside a picture, as in the
 title of a map, or above it."""
 
@@ -244,18 +244,43 @@ class WorkCurve:
 WORK_HEIGHT = 3.0
 """Height of the panels of work against precision, in inches."""
 
+LONGEST_IN_TWO = 50
+"""Characters of the longest text of a legend in two columns above a picture."""
 
-def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None:
-    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly."""
+OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
+
+
+def work_columns(curves: Sequence[WorkCurve]) -> int:
+    """Columns of the legend above the panels of work against precision."""
+    longest = max((len(curve.label) for curve in curves), default=0)
+    return 2 if longest + len(f": {OF_WAVE}") <= LONGEST_IN_TWO else 1
+
+
+def work_height(curves: Sequence[WorkCurve]) -> float:
+    """Height in inches of the panels of work against precision with their legend."""
+    return WORK_HEIGHT + 0.4 * len(curves) / work_columns(curves)
+
+
+def draw_work_precision(
+    figure: FigureBase, curves: Sequence[WorkCurve], joined: bool = True
+) -> None:
+    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly.
+
+    Estimates are ``joined``, and where there are none what was achieved.
+    """
     panels = figure.subplots(1, 2, sharey=True)
     for number, curve in enumerate(curves):
         look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        look |= {} if joined else {"linestyle": ""}
         for ax, work in zip(panels, (curve.seconds, curve.updates), strict=True):
             name = f"{curve.label}: " if curve.label else ""
-            ax.loglog(work, _positive(curve.estimated), label=f"{name}estimated", **look)
-            achieved = look | {"linestyle": "", "markerfacecolor": "none"}
+            achieved = look | {"markerfacecolor": "none"}
+            if np.isfinite(curve.estimated).any():
+                ax.loglog(work, _positive(curve.estimated), label=f"{name}{OF_ESTIMATE}", **look)
+                achieved["linestyle"] = ""
             values = _positive(curve.achieved)
-            ax.loglog(work, values, label=f"{name}relative to the wave", **achieved)
+            if np.isfinite(values).any():
+                ax.loglog(work, values, label=f"{name}{OF_WAVE}", **achieved)
             low = np.maximum(values - curve.own, 0.01 * values)
             ax.vlines(work, low, values + curve.own, color=look["color"], linewidth=1.0)
     along = {
@@ -275,7 +300,7 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
         ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    above = figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    above = figure.legend(handles, labels, loc="outside upper center", ncols=work_columns(curves))
     _plain_legend(above, LONGEST_ABOVE)
 
 

@@ -236,6 +236,38 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     assert len(plot(data).get_axes()) == 3
 
 
+def test_work_precision_of_stated_steps_is_what_was_achieved() -> None:
+    step = ("step", [0.1, 0.2, 0.4], {"field": "scheme.step"})
+    names = ("name", np.array(["rk4", "leapfrog", "none"], object), {"field": "scheme.name"})
+    data = swept({"name": 3, "step": 3}, {"step": step, "name": names})
+    data["error_estimate"] = xr.full_like(data["error_estimate"], np.nan)
+    data["status"].values[2] = "refused"
+    seconds = plot(data, kind="work_precision").get_axes()[0]
+    labels = [line.get_label() for line in seconds.lines]
+    assert labels == [f"scheme = {name}: relative to the wave" for name in ("rk4", "leapfrog")]
+    assert np.allclose(seconds.lines[1].get_ydata(), data["error"].values[1])
+    ends = [segment[:, 1] for segment in seconds.collections[1].get_segments()]
+    assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
+    alone = plot(data, at={"step": 0.2}, kind="work_precision").get_axes()[0]
+    assert [line.get_label() for line in alone.lines] == labels
+    assert [line.get_ydata().tolist() for line in alone.lines] == [
+        [data["error"].values[place, 1]] for place in (0, 1)
+    ]
+    with pytest.raises(ValueError, match=r"^error must be a number in some cell"):
+        plot(data.assign(error=data["error_estimate"]), kind="work_precision")
+
+
+def test_long_names_of_work_precision_have_a_column() -> None:
+    order = np.array([f"{'a long name of an order' * 3}{end}" for end in "12"], dtype=object)
+    data = swept({"order": 2, "tolerance": 3}, {"order": order, "tolerance": [1e-2, 1e-3, 1e-4]})
+    figure = plot(data, kind="work_precision")
+    figure.draw_without_rendering()
+    (held,) = figure.subfigs[0].legends
+    assert held.get_window_extent().x0 >= 0.0
+    assert held.get_window_extent().x1 <= figure.bbox.x1
+    assert all(ax.get_position().height > 0.3 for ax in figure.get_axes())
+
+
 def test_cells_that_took_the_same_work_stand_in_the_panel() -> None:
     curve = WorkCurve("", *(np.full(3, 2e6) for _ in range(2)), *(np.full(3, 1e-3),) * 3)
     figure = Figure()
