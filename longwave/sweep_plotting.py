@@ -167,18 +167,27 @@ def growth_part(data: xr.Dataset) -> SweepPart:
 def values_part(data: xr.Dataset, variable: str) -> SweepPart:
     """A number of each cell over the dimensions that are left."""
     values = _numbers(data, variable)
-    drawn = [str(name) for name in values.dims if name not in _repeats(data, values)]
-    repeated = len(drawn) < len(values.dims)
-    if len(values.dims) == 1:
+    if not values.dims:
+        raise ValueError(
+            f"a picture must be of two cells or more, got one cell (its {variable} is "
+            f"{float(values):g}; sweep more values, or leave out an --at)"
+        )
+    repeats = _repeats(data, values)
+    drawn = [str(name) for name in values.dims if name not in repeats]
+    if len(values.dims) == 1 or (repeats and len(drawn) == 1):
         return _curves(data, values, [])
-    families = _families(data, values)
-    if len(drawn) == 1 + len(families) and (repeated or families):
+    families = _families(data, values, drawn, bool(repeats))
+    if len(drawn) == 2 and families:
         return _curves(data, values, families)
-    if len(drawn) in (2, 3) and not repeated:
+    if len(drawn) in (2, 3) and not repeats:
         return _maps(data, values)
-    sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items()) or "one cell"
-    remedy = "choose with --at NAME=VALUE" if values.dims else "choose less"
-    raise ValueError(f"a picture must be of one to three dimensions, got {sizes} ({remedy})")
+    sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items())
+    condition = (
+        f"repeats must be over one or two dimensions, one of at most {MOST_CURVES} values"
+        if repeats
+        else "a picture must be of one to three dimensions"
+    )
+    raise ValueError(f"{condition}, got {sizes} (choose with --at NAME=VALUE)")
 
 
 def _repeats(data: xr.Dataset, values: xr.DataArray) -> list[str]:
@@ -213,10 +222,17 @@ def _ended(data: xr.Dataset, variable: str) -> xr.DataArray:
     return values.where(ended & np.isfinite(values))
 
 
-def _families(data: xr.Dataset, values: xr.DataArray) -> list[str]:
-    """The dimension whose values are texts, if they are few: one curve for each."""
-    texts = [str(name) for name in values.dims if axis_of(data, str(name)).is_text]
-    return texts[:1] if texts and values.sizes[texts[0]] <= MOST_CURVES else []
+def _families(
+    data: xr.Dataset, values: xr.DataArray, drawn: Sequence[str], repeated: bool
+) -> list[str]:
+    """The dimension with a curve for each value, if they are few.
+
+    It is the one with texts, and of repeats, which have no heat map, else the smallest one.
+    """
+    found = [name for name in drawn if axis_of(data, name).is_text]
+    if repeated and not found:
+        found = sorted(drawn, key=lambda name: values.sizes[name])
+    return found[:1] if found and values.sizes[found[0]] <= MOST_CURVES else []
 
 
 def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
@@ -238,26 +254,43 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
     repeats = _repeats(data, values)
     rest = [str(name) for name in values.dims if name not in families]
     along = min(rest, key=lambda name: name in repeats)
-    what, bars = _label(data, values), _bars(data, values)
+    what, bars, faulty = _label(data, values), _bars(data, values), _faulty(data, values)
     told, common = _own_told(values, bars), _median if repeats == [SAMPLE] else _mean
 
     def curve(label: str, where: Mapping[str, int]) -> SweptCurve:
-        found, its = values.isel(where), bars.isel(where)
+        found, its, ends = (part.isel(where) for part in (values, bars, faulty))
         if len(rest) == 2:
-            return common(label, found.transpose(repeats[0], along).values)
-        return SweptCurve(label, found.values, np.array([its.values, its.values]))
+            ends = ends.any(repeats[0])
+            return common(label, found.transpose(repeats[0], along).values, ends.values)
+        return SweptCurve(label, found.values, np.array([its.values, its.values]), ends.values)
 
     if families:
-        labels = [str(one) for one in axis_of(data, families[0]).values]
+        family = axis_of(data, families[0])
+        said = "" if family.is_text else f"{family.name} = "
+        labels = [f"{said}{_text(one)}" for one in family.values]
         curves = [curve(label, {families[0]: place}) for place, label in enumerate(labels)]
     else:
         curves = [curve("", {})]
     if len(rest) == 2:
-        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(values.sizes[repeats[0]])
+        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(_counted(values, repeats[0]))
     axis, joined = axis_of(data, along), along not in repeats
     return SweepPart(
         CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined, told)
     )
+
+
+def _faulty(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """The cells that were run, came to no good end and have no value."""
+    status = data["status"].values
+    settled = np.isin(status, ("done", "missing")) | np.isfinite(values.values)
+    return xr.DataArray(~settled, dims=values.dims)
+
+
+def _counted(values: xr.DataArray, repeats: str) -> str:
+    """Of how many repeats there are values, where there are any."""
+    counts = np.isfinite(values.transpose(repeats, ...).values).sum(axis=0)
+    low, high = counts[counts > 0].min(), counts.max()
+    return f"{high}" if low == high else f"{low} to {high}"
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
@@ -282,20 +315,24 @@ def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     return data[own].astype(float) if own in data else xr.full_like(values, np.nan)
 
 
-def _median(label: str, values: Array) -> SweptCurve:
+def _median(label: str, values: Array, faulty: NDArray[np.bool_]) -> SweptCurve:
     """The median over the first axis, with bars to the quartiles."""
-    low, middle, high = np.nanquantile(values, (0.25, 0.5, 0.75), axis=0)
-    return SweptCurve(label, middle, np.array([middle - low, high - middle]))
+    known = np.isfinite(values).any(axis=0)
+    low, middle, high = np.full((3, known.size), np.nan)
+    low[known], middle[known], high[known] = np.nanquantile(
+        values[:, known], (0.25, 0.5, 0.75), axis=0
+    )
+    return SweptCurve(label, middle, np.array([middle - low, high - middle]), faulty)
 
 
-def _mean(label: str, values: Array) -> SweptCurve:
+def _mean(label: str, values: Array, faulty: NDArray[np.bool_]) -> SweptCurve:
     """The mean over the first axis, its standard error as bars, the standard deviation as band."""
     count = np.sum(np.isfinite(values), axis=0)
     with np.errstate(all="ignore"):
         mean = np.nansum(values, axis=0) / count
         spread = np.sqrt(np.nansum((values - mean) ** 2, axis=0) / (count - 1))
         error = spread / np.sqrt(count)
-    return SweptCurve(label, mean, np.array([error, error]), spread)
+    return SweptCurve(label, mean, np.array([error, error]), faulty, spread)
 
 
 def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
@@ -311,8 +348,7 @@ def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
             f"{values.sizes[over[0]]} (choose with --at {over[0]}=VALUE)"
         )
     x, y = (name for name in names if name not in over)
-    ended = xr.DataArray(np.isin(data["status"].values, (*ENDED, "missing")), dims=values.dims)
-    faulty = (~ended).transpose(*over, x, y)
+    faulty = _faulty(data, values).transpose(*over, x, y)
     bars = _bars(data, values).transpose(*over, x, y).values
     values = values.transpose(*over, x, y)
     if over:
