@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,7 +22,6 @@ from longwave.growth_plotting import growth_panels
 from reports.figures.growth_figures import draw_growth, growth_height
 from reports.figures.swept_figures import (
     CURVE_HEIGHT,
-    WORK_HEIGHT,
     HeatMap,
     SweptAxis,
     SweptCurve,
@@ -31,6 +30,7 @@ from reports.figures.swept_figures import (
     draw_swept_curves,
     draw_work_precision,
     heat_height,
+    work_height,
 )
 
 Array = NDArray[np.float64]
@@ -47,11 +47,17 @@ MOST_CURVES, MOST_MAPS = 8, 12
 LONGEST_LABEL = 50
 """Characters of a long name that an axis has room for."""
 
+MOST_LISTED = 20
+"""Values that an error lists."""
+
+TOLD = {"scheme.name": "scheme", "domain.kind": "domain", "disorder.of": "disorder of"}
+"""How fields are called in pictures whose last part says nothing alone."""
+
 BARS = {"error": "own_error", "growth_rate": "growth_rate_error"}
 """Numbers that have an error of their own, in their own units."""
 
-WORK = ("tolerance", "order", "scheme", "step", "lattice.order", "scheme.name", "scheme.step")
-"""Dimensions along which a run takes more work for less error."""
+WORK = ("tolerance", "scheme.step", "step", "lattice.order", "order", "scheme.name", "scheme")
+"""Fields along which a run takes more work for less error: of two the first is drawn along."""
 
 ENDED = ("done", "blown up")
 """Cells whose numbers are drawn."""
@@ -76,21 +82,34 @@ def chosen(data: xr.Dataset, at: Choice) -> xr.Dataset:
                 f"at must name a swept field, got {shown(name)} (one of {', '.join(known)})"
             )
         column = data[name]
-        places = [place for place, held in enumerate(column.values) if _same(held, value)]
-        if not places:
-            held = ", ".join(dict.fromkeys(_text(one) for one in column.values[:20]))
-            raise ValueError(
-                f"{name} must be one of its values, got {shown(value)} (one of {held})"
-            )
-        data = data.isel({column.dims[0]: places})
+        data = data.isel({column.dims[0]: _places(name, column.values, value)})
     return data.squeeze()
 
 
-def _same(held: object, value: str | float) -> bool:
+def _places(name: str, held: NDArray[Any], value: str | float) -> list[int]:
+    """Where a field has that value, or else the one that is printed so."""
+    for read in (str, _text):
+        places = [place for place, one in enumerate(held) if _same(one, value, read)]
+        found = list(dict.fromkeys(str(held[place]) for place in places))
+        if len(found) > 1 and read is _text:
+            raise ValueError(
+                f"{name} must tell one value, got {shown(value)} (one of {_listed(found)})"
+            )
+        if places:
+            return places
+    known = _listed(list(dict.fromkeys(_text(one) for one in held)))
+    raise ValueError(f"{name} must be one of its values, got {shown(value)} (one of {known})")
+
+
+def _same(held: object, value: str | float, read: Callable[[object], str]) -> bool:
     try:
-        return bool(np.isclose(float(held), float(value), rtol=1e-9, atol=0.0))  # type: ignore[arg-type]
+        return bool(np.isclose(float(read(held)), float(value), rtol=1e-9, atol=0.0))
     except (TypeError, ValueError):
         return str(held) == str(value)
+
+
+def _listed(texts: Sequence[str]) -> str:
+    return ", ".join(texts[:MOST_LISTED]) + (", ..." if len(texts) > MOST_LISTED else "")
 
 
 def _text(value: object) -> str:
@@ -148,18 +167,27 @@ def growth_part(data: xr.Dataset) -> SweepPart:
 def values_part(data: xr.Dataset, variable: str) -> SweepPart:
     """A number of each cell over the dimensions that are left."""
     values = _numbers(data, variable)
-    drawn = [str(name) for name in values.dims if name not in _repeats(data, values)]
-    repeated = len(drawn) < len(values.dims)
-    if len(values.dims) == 1:
+    if not values.dims:
+        raise ValueError(
+            f"a picture must be of two cells or more, got one cell (its {variable} is "
+            f"{float(values):g}; sweep more values, or leave out an --at)"
+        )
+    repeats = _repeats(data, values)
+    drawn = [str(name) for name in values.dims if name not in repeats]
+    if len(values.dims) == 1 or (repeats and len(drawn) == 1):
         return _curves(data, values, [])
-    families = _families(data, values)
-    if len(drawn) == 1 + len(families) and (repeated or families):
+    families = _families(data, values, drawn, bool(repeats))
+    if len(drawn) == 2 and families:
         return _curves(data, values, families)
-    if len(drawn) in (2, 3) and not repeated:
+    if len(drawn) in (2, 3) and not repeats:
         return _maps(data, values)
-    sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items()) or "one cell"
-    remedy = "choose with --at NAME=VALUE" if values.dims else "choose less"
-    raise ValueError(f"a picture must be of one to three dimensions, got {sizes} ({remedy})")
+    sizes = ", ".join(f"{size} {name}" for name, size in values.sizes.items())
+    condition = (
+        f"repeats must be over one or two dimensions, one of at most {MOST_CURVES} values"
+        if repeats
+        else "a picture must be of one to three dimensions"
+    )
+    raise ValueError(f"{condition}, got {sizes} (choose with --at NAME=VALUE)")
 
 
 def _repeats(data: xr.Dataset, values: xr.DataArray) -> list[str]:
@@ -171,6 +199,16 @@ def _repeats(data: xr.Dataset, values: xr.DataArray) -> list[str]:
 
 def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
     """A number of each cell that came to an end, NaN of the others."""
+    values = _ended(data, variable)
+    if not np.isfinite(values).any():
+        raise ValueError(
+            f"{variable} must be a number in some cell, got none in {values.size} cells "
+            "(see their status and message)"
+        )
+    return values
+
+
+def _ended(data: xr.Dataset, variable: str) -> xr.DataArray:
     known = [
         str(n) for n in data if data[n].dtype.kind in "fiu" and data[n].dims == data.status.dims
     ]
@@ -181,19 +219,20 @@ def _numbers(data: xr.Dataset, variable: str) -> xr.DataArray:
         )
     ended = np.isin(data["status"].values, ENDED)
     values = data[variable].astype(float)
-    values = values.where(ended & np.isfinite(values))
-    if not np.isfinite(values).any():
-        raise ValueError(
-            f"{variable} must be a number in some cell, got none in {values.size} cells "
-            "(see their status and message)"
-        )
-    return values
+    return values.where(ended & np.isfinite(values))
 
 
-def _families(data: xr.Dataset, values: xr.DataArray) -> list[str]:
-    """The dimension whose values are texts, if they are few: one curve for each."""
-    texts = [str(name) for name in values.dims if axis_of(data, str(name)).is_text]
-    return texts[:1] if texts and values.sizes[texts[0]] <= MOST_CURVES else []
+def _families(
+    data: xr.Dataset, values: xr.DataArray, drawn: Sequence[str], repeated: bool
+) -> list[str]:
+    """The dimension with a curve for each value, if they are few.
+
+    It is the one with texts, and of repeats, which have no heat map, else the smallest one.
+    """
+    found = [name for name in drawn if axis_of(data, name).is_text]
+    if repeated and not found:
+        found = sorted(drawn, key=lambda name: values.sizes[name])
+    return found[:1] if found and values.sizes[found[0]] <= MOST_CURVES else []
 
 
 def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
@@ -203,9 +242,10 @@ def axis_of(data: xr.Dataset, name: str) -> SweptAxis:
     for field in fields:
         held = field.values
         if len({str(one) for one in held}) == held.size:
+            told = TOLD.get(field.attrs.get("field", ""), str(field.name))
             if held.dtype.kind in "fiu":
-                return SweptAxis(str(field.name), [float(one) for one in held])
-            return SweptAxis(str(field.name), [str(one) for one in held])
+                return SweptAxis(told, [float(one) for one in held])
+            return SweptAxis(told, [str(one) for one in held])
     return SweptAxis(name, [float(place) for place in range(data.sizes[name])])
 
 
@@ -214,26 +254,43 @@ def _curves(data: xr.Dataset, values: xr.DataArray, families: Sequence[str]) -> 
     repeats = _repeats(data, values)
     rest = [str(name) for name in values.dims if name not in families]
     along = min(rest, key=lambda name: name in repeats)
-    what, bars = _label(data, values), _bars(data, values)
+    what, bars, faulty = _label(data, values), _bars(data, values), _faulty(data, values)
     told, common = _own_told(values, bars), _median if repeats == [SAMPLE] else _mean
 
     def curve(label: str, where: Mapping[str, int]) -> SweptCurve:
-        found, its = values.isel(where), bars.isel(where)
+        found, its, ends = (part.isel(where) for part in (values, bars, faulty))
         if len(rest) == 2:
-            return common(label, found.transpose(repeats[0], along).values)
-        return SweptCurve(label, found.values, np.array([its.values, its.values]))
+            ends = ends.any(repeats[0])
+            return common(label, found.transpose(repeats[0], along).values, ends.values)
+        return SweptCurve(label, found.values, np.array([its.values, its.values]), ends.values)
 
     if families:
-        labels = [str(one) for one in axis_of(data, families[0]).values]
+        family = axis_of(data, families[0])
+        said = "" if family.is_text else f"{family.name} = "
+        labels = [f"{said}{_text(one)}" for one in family.values]
         curves = [curve(label, {families[0]: place}) for place, label in enumerate(labels)]
     else:
         curves = [curve("", {})]
     if len(rest) == 2:
-        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(values.sizes[repeats[0]])
+        told = (BY_MEAN if common is _mean else BY_MEDIAN).format(_counted(values, repeats[0]))
     axis, joined = axis_of(data, along), along not in repeats
     return SweepPart(
         CURVE_HEIGHT, lambda figure: draw_swept_curves(figure, axis, curves, what, joined, told)
     )
+
+
+def _faulty(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """The cells that were run, came to no good end and have no value."""
+    status = data["status"].values
+    settled = np.isin(status, ("done", "missing")) | np.isfinite(values.values)
+    return xr.DataArray(~settled, dims=values.dims)
+
+
+def _counted(values: xr.DataArray, repeats: str) -> str:
+    """Of how many repeats there are values, where there are any."""
+    counts = np.isfinite(values.transpose(repeats, ...).values).sum(axis=0)
+    low, high = counts[counts > 0].min(), counts.max()
+    return f"{high}" if low == high else f"{low} to {high}"
 
 
 BY_MEDIAN = "median of {}, bars to the quartiles"
@@ -258,20 +315,24 @@ def _bars(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     return data[own].astype(float) if own in data else xr.full_like(values, np.nan)
 
 
-def _median(label: str, values: Array) -> SweptCurve:
+def _median(label: str, values: Array, faulty: NDArray[np.bool_]) -> SweptCurve:
     """The median over the first axis, with bars to the quartiles."""
-    low, middle, high = np.nanquantile(values, (0.25, 0.5, 0.75), axis=0)
-    return SweptCurve(label, middle, np.array([middle - low, high - middle]))
+    known = np.isfinite(values).any(axis=0)
+    low, middle, high = np.full((3, known.size), np.nan)
+    low[known], middle[known], high[known] = np.nanquantile(
+        values[:, known], (0.25, 0.5, 0.75), axis=0
+    )
+    return SweptCurve(label, middle, np.array([middle - low, high - middle]), faulty)
 
 
-def _mean(label: str, values: Array) -> SweptCurve:
+def _mean(label: str, values: Array, faulty: NDArray[np.bool_]) -> SweptCurve:
     """The mean over the first axis, its standard error as bars, the standard deviation as band."""
     count = np.sum(np.isfinite(values), axis=0)
     with np.errstate(all="ignore"):
         mean = np.nansum(values, axis=0) / count
         spread = np.sqrt(np.nansum((values - mean) ** 2, axis=0) / (count - 1))
         error = spread / np.sqrt(count)
-    return SweptCurve(label, mean, np.array([error, error]), spread)
+    return SweptCurve(label, mean, np.array([error, error]), faulty, spread)
 
 
 def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
@@ -287,8 +348,7 @@ def _maps(data: xr.Dataset, values: xr.DataArray) -> SweepPart:
             f"{values.sizes[over[0]]} (choose with --at {over[0]}=VALUE)"
         )
     x, y = (name for name in names if name not in over)
-    ended = xr.DataArray(np.isin(data["status"].values, (*ENDED, "missing")), dims=values.dims)
-    faulty = (~ended).transpose(*over, x, y)
+    faulty = _faulty(data, values).transpose(*over, x, y)
     bars = _bars(data, values).transpose(*over, x, y).values
     values = values.transpose(*over, x, y)
     if over:
@@ -314,38 +374,66 @@ def _label(data: xr.Dataset, values: xr.DataArray) -> str:
 
 def work_dimension(data: xr.Dataset) -> str | None:
     """The dimension along which more work is done, None if there is none."""
-    return next((name for name in WORK if name in data["status"].dims), None)
+    names = [str(name) for name in data["status"].dims]
+    fields = {data[n].attrs.get("field", n) if n in data.coords else n: n for n in names}
+    return next((fields[field] for field in WORK if field in fields), None)
 
 
 def work_part(data: xr.Dataset) -> SweepPart:
-    """Errors against work along the tolerance or the order, a curve for each other cell."""
+    """Errors against work along the tolerance, step or order, a curve for each other cell.
+
+    Texts, such as schemes, have a curve each where they are few.
+    """
     along = work_dimension(data)
     if along is None:
         raise ValueError(
-            f"work_precision must have a sweep over one of {', '.join(WORK[:4])}, got "
+            f"work_precision must have a sweep over one of tolerance, order, scheme, step, got "
             f"{', '.join(map(str, data['status'].dims)) or 'one cell'} (sweep the tolerance)"
         )
-    others = [str(name) for name in data["status"].dims if name != along]
-    count = int(np.prod([data.sizes[name] for name in others], dtype=int))
+    numbers = _work_numbers(data)
+    held = numbers.estimated.notnull() | numbers.achieved.notnull()
+    others = [str(name) for name in held.dims if name != along]
+    joined = not axis_of(data, along).is_text
+    if not joined and int(held.sum()) <= MOST_CURVES:
+        others = [str(name) for name in held.dims]
+    drawn = held.any([name for name in held.dims if name not in others])
+    count = int(drawn.sum())
     if count > MOST_CURVES:
         raise ValueError(
             f"work_precision must have at most {MOST_CURVES} curves, got {count} "
             f"(choose with --at {others[0]}=VALUE)"
         )
-    curves = list(_work_curves(data, others))
-    height = WORK_HEIGHT + 0.2 * len(curves)
-    return SweepPart(height, lambda figure: draw_work_precision(figure, curves))
-
-
-def _work_curves(data: xr.Dataset, others: Sequence[str]) -> Iterator[WorkCurve]:
-    seconds, evaluations, sites, estimated, achieved = (
-        _numbers(data, name)
-        for name in ("seconds", "force_evaluations", "sites", "error_estimate", "error")
+    curves = list(_work_curves(data, numbers, drawn))
+    return SweepPart(
+        work_height(curves), lambda figure: draw_work_precision(figure, curves, joined)
     )
-    updates, own = evaluations * sites, _bars(data, achieved)
-    axes = {name: axis_of(data, name) for name in others}
-    for places in product(*(range(data.sizes[name]) for name in others)):
-        where = dict(zip(others, places, strict=True))
+
+
+class WorkNumbers(NamedTuple):
+    """What a `WorkCurve` has, of all cells."""
+
+    seconds: xr.DataArray
+    updates: xr.DataArray
+    estimated: xr.DataArray
+    achieved: xr.DataArray
+    own: xr.DataArray
+
+
+def _work_numbers(data: xr.Dataset) -> WorkNumbers:
+    seconds, evaluations, sites = (
+        _numbers(data, name) for name in ("seconds", "force_evaluations", "sites")
+    )
+    estimated = _ended(data, "error_estimate")  # none where a step is stated
+    achieved = _ended(data, "error") if np.isfinite(estimated).any() else _numbers(data, "error")
+    return WorkNumbers(seconds, evaluations * sites, estimated, achieved, _bars(data, achieved))
+
+
+def _work_curves(
+    data: xr.Dataset, numbers: WorkNumbers, drawn: xr.DataArray
+) -> Iterator[WorkCurve]:
+    names = [str(name) for name in drawn.dims]
+    axes = {name: axis_of(data, name) for name in names}
+    for places in np.argwhere(drawn.values):
+        where = dict(zip(names, places.tolist(), strict=True))
         label = ", ".join(f"{axes[n].name} = {_text(axes[n].values[p])}" for n, p in where.items())
-        parts = [found.isel(where).values for found in (seconds, updates, estimated, achieved, own)]
-        yield WorkCurve(label, *parts)
+        yield WorkCurve(label, *(np.atleast_1d(part.isel(where).values) for part in numbers))

@@ -43,7 +43,7 @@ LETTERS = {"eps": r"$\epsilon$", "kappa": r"$\kappa$", "alpha": r"$\alpha$", "be
 LETTER = re.compile("[A-Za-z](_?[0-9A-Za-z])?")
 """Names that are one letter, with or without an index."""
 
-LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE = 16, 24, 60
+LONGEST_TICK, LONGEST_BESIDE, LONGEST_ABOVE = 16, 24, 80
 """Characters of a text beside a tick, and in a legend beside a picture, as in the
 title of a map, or above it."""
 
@@ -91,13 +91,20 @@ class SweptAxis:
 class SweptCurve:
     """Values along an axis, and their ``bars``, (2, values): how far down and up; NaN for none.
 
-    ``band`` is how far what they are the mean of is spread, on either side.
+    Where one is missing because what was run came to no end, it is ``faulty``. ``band`` is how far
+    what they are the mean of is spread, on either side.
     """
 
     label: str
     values: Array
     bars: Array
+    faulty: NDArray[np.bool_]
     band: Array | None = None
+
+    @property
+    def crosses(self) -> NDArray[np.bool_]:
+        """Where a cross stands for the value."""
+        return self.faulty & ~np.isfinite(self.values)
 
 
 def draw_swept_curves(
@@ -113,28 +120,83 @@ def draw_swept_curves(
     Points are ``joined`` by lines where the axis has numbers. What is ``told`` stands above.
     """
     ax = figure.subplots()
-    places, order = axis.places, np.argsort(axis.places, kind="stable")
     logarithmic = _is_wide(np.concatenate([curve.values for curve in curves]))
+    drawn, rows = [], 0
     for number, curve in enumerate(curves):
         look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
         if axis.is_text or not joined:
             look["linestyle"] = ""
-        values, bars = curve.values[order], np.nan_to_num(curve.bars[:, order])
-        if logarithmic:
-            bars[0] = np.minimum(bars[0], 0.99 * np.nan_to_num(values))
-        ax.errorbar(places[order], values, bars, label=curve.label, capsize=3.0, **look)
-        if curve.band is not None:
-            band = np.nan_to_num(curve.band[order])
-            ends = values - band, values + band
-            ax.fill_between(places[order], *ends, color=look["color"], alpha=0.2, linewidth=0.0)
+        aside = BESIDE * (number - (len(curves) - 1) / 2) if axis.is_text else 0.0
+        places = axis.places + aside
+        if np.isfinite(curve.values).any():
+            drawn.append((_draw_curve(ax, places, curve, look, logarithmic), curve.label))
+        if curve.crosses.any():
+            sign = _draw_crosses(ax, places[curve.crosses], rows, look["color"])
+            rows += 1
+            if not np.isfinite(curve.values).any():
+                drawn.append((sign, curve.label))
     if logarithmic:
         ax.set_yscale("log")
+    else:
+        ax.ticklabel_format(axis="y", useOffset=False)
+    _leave_room(ax, rows)
     _set_axis(ax, axis, "x")
     ax.set_ylabel(what)
-    ax.set_title(told, loc="left")
+    ax.set_title("; ".join(filter(None, (told, NO_RESULT if rows else ""))), loc="left")
     ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     if len(curves) > 1:
-        _plain_legend(ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5)), LONGEST_BESIDE)
+        legend = ax.legend(*zip(*drawn, strict=True), loc="center left", bbox_to_anchor=(1.0, 0.5))
+        _plain_legend(legend, LONGEST_BESIDE)
+
+
+BESIDE = 0.1
+"""How far points of several curves stand beside each other at a text."""
+
+NO_RESULT = "\N{MULTIPLICATION SIGN}: no result"
+"""What the crosses at the lower edge of curves are."""
+
+
+def _draw_curve(
+    ax: Axes, places: Array, curve: SweptCurve, look: dict[str, Any], logarithmic: bool
+) -> Any:
+    """Draw the values with their bars and band; return what stands in a legend."""
+    order = np.argsort(places, kind="stable")
+    places, values, bars = places[order], curve.values[order], curve.bars[:, order]
+    if logarithmic:
+        bars[0] = np.minimum(bars[0], 0.99 * values)
+    known = bars if np.isfinite(bars).any() else None
+    sign = ax.errorbar(places, values, known, capsize=3.0, **look)
+    if curve.band is not None:
+        band = np.nan_to_num(curve.band[order])
+        if not look["linestyle"]:
+            wide = {"color": look["color"], "alpha": 0.2, "linewidth": 8.0}
+            ax.vlines(places, values - band, values + band, **wide)
+        else:
+            ends = values - band, values + band
+            ax.fill_between(places, *ends, color=look["color"], alpha=0.2, linewidth=0.0)
+    return sign
+
+
+ROW = 0.04
+"""Height of a row of crosses, in the height of the axes."""
+
+
+def _draw_crosses(ax: Axes, places: Array, row: int, colour: str) -> Any:
+    """Crosses in a row at the lower edge; return what stands in a legend."""
+    heights, transform = np.full(places.size, ROW * (row + 0.5)), ax.get_xaxis_transform()
+    (sign,) = ax.plot(places, heights, "x", color=colour, markersize=5.0, transform=transform)
+    return sign
+
+
+def _leave_room(ax: Axes, rows: int) -> None:
+    """Move the values out of the way of that many rows of crosses, which are on grey."""
+    if rows:
+        share, scale = ROW * rows, ax.yaxis.get_transform()
+        low, high = scale.transform(np.array(ax.get_ylim()))
+        ends = np.array([low - share / (1.0 - share) * (high - low), low])
+        bottom, top = scale.inverted().transform(ends).tolist()
+        ax.set_ylim(bottom=bottom)
+        ax.axhspan(bottom, top, color=EMPTY, linewidth=0.0, zorder=0.0)
 
 
 @dataclass(frozen=True)
@@ -244,18 +306,43 @@ class WorkCurve:
 WORK_HEIGHT = 3.0
 """Height of the panels of work against precision, in inches."""
 
+LONGEST_IN_TWO = 50
+"""Characters of the longest text of a legend in two columns above a picture."""
 
-def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None:
-    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly."""
+OF_ESTIMATE, OF_WAVE = "estimated", "relative to the wave"
+
+
+def work_columns(curves: Sequence[WorkCurve]) -> int:
+    """Columns of the legend above the panels of work against precision."""
+    longest = max((len(curve.label) for curve in curves), default=0)
+    return 2 if longest + len(f": {OF_WAVE}") <= LONGEST_IN_TWO else 1
+
+
+def work_height(curves: Sequence[WorkCurve]) -> float:
+    """Height in inches of the panels of work against precision with their legend."""
+    return WORK_HEIGHT + 0.4 * len(curves) / work_columns(curves)
+
+
+def draw_work_precision(
+    figure: FigureBase, curves: Sequence[WorkCurve], joined: bool = True
+) -> None:
+    """Errors against work, both in logarithms: seconds, and site updates, which repeat exactly.
+
+    Estimates are ``joined``, and where there are none what was achieved.
+    """
     panels = figure.subplots(1, 2, sharey=True)
     for number, curve in enumerate(curves):
         look: dict[str, Any] = CURVES[number % len(CURVES)] | {"markersize": 4.0}
+        look |= {} if joined else {"linestyle": ""}
         for ax, work in zip(panels, (curve.seconds, curve.updates), strict=True):
             name = f"{curve.label}: " if curve.label else ""
-            ax.loglog(work, _positive(curve.estimated), label=f"{name}estimated", **look)
-            achieved = look | {"linestyle": "", "markerfacecolor": "none"}
+            achieved = look | {"markerfacecolor": "none"}
+            if np.isfinite(curve.estimated).any():
+                ax.loglog(work, _positive(curve.estimated), label=f"{name}{OF_ESTIMATE}", **look)
+                achieved["linestyle"] = ""
             values = _positive(curve.achieved)
-            ax.loglog(work, values, label=f"{name}relative to the wave", **achieved)
+            if np.isfinite(values).any():
+                ax.loglog(work, values, label=f"{name}{OF_WAVE}", **achieved)
             low = np.maximum(values - curve.own, 0.01 * values)
             ax.vlines(work, low, values + curve.own, color=look["color"], linewidth=1.0)
     along = {
@@ -275,7 +362,7 @@ def draw_work_precision(figure: FigureBase, curves: Sequence[WorkCurve]) -> None
         ax.grid(visible=True, which="major", linewidth=0.3, alpha=0.5)
     panels[0].set_ylabel("error")
     handles, labels = panels[0].get_legend_handles_labels()
-    above = figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    above = figure.legend(handles, labels, loc="outside upper center", ncols=work_columns(curves))
     _plain_legend(above, LONGEST_ABOVE)
 
 
@@ -325,8 +412,13 @@ def _set_axis(ax: Axes, axis: SweptAxis, letter: str) -> None:
     elif axis.is_logarithmic:
         getattr(ax, f"set_{letter}scale")("log")
         ticks = axis.places[:: -(-len(axis.places) // MOST_TICKS)]
-        set_ticks(ticks, [f"{tick:.3g}" for tick in ticks])
+        set_ticks(ticks, [_plain(tick) for tick in ticks])
         set_ticks([], minor=True)
+
+
+def _plain(value: float) -> str:
+    """Three digits of a number, and all of a long one that has no power of ten."""
+    return f"{value:.0f}" if 1e3 <= value < 1e7 else f"{value:.3g}"
 
 
 MOST_TICKS = 6

@@ -171,7 +171,8 @@ def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> 
     data["status"].values[3, 1, 0] = "failed"
     figure = plot(data)
     (ax,) = figure.get_axes()
-    assert ax.get_title("left") == "mean of 5, bars: standard error, band: standard deviation"
+    told = "bars: standard error, band: standard deviation"
+    assert ax.get_title("left") == f"mean of 4 to 5, {told}"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["mass", "K2"]
     for place, (container, band) in enumerate(
         zip(ax.containers, ax.collections[1::2], strict=True)
@@ -195,6 +196,124 @@ def test_realisations_are_told_by_their_mean_its_error_and_their_deviation() -> 
     assert len(plot(data, variable="last_peak").get_axes()) == 1
 
 
+def test_repeats_are_counted_where_they_have_a_value() -> None:
+    seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
+    data = swept({"seed": 5, "spread": 4}, {"seed": seeds, "spread": [0.0, 0.1, 0.2, 0.3]})
+    data["status"].values[3:] = "refused"
+    data["status"].values[:, 3] = "refused"
+    told = "bars: standard error, band: standard deviation; \xd7: no result"
+    assert plot(data).get_axes()[0].get_title("left") == f"mean of 3, {told}"
+    data["status"].values[2, 0] = "failed"
+    assert plot(data).get_axes()[0].get_title("left") == f"mean of 2 to 3, {told}"
+    sample = swept({"eps": 4, "sample": 5}, {"eps": EPS, "K3": ("sample", np.arange(5.0))})
+    sample["status"].values[:, 0] = sample["status"].values[1] = "missing"
+    (ax,) = plot(sample).get_axes()
+    assert ax.get_title("left") == "median of 4, bars to the quartiles"
+    assert np.isnan(ax.containers[0][0].get_ydata()).tolist() == [True, False, False, False]
+
+
+def test_repeats_over_texts_are_points_with_bars() -> None:
+    seeds = ("seed", np.arange(3), {"field": "disorder.seed"})
+    kinds = np.array(["uniform", "binary"], dtype=object)
+    data = swept({"seed": 3, "distribution": 2}, {"seed": seeds, "distribution": kinds})
+    (ax,) = plot(data).get_axes()
+    points, ends = bars(ax)
+    assert np.allclose(points, [[0.0, 0.03], [1.0, 0.04]])
+    assert np.allclose(ends[0], 0.03 + 0.02 / np.sqrt(3.0) * np.array([-1.0, 1.0]))
+    assert ax.containers[0][0].get_linestyle() == "None"
+    wide = ax.collections[1].get_segments()
+    assert np.allclose([one[:, 1] for one in wide], [[0.01, 0.05], [0.02, 0.06]])
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["uniform", "binary"]
+    sample = swept({"order": 2, "sample": 3}, {"order": kinds, "eps": ("sample", EPS[:3])})
+    assert np.allclose(bars(plot(sample, kind="values").get_axes()[0])[0][:, 1], [0.02, 0.05])
+    both = swept(
+        {"seed": 3, "distribution": 2, "of": 2},
+        {"seed": seeds, "distribution": kinds, "of": np.array(["mass", "K2"], object)},
+    )
+    places = [line[0].get_xdata() for line in plot(both).get_axes()[0].containers]
+    assert np.allclose(places, [[-0.05, 0.95], [0.05, 1.05]])
+    texts = data.assign_coords(seed=("seed", np.array(["1", "9" * 20, "-3"], dtype=object)))
+    texts["seed"].attrs["field"] = "disorder.seed"
+    assert np.allclose(bars(plot(texts).get_axes()[0])[0], points)
+
+
+def test_repeats_over_two_dimensions_have_a_curve_for_each_value_of_the_smaller() -> None:
+    seeds = ("seed", np.arange(5), {"field": "disorder.seed"})
+    data = swept({"seed": 5, "eps": 4, "k": 3}, {"seed": seeds, "eps": EPS, "k": K})
+    (ax,) = plot(data).get_axes()
+    held = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert held == ["k = 0.1", "k = 0.5", "k = 0.9"]
+    mean = data["error"].values.mean(axis=0)[[1, 2, 0, 3]]
+    assert np.allclose([line[0].get_ydata() for line in ax.containers], mean.T)
+    wide = swept({"seed": 2, "a": 9, "b": 9}, {"seed": ("seed", [1, 2], seeds[2])})
+    with pytest.raises(ValueError, match=r"^repeats must be over one or two .* got 2 seed, 9 a, 9"):
+        plot(wide)
+
+
+def test_no_bars_stand_where_no_error_is_known() -> None:
+    data = cube()
+    words = {"wave": "rogue_cn", "k": 0.5}
+    (container,) = plot(data, at=words, variable="seconds").get_axes()[0].containers
+    assert not container.has_yerr
+    assert not container[1]
+    data["own_error"].values[0, 1, 1] = np.nan
+    (container,) = plot(data, at=words).get_axes()[0].containers
+    assert np.isnan(container[1][0].get_ydata()).tolist() == [True, False, False, False]
+
+
+def test_cells_without_a_result_are_crosses_below_the_curves() -> None:
+    data = swept({"case": 4, "eps": 4}, {"eps": EPS, "wave": ("case", np.array([*"abcd"], object))})
+    data["status"].values[0, 0] = "refused"
+    data["status"].values[1] = "failed"
+    data["status"].values[2] = "missing"
+    data["status"].values[3, 1], data["error"].values[3, 1] = "blown up", np.nan
+    (ax,) = plot(data).get_axes()
+    assert ax.get_title("left").endswith("; \xd7: no result")
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["a", "b", "d"]
+    crosses = [line for line in ax.lines if line.get_marker() == "x"]
+    places = [line.get_xdata().tolist() for line in crosses]
+    assert places == [[0.2], EPS, [0.05]]
+    bottom, top = ax.get_ylim()
+    highest = bottom + max(line.get_ydata()[0] for line in crosses) * (top - bottom)
+    assert highest < 0.9 * np.nanmin([line[0].get_ydata() for line in ax.containers])
+    figure = plot(data.assign(error=data["error"] ** 4))
+    assert figure.get_axes()[0].get_yscale() == "log"
+    assert 0.0 < figure.get_axes()[0].get_ylim()[0] < 0.01**4
+    (one,) = plot(data, at={"wave": "d"}).get_axes()
+    assert one.get_legend() is None
+
+
+def test_values_that_hardly_differ_are_told_in_full() -> None:
+    data = swept({"eps": 3}, {"eps": EPS[:3]}).assign(peak=("eps", 1.0 + 1e-5 * np.arange(3)))
+    figure = plot(data, variable="peak")
+    figure.draw_without_rendering()
+    (ax,) = figure.get_axes()
+    assert ax.yaxis.get_offset_text().get_text() == ""
+    ticks = [float(tick.get_text()) for tick in ax.get_yticklabels()]
+    assert min(abs(tick - 1.00001) for tick in ticks) < 1e-9
+
+
+def test_names_that_say_nothing_alone_are_told_by_their_fields() -> None:
+    names = ("name", np.array(["rk4", "leapfrog"], dtype=object), {"field": "scheme.name"})
+    data = swept({"name": 2, "eps": 4, "k": 3}, {"name": names, "eps": EPS, "k": K})
+    titles = [ax.get_title("left") for ax in plot(data).get_axes()[:2]]
+    assert titles == ["scheme = rk4", "scheme = leapfrog"]
+    of = ("case", np.array(["mass", "K2"], dtype=object), {"field": "disorder.of"})
+    assert axis_of(swept({"case": 2}, {"of": of}), "case").name == "disorder of"
+
+
+def test_ticks_of_a_logarithmic_axis_are_plain() -> None:
+    for values, texts in (
+        ([256.0, 512.0, 1024.0], ["256", "512", "1024"]),
+        ([0.05, 1.0, 1048576.0], ["0.05", "1", "1048576"]),
+        ([1e-6, 1e-5, 1e-4], ["1e-06", "1e-05", "0.0001"]),
+        ([1e8, 1e9, 1.5e10], ["1e+08", "1e+09", "1.5e+10"]),
+        ([0.1 * 3**0.5, 0.3, 0.9], ["0.173", "0.3", "0.9"]),
+    ):
+        (ax,) = plot(swept({"x": 3}, {"x": values})).get_axes()
+        assert [tick.get_text() for tick in ax.get_xticklabels()] == texts
+
+
 def sample_deviation(values: np.ndarray) -> float:
     return float(np.std(values, ddof=1))
 
@@ -213,6 +332,38 @@ def test_work_precision_is_drawn_along_the_tolerance() -> None:
     ends = [segment[:, 1] for segment in updates.collections[1].get_segments()]
     assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
     assert len(plot(data).get_axes()) == 3
+
+
+def test_work_precision_of_stated_steps_is_what_was_achieved() -> None:
+    step = ("step", [0.1, 0.2, 0.4], {"field": "scheme.step"})
+    names = ("name", np.array(["rk4", "leapfrog", "none"], object), {"field": "scheme.name"})
+    data = swept({"name": 3, "step": 3}, {"step": step, "name": names})
+    data["error_estimate"] = xr.full_like(data["error_estimate"], np.nan)
+    data["status"].values[2] = "refused"
+    seconds = plot(data, kind="work_precision").get_axes()[0]
+    labels = [line.get_label() for line in seconds.lines]
+    assert labels == [f"scheme = {name}: relative to the wave" for name in ("rk4", "leapfrog")]
+    assert np.allclose(seconds.lines[1].get_ydata(), data["error"].values[1])
+    ends = [segment[:, 1] for segment in seconds.collections[1].get_segments()]
+    assert np.allclose(ends, np.outer(data["error"].values[1], [0.9, 1.1]))
+    alone = plot(data, at={"step": 0.2}, kind="work_precision").get_axes()[0]
+    assert [line.get_label() for line in alone.lines] == labels
+    assert [line.get_ydata().tolist() for line in alone.lines] == [
+        [data["error"].values[place, 1]] for place in (0, 1)
+    ]
+    with pytest.raises(ValueError, match=r"^error must be a number in some cell"):
+        plot(data.assign(error=data["error_estimate"]), kind="work_precision")
+
+
+def test_long_names_of_work_precision_have_a_column() -> None:
+    order = np.array([f"{'a long name of an order' * 3}{end}" for end in "12"], dtype=object)
+    data = swept({"order": 2, "tolerance": 3}, {"order": order, "tolerance": [1e-2, 1e-3, 1e-4]})
+    figure = plot(data, kind="work_precision")
+    figure.draw_without_rendering()
+    (held,) = figure.subfigs[0].legends
+    assert held.get_window_extent().x0 >= 0.0
+    assert held.get_window_extent().x1 <= figure.bbox.x1
+    assert all(ax.get_position().height > 0.3 for ax in figure.get_axes())
 
 
 def test_cells_that_took_the_same_work_stand_in_the_panel() -> None:
@@ -264,7 +415,10 @@ def test_equal_values_are_drawn(tmp_path: Path, value: float) -> None:
             "kind must be all, values, work_precision, growth_map for a sweep, got 'snap",
         ),
         ({"kind": "work_precision"}, "work_precision must have a sweep over one of tolerance, or"),
-        ({"at": {"k": 0.1, "eps": 0.1, "wave": "wave_dn"}}, "a picture must be .* got one cell"),
+        (
+            {"at": {"k": 0.1, "eps": 0.1, "wave": "wave_dn"}},
+            r"a picture must be of two cells or more, got one cell \(its error is 0.19; ",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_one_line(words: dict[str, Any], said: str) -> None:
@@ -285,6 +439,29 @@ def test_no_numbers_and_too_many_maps_are_one_line() -> None:
     four = swept({"a": 2, "b": 2, "d": 2, "eps": 2}, {})
     with pytest.raises(ValueError, match=r"got 2 a, 2 b, 2 d, 2 eps \(choose with --at NAME=VALUE"):
         plot(four)
+
+
+def test_a_value_may_be_given_as_it_is_printed() -> None:
+    eps = [0.1, 0.1 * 3.0**0.5, 0.3]
+    data = swept({"eps": 3, "k": 3}, {"eps": eps, "k": K})
+    for value in ("0.173205", 0.173205, repr(eps[1])):
+        ax = plot(data, at={"eps": value}).get_axes()[0]
+        assert np.allclose(ax.containers[0][0].get_ydata(), data["error"].values[1])
+    for value in (0.17320512, "0.1732"):
+        with pytest.raises(ValueError, match=r"^eps must be one of its values, .* 0\.3\)"):
+            plot(data, at={"eps": value})
+    near = data.assign_coords(eps=[0.1732051, 0.1732052, 0.3])
+    with pytest.raises(ValueError, match=r"^eps must tell .* \(one of 0\.1732051, 0\.1732052\)"):
+        plot(near, at={"eps": "0.173205"})
+    assert plot(near, at={"eps": "0.1732052"}).get_axes()
+
+
+def test_a_list_of_values_says_that_it_is_cut() -> None:
+    for size, end in ((20, "19)"), (21, "19, ...)")):
+        data = swept({"k": size}, {"k": np.arange(float(size))})
+        with pytest.raises(ValueError, match=r"^k must be one of its values") as raised:
+            plot(data, at={"k": -1})
+        assert str(raised.value).endswith(end)
 
 
 def test_words_of_sweeps_are_refused_for_scenes_before_a_run() -> None:
