@@ -31,6 +31,9 @@ PANEL_HEIGHT = 2.3
 LEGEND_HEIGHT = 0.45
 """Height in inches of the legend."""
 
+LEGEND_LETTERS = 88
+"""In a line of the legend, with four curves side by side."""
+
 
 @dataclass(frozen=True)
 class GrowthCurve:
@@ -96,7 +99,8 @@ def draw_growth(figure: FigureBase, panels: Sequence[GrowthPanel]) -> None:
         ax.set_xlabel("carrier wavenumber $k$")
         ax.set_xticks([0, np.pi / 2, np.pi], ["0", r"$\pi/2$", r"$\pi$"])
         ax.set_xlim(0.0, np.pi)
-    figure.legend(handles=_legend(panels, looks), loc="outside lower center", ncols=4)
+    columns = max(1, min(4, LEGEND_LETTERS // max(map(len, looks))) if any(looks) else 4)
+    figure.legend(handles=_legend(panels, looks), loc="outside lower center", ncols=columns)
 
 
 Looks = Mapping[str, Mapping[str, Any]]
