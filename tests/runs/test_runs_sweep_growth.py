@@ -87,7 +87,7 @@ def test_the_picture_holds_cells_and_the_map_of_theory(swept: tuple[xr.Dataset, 
     for case, panel in enumerate(panels):
         assert [curve.label for curve in panel.curves] == ["eps = 0.1", "eps = 0.2"]
         assert panel.theory is not None
-        curve, (line,) = panel.curves[0], panel.theory.curves
+        curve, (line,) = panel.curves[0], panel.theory.curves.values()
         drawn = np.interp(curve.k[1:3], panel.theory.k, line)
         np.testing.assert_allclose(drawn, data.growth_rate_theory.values[1:3, 0, case], rtol=2e-3)
         assert curve.failed.tolist() == [False, False, False, True]
