@@ -158,7 +158,7 @@ def test_every_fault_is_seen(
     command: Callable[[list[str]], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name, value in {
-        "SECONDS": 0.3,
+        "SECONDS": 1.5,
         "MEGABYTES": 100.0,
         "AFTER_ANNOUNCEMENT": 0.05,
         "END_SECONDS": 0.2,
