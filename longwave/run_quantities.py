@@ -237,7 +237,8 @@ def _farthest(strain: Array, background: Array, starts: NDArray[np.intp]) -> Arr
     low = np.minimum.reduceat(deviation, starts, axis=1)
     level = np.add.reduceat(background, starts, axis=1)
     counts = np.diff([*starts, strain.shape[1]])
-    return np.asarray(level / counts + np.where(high + low >= 0.0, high, low))
+    with np.errstate(all="ignore"):  # a file may hold any numbers
+        return np.asarray(level / counts + np.where(high + low >= 0.0, high, low))
 
 
 def _crest(strain: Array, background: Array, sites: Array) -> tuple[float, float]:

@@ -6,15 +6,45 @@ found some hundred times as fast as in SymPy's ``FracField``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import fmpz_mpoly, fmpz_mpoly_ctx
+from flint import fmpq_mpoly_ctx, fmpz_mpoly, fmpz_mpoly_ctx
 from sympy import Expr, Integer, Rational, Symbol
 
 Exponents = tuple[int, ...]
+
+
+def _factored(polynomial: fmpz_mpoly) -> tuple[int, list[tuple[fmpz_mpoly, int]]]:
+    """The content and the irreducible factors with their powers.
+
+    python-flint puts integer factors in the order of their coefficients, which must fit a machine's
+    word for that; rational ones have no such limit.
+    """
+    try:
+        content, parts = polynomial.factor()
+        return int(content), parts
+    except OverflowError:
+        context = polynomial.context()
+        rational = fmpq_mpoly_ctx.get(context.names(), context.ordering())
+        _, over_q = rational.from_dict(polynomial.to_dict()).factor()
+        found = [(_primitive(part, context), int(times)) for part, times in over_q]
+        rest = int(polynomial.leading_coefficient())
+        for part, times in found:
+            rest //= int(part.leading_coefficient()) ** times
+        return rest, found
+
+
+def _primitive(part: Any, context: fmpz_mpoly_ctx) -> fmpz_mpoly:
+    """The multiple of a rational polynomial with integers that have no divisor in common."""
+    terms = part.to_dict()
+    scale = math.lcm(*(int(value.denominator) for value in terms.values()))
+    whole = {powers: int(value * scale) for powers, value in terms.items()}
+    common = math.gcd(*whole.values())
+    return context.from_dict({powers: value // common for powers, value in whole.items()})
 
 
 @dataclass(frozen=True)
@@ -181,14 +211,14 @@ class RationalFunction:
         """The irreducible polynomials in the numerator or ``below`` the line, each once."""
         polynomial = self.denom if below else self.numer
         one = self.field.one.numer
-        return [RationalFunction(self.field, part, one) for part, _ in polynomial.factor()[1]]
+        return [RationalFunction(self.field, part, one) for part, _ in _factored(polynomial)[1]]
 
     def factored_terms(
         self, *, below: bool = False
     ) -> list[tuple[list[tuple[Exponents, int]], int]]:
         """The terms of each irreducible factor with its power, a number first."""
         polynomial = self.denom if below else self.numer
-        content, parts = polynomial.factor()
+        content, parts = _factored(polynomial)
         nothing = (0,) * len(self.field.symbols)
         found = [([(nothing, int(content))], 1)]
         for part, times in parts:

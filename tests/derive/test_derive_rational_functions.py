@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import QQ, Integer, Rational, Symbol, cancel, sqrt
+from sympy import QQ, Add, Integer, Rational, Symbol, cancel, prod, sqrt
 from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
@@ -71,3 +71,17 @@ def test_what_is_no_rational_function_is_refused() -> None:
         FIELD.from_expr(sqrt(x))
     with pytest.raises(ZeroDivisionError, match="the divisor must not be 0"):
         FIELD.one / FIELD.zero
+
+
+@pytest.mark.parametrize("n", [3, 10**20, 10**50])
+def test_factors_of_any_size_multiply_to_the_polynomial(n: int) -> None:
+    """Catches factors that python-flint cannot put in order."""
+    field = RationalFunctions((x, y))
+    for product in (6 * n**2 * x**2 - 6 * y**2, -4 * (x - n) ** 2 * (x + n) * (y + n)):
+        (content, _), *parts = field.from_expr(product.expand()).factored_terms()
+        found = content[0][1] * prod(
+            Add(*(value * x**i * y**j for (i, j), value in terms)) ** times
+            for terms, times in parts
+        )
+        assert len(parts) == (2 if product.is_Add else 3)
+        assert (found - product).expand() == 0

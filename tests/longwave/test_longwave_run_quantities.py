@@ -204,3 +204,11 @@ def test_a_run_whose_estimate_is_lost_has_no_error_of_its_own(toda: xr.Dataset) 
 def test_errors_of_any_size_are_read(toda: xr.Dataset) -> None:
     tiny = toda.assign(sup_error=0.0 * toda["sup_error"] + 5e-324, error=1.0 + toda["error"])
     assert not np.isfinite(with_looks(tiny, frame_of(toda), 2)["own_error_curve"]).any()
+
+
+def test_backgrounds_of_any_size_make_a_map(toda: xr.Dataset) -> None:
+    wild = toda.copy(deep=True)
+    wild["background"] = xr.full_like(wild["strain"], 0.0)
+    wild["background"].values[0, 0], wild["background"].values[1, 0] = np.inf, -np.inf
+    with np.errstate(all="warn"):
+        assert with_looks(wild, frame_of(wild), 2).sizes["time"] == toda.sizes["time"]
