@@ -12,7 +12,7 @@ from rich.table import Table
 from derive.command_line import fail_for_memory, interrupted
 from derive.request_limits import Announcer
 from runs.output_checkpoint import OutputCheckpoint
-from runs.rescue import fail_or_rescue, save_or_rescue
+from runs.rescue import fail_or_rescue
 from runs.told_store import fetch_told
 from verify.cli.console import plain_console, progress_bar
 from verify.lattices.lattice_run import lattice_scene_dataset
@@ -47,9 +47,7 @@ def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    status = 0 if options.output is None else save_or_rescue(run, options.output, options.force)
-    if status == 0:
-        checkpoint.clear()
+    status = checkpoint.settle(lambda: run, options.force)
     print_lattice_run(run, scene, plain_console())
     return status
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lattice.checkpoint import kept_by
 from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from runs.rescue import save_or_rescue
 from runs.run_store import run_key, runs_its_sources
 from runs.told_store import kept_in, store_told
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from verify.comparison.scene import Scene
     from verify.lattices.lattice_scene import LatticeScene
 
@@ -61,7 +64,13 @@ class OutputCheckpoint:
             return f"{count}; the same command with --force goes on"
         return kept_in(str(self._place))
 
-    def clear(self) -> None:
-        """Remove them: the run is written."""
-        if self._folder is not None:
+    def settle(self, made: Callable[[], xr.Dataset], force: bool) -> int:
+        """Write what is ``made`` of the run to the output, if there is one, and remove them.
+
+        This comes before the run is printed: nobody may read that. Returns the exit status, as
+        `save_or_rescue` does; without an output nothing is made.
+        """
+        status = 0 if self._output is None else save_or_rescue(made(), self._output, force)
+        if status == 0 and self._folder is not None:
             self._folder.clear()
+        return status

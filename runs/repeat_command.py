@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from derive.command_line import fail, interrupted
 from runs.output_checkpoint import OutputCheckpoint
 from runs.repeated_run import compare_runs
-from runs.rescue import save_or_rescue
 from runs.run_file import load_run, run_any_scene, scene_of_run
 from verify.cli.console import plain_console, print_lines, progress_bar
 
@@ -37,11 +36,7 @@ def repeat_and_print(options: RunOptions, program: str) -> int:
         return fail(error)
     except MemoryError as error:
         return fail(f"run must fit the memory, got one that does not: {error} (take fewer sites)")
-    broken = 0
-    if options.output is not None:
-        broken = save_or_rescue(made, options.output, options.force)
-        if not broken:
-            checkpoint.clear()
+    broken = checkpoint.settle(lambda: made, options.force)
     found = compare_runs(kept, made)
     first, *further = found.lines()
     print_lines(plain_console(), [f"{options.scene}: {first}", *further])

@@ -63,7 +63,9 @@ def run_and_print(options: RunOptions, program: str) -> int:
             run = _run_with_bar(scene, options.store)
     except UnfinishedRun as stop:
         with keeping():
-            status = _written(stop.record, options)
+            status = 0
+            if options.output is not None:
+                status = save_or_rescue(stop.record.dataset, options.output, options.force)
             print_summary(stop.record, scene, plain_console())
         where = f" in {options.output}" if options.output and not status else ""
         count = f"{len(stop.record.reached)} snapshots are kept{where}"
@@ -74,18 +76,9 @@ def run_and_print(options: RunOptions, program: str) -> int:
         return fail_or_rescue(error)
     except MemoryError as error:
         return fail_for_memory(error)
-    status = _written(run, options)
-    if status == 0:
-        checkpoint.clear()
+    status = checkpoint.settle(lambda: run.dataset, options.force)
     print_summary(run, scene, plain_console())
     return status or int(bool(run.attrs["blow_up"]))
-
-
-def _written(run: RunRecord, options: RunOptions) -> int:
-    """Write a run if asked, before it is printed: nobody may read that. The exit status."""
-    if options.output is None:
-        return 0
-    return save_or_rescue(run.dataset, options.output, options.force)
 
 
 def _changed(scene: Scene, tolerance: float | None, engine: str | None) -> Scene:

@@ -13,17 +13,13 @@ import xarray as xr
 from longwave.growth_plotting import growth_panels
 from longwave.plotting import plot
 from runs.sweep_scene import changed_document, make_scene
+from tests.runs.test_runs_sweep_growth import GROWTH
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.sideband_growth import growth_plan
 
-SCENE: dict[str, Any] = {
-    "lattice": "fput",
-    "wave": "perturbed_plane",
+SCENE: dict[str, Any] = GROWTH | {
     "eps": 0.1,
-    "order": "slaved",
-    "tolerance": 1e-2,
     "constants": {"K2": 1, "K3": 0.6, "K4": 1},
-    "parameters": {"amplitude": 0.3},
     "envelope": {"k": 2},
 }
 EXTRA = {"K2": 1, "K3": 0, "K4": 3}
