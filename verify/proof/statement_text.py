@@ -23,9 +23,11 @@ from derive.algebra.formula_text import (
     Token,
     Vocabulary,
 )
+from derive.algebra.typing_mistakes import Spelling, misread
 from solutions import functions
 
 from .domains import REAL, Domain, settled_domains
+from .mistyped_statements import Parts, corrected_error
 from .samples import sample
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 
@@ -109,12 +111,26 @@ def read_statement(
     >>> {str(symbol): domain.text(symbol) for symbol, domain in statement.domains.items()}
     {'c': '0 < c'}
     """
-    equations = [p for t in _texts(equation, "equation") for p in text_parts(t, "equation")]
-    solutions = [p for t in _texts(solution, "solution") for p in text_parts(t, "solution")]
-    entries = list(text_parts(parameters, "parameters", ";"))
-    limits = list(text_parts(domain, "domain", ";", ","))
-    wanted = list(text_parts(solve, "solve", ","))
-    return _Reading(name, equations, solutions, entries, limits, wanted).statement()
+    given = {
+        "equation": _texts(equation, "equation"),
+        "solution": _texts(solution, "solution"),
+        "parameters": [parameters],
+        "domain": [domain],
+        "solve": [solve],
+    }
+    try:
+        return _read(given, name)
+    except FormulaError as error:
+        raise corrected_error(error, given, FUNCTIONS, _read) from None
+
+
+def _read(given: Parts, name: str = "statement") -> Statement:
+    separators = {"parameters": ";", "domain": ";,", "solve": ","}
+    parts = {
+        label: [p for text in texts for p in text_parts(text, label, *separators.get(label, ""))]
+        for label, texts in given.items()
+    }
+    return _Reading(name, *parts.values()).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -154,6 +170,10 @@ class _Reading:
         for entry in self.entries:
             self._declare(entry)
         letters, indexed = self._letters(), self._indexed()
+        for name, entry in self.declared.items():
+            if meant := self._misread(name, declared=True):
+                words = f"expected a name of its own, got '{name}' (it reads as {meant})"
+                raise entry.error(words)
         self._make_variables(letters)
         self._make_fields(indexed)
         solutions = dict(self._solution(part) for part in self.solutions)
@@ -385,8 +405,16 @@ class _Reading:
             raise ValueError(f"expected a declared name, got '{name}' (did you mean {similar[0]}?)")
         if name in FUNCTIONS:
             raise ValueError(f"expected '(' behind the function {name}")
+        if meant := self._misread(name):
+            raise ValueError(f"expected a name of its own, got '{name}' (write {meant})")
         self.names[name] = sp.Symbol(name, real=True)
         return self.names[name]
+
+    def _misread(self, name: str, *, declared: bool = False) -> str | None:
+        """What to write for a name that reads as something of an unknown or a variable."""
+        unknowns = [part.words[0].text for part in self.solutions]
+        spelling = Spelling(FUNCTIONS, unknowns, self._letters(), self.names)
+        return misread(name, spelling, declared=declared)
 
     def _wanted(self, part: TextPart) -> sp.Symbol:
         """The parameter that is to be solved for."""

@@ -1,0 +1,275 @@
+"""Statements that were mistyped: the parts as they should be, shown beside the error.
+
+The rules for formulas are those of `derive.algebra.typing_mistakes`; here are those for the parts
+of a statement. What is shown has been read without an error.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from derive.algebra.formula_text import FormulaError
+from derive.algebra.typing_mistakes import (
+    LONGEST_CORRECTED,
+    SITE,
+    VARIABLES,
+    Spelling,
+    corrected,
+)
+
+from .text_domains import WORDS
+
+Parts = Mapping[str, Sequence[str]]
+"""The texts of a statement by the names of its parts."""
+
+LONGEST_LINE = 690
+"""Characters of an error with the text that is right."""
+
+TRIES = 6
+"""Misspelled names that are put right one after another."""
+
+_DOMAIN_WORDS = {
+    **{word: word for word in WORDS},
+    **dict.fromkeys(("R", "Reals", "reals", "Real", "float", "number"), "real"),
+    **dict.fromkeys(("Z", "int", "Integers", "integers", "Integer", "whole"), "integer"),
+    **dict.fromkeys(("Positive", "pos"), "positive"),
+    **dict.fromkeys(("Negative", "neg"), "negative"),
+    **dict.fromkeys(("Nonzero", "non-zero"), "nonzero"),
+}
+_IS = r"\s*(?:::|:|==|=|\bis\b|\bin\b|\belement\b)?\s*"
+_COMPARED = re.compile(r"<=|>=|!=|<|>")
+_NAME = re.compile(r"[A-Za-z]\w*")
+
+
+def corrected_error(
+    error: FormulaError, given: Parts, functions: Iterable[str], read: Callable[[Parts], object]
+) -> FormulaError:
+    """The error with the text that is right, or as it is where none is known."""
+    if sum(len(text) for texts in given.values() for text in texts) > LONGEST_CORRECTED:
+        return error
+    found = _readable(_rewritten(given, {*functions}), read)
+    if found is None:
+        return error
+    shown = _changes(error.name, given, found)
+    longer = FormulaError(error.name, f"{error.words}; {shown}", error.text, error.position)
+    return longer if shown and len(str(longer)) <= LONGEST_LINE else error
+
+
+def _readable(parts: Parts, read: Callable[[Parts], object]) -> Parts | None:
+    """The parts once they are read, with misspelled names put right."""
+    for _ in range(TRIES):
+        try:
+            read(parts)
+        except FormulaError as error:
+            meant = re.search(r"\(did you mean (\w+)\?\)", error.words)
+            if meant is None:
+                return None
+            parts = {**parts, error.name: [_respelled(t, error, meant[1]) for t in parts[error.name]]}
+        else:
+            return parts
+    return None
+
+
+def _respelled(text: str, error: FormulaError, meant: str) -> str:
+    wrong = _NAME.match(error.text, error.position)
+    if text != error.text or wrong is None:
+        return text
+    return text[: error.position] + meant + text[wrong.end() :]
+
+
+def _changes(name: str, given: Parts, found: Parts) -> str:
+    """What to write, the part of the error first."""
+    said = []
+    for label in sorted(given, key=lambda label: label != name):
+        old, new = [*given[label]], [*found[label]]
+        if old == new:
+            continue
+        where = "" if label == name else f"{label} "
+        changed = [n for o, n in zip(old, new, strict=True) if o != n]
+        said += [f"write {where}'{text}'" if text else f"leave {label} out" for text in changed]
+    return " and ".join(said)
+
+
+def _rewritten(given: Parts, functions: set[str]) -> Parts:
+    declared = {
+        name
+        for text in given["parameters"]
+        for name in re.findall(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)", text)
+    }
+    formulas = " ;; ".join([*given["equation"], *given["solution"]])
+    unknowns = _unknowns(given["equation"], given["solution"], functions)
+    variables = [
+        letter
+        for letter in VARIABLES + SITE
+        if re.search(rf"(?<![A-Za-z\\]){letter}(?![A-Za-z0-9])|_\{{?[a-z]*{letter}", formulas)
+    ]
+    indexed = {n for n in declared if re.fullmatch(r"[xyztn][1-9]\d*", n) and n[0] in variables}
+    spelling = Spelling(functions, unknowns, variables, declared - indexed - {*unknowns})
+    equations = [_equation(text, spelling) for text in given["equation"]]
+    solutions = [_solution(text, spelling) for text in given["solution"]]
+    parameters, limits = _conditions(given, spelling)
+    wanted = [re.sub(r"[\s;,]+", ", ", text.strip()) for text in given["solve"]]
+    return {
+        "equation": equations,
+        "solution": solutions,
+        "parameters": parameters,
+        "domain": limits,
+        "solve": wanted,
+    }
+
+
+def _unknowns(
+    equations: Sequence[str], solutions: Sequence[str], functions: set[str]
+) -> tuple[str, ...]:
+    """The names that solutions begin with; without ``u =``, those with a derivative."""
+    headings = [
+        match[1]
+        for text in solutions
+        for part in re.split(r";;|\n|(?<!;);(?!;)", text)
+        if (match := re.match(r"\s*\\?([A-Za-z][A-Za-z0-9]*)[^=<>]*?(?::=|==?|->|→)", part))
+        and match[1] not in functions
+    ]
+    derived = (m[1] for text in equations for m in re.finditer(r"(?<!\w)([A-Za-z])_", text))
+    return tuple(dict.fromkeys(headings or derived))
+
+
+def _equation(text: str, spelling: Spelling) -> str:
+    """An equation with single equals signs; ``a = b = c`` is two equations."""
+    parts = []
+    for part in _separated(corrected(_equals(text), spelling)):
+        sides = [side.strip() for side in part.split("=")]
+        pairs = zip(sides, sides[1:], strict=False)
+        parts += [" = ".join(pair) for pair in pairs] if len(sides) > 2 else [part]
+    return " ;; ".join(parts)
+
+
+def _solution(text: str, spelling: Spelling) -> str:
+    parts = _separated(corrected(_equals(text), spelling))
+    lone = len(spelling.unknowns) == 1 and len(parts) == 1 and "=" not in text
+    return f"{spelling.unknowns[0]} = {parts[0]}" if lone else " ;; ".join(parts)
+
+
+def _equals(text: str) -> str:
+    return re.sub(r":=|==|->|→", "=", text)
+
+
+def _separated(text: str) -> list[str]:
+    """The formulas of a text: between ``;;``, semicolons, lines and commas outside brackets."""
+    return [part.strip() for part in _split(text, r";;|;|\n|,|\band\b") if part.strip()]
+
+
+def _split(text: str, separators: str) -> list[str]:
+    found, depth, start = [], 0, 0
+    for match in re.finditer(rf"{separators}|[()\[\]]", text):
+        if match[0] in ("(", "[", ")", "]"):
+            depth += 1 if match[0] in "([" else -1
+        elif depth <= 0:
+            found.append(text[start : match.start()])
+            start = match.end()
+    return [*found, text[start:]]
+
+
+# parameters and domains
+
+
+def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]:
+    """The parts parameters and domain; each condition goes where its name belongs."""
+    entries: dict[str, list[str]] = {}
+    values: dict[str, str] = {}
+    for text in (*given["parameters"], *given["domain"]):
+        last = ""
+        waiting: list[str] = []
+        for chunk in _chunks(text):
+            last = _place(chunk, last, waiting, entries, values, spelling)
+        for name in waiting:
+            entries.setdefault(name, []).append("real")
+    limits = [limit for name in entries if name in (*VARIABLES, SITE) for limit in entries[name]]
+    order = {**dict.fromkeys(entries), **dict.fromkeys(values)}
+    texts = [
+        f"{name} = {values[name]}" if name in values else f"{name}: {', '.join(entries[name])}"
+        for name in order
+        if name not in (*VARIABLES, SITE)
+    ]
+    limits = [limit for limit in limits if limit not in ("real", "integer")]
+    return ["; ".join(texts)], ["; ".join(limits)]
+
+
+def _chunks(text: str) -> list[str]:
+    text = re.sub(r"=<", "<=", re.sub(r"=>", ">=", re.sub(r"<>|=/=|/=|~=", "!=", text)))
+    text = re.sub(r"(?<![\w.,])(\d+),(\d+)(?![\w.,])", r"\1.\2", text)
+    parts = _split(text, r";|\n|&&?|\band\b|,")
+    return [part.strip().rstrip(".") for part in parts if part.strip()]
+
+
+def _place(
+    chunk: str,
+    last: str,
+    waiting: list[str],
+    entries: dict[str, list[str]],
+    values: dict[str, str],
+    spelling: Spelling,
+) -> str:
+    """Put a condition to those of its name; the name, for conditions that follow without one."""
+    named = re.match(rf"(?:(?:real|const)\s+)?([A-Za-z]\w*){_IS}(.*)$", chunk)
+    if chunk in _DOMAIN_WORDS and last:
+        entries.setdefault(last, []).append(_DOMAIN_WORDS[chunk])
+        return last
+    if named and not named[2]:
+        waiting.append(named[1])
+        return named[1]
+    conditions, name = [], ""
+    if named and not _COMPARED.match(named[2]):
+        name = _renamed(named[1], spelling)
+        conditions = _domain_of(name, named[2], spelling)
+        if not conditions and re.match(rf"[A-Za-z]\w*\s*:?=(?!=)", chunk):
+            values[name] = corrected(named[2], spelling)
+            return name
+    if not conditions:
+        text = re.sub(r"^\s*[A-Za-z]\w*\s*:\s*(?=[A-Za-z0-9])", "", chunk)
+        if named and re.match(rf"{named[1]}\s*:\s*[<>!]", chunk):
+            text = f"{named[1]}{named[2]}"
+        name, conditions = _inequality(text, last, spelling)
+    for other in [*waiting, name]:
+        entries.setdefault(other, []).extend(re.sub(rf"\b{name}\b", other, c) for c in conditions)
+    waiting.clear()
+    return name
+
+
+def _renamed(name: str, spelling: Spelling) -> str:
+    return corrected(name, spelling)
+
+
+def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
+    """Conditions for what stands behind ``name:``, as far as they are words or an interval."""
+    words = text.split()
+    if words and all(word in _DOMAIN_WORDS for word in words):
+        found = dict.fromkeys(_DOMAIN_WORDS[word] for word in words)
+        return [word for word in found if word != "real" or len(found) == 1]
+    if text.lower() in ("nonnegative", "non-negative"):
+        return [f"{name}>=0"]
+    interval = re.fullmatch(r"([(\[\]])\s*([^,;]+)[,;]\s*([^,;]+)([)\]\[])", text)
+    if interval:
+        first, low, high, final = interval.groups()
+        left = "<=" if first == "[" else "<"
+        right = "<=" if final == "]" else "<"
+        return [f"{low.strip()}{left}{name}{right}{high.strip()}"]
+    return []
+
+
+def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str]]:
+    """The name that an inequality is of, and its conditions."""
+    sides = [corrected(side, spelling) for side in _COMPARED.split(text)]
+    signs = _COMPARED.findall(text)
+    if not signs:
+        return last, []
+    if not sides[0] and last:
+        sides[0] = last
+    names = [side for side in sides if _NAME.fullmatch(side) and side not in ("pi", "oo", "Infinity")]
+    name = last if last in names else next(iter(names), last)
+    for place in (0, -1):
+        if len(sides) > 2 and sides[place] in ("oo", "-oo", "Infinity", "-Infinity", "inf", "-inf"):
+            del sides[place], signs[place]
+    written = sides[0] + "".join(sign + side for sign, side in zip(signs, sides[1:], strict=True))
+    spaced = " " in text.strip()
+    return name, [_COMPARED.sub(r" \g<0> ", written) if spaced else written]
