@@ -242,9 +242,10 @@ class RingRuns(StepSearch):
         return found if fits else np.full_like(record.metered, np.nan)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step on a wider ring."""
+        """A shorter step on a wider ring, or from that on the ring as it must be."""
         step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
-        return replace(choices, step=step, size=self._first.size + WIDER)
+        wider = WIDER if choices.size == self._first.size else 0
+        return replace(choices, step=step, size=self._first.size + wider)
 
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A shorter step on the ring as it must be."""
