@@ -76,6 +76,9 @@ DOUBT = 4.0
 """By so much less than the law has it is a step's change believed to be: a fifth, with a control
 step of 0.8 and an order of 6, would be less than the control run's error."""
 
+LEAST = 1e-5
+"""Least share of the tolerance that an error is told as: no run was looked at more closely."""
+
 NEGLIGIBLE = 0.01
 """Share of the tolerance below which the change of a step needs obey no law: it may be rounding."""
 
@@ -142,7 +145,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         change = max(difference(trial, control), scouting.lawful_change(choices) / DOUBT)
-        error = engine.safety * change + rounding + control.alike
+        error = max(engine.safety * change + rounding + control.alike, LEAST * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown
