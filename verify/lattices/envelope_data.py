@@ -17,7 +17,7 @@ from derive import CarrierTerms, Envelope, Lattice, carrier_fields
 from derive.algebra.exact_numbers import Number
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.envelope_flow import EnvelopeFlow
-from verify.lattices.lattice_wave import ORDERS, LatticeWave
+from verify.lattices.lattice_wave import ORDERS, CellRing, LatticeWave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -156,6 +156,13 @@ class EnvelopeData(LatticeWave):
             return (self._uniform,)
         strain, _ = _Jets(self, cells, t).sums(self._kept(self.carrier.mean))
         return (float(np.mean(strain.real)),)
+
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
+
+        No cell within a carrier is at rest: its bonds at one time say nothing of the next.
+        """
+        return ring.lattice.rest_slopes()
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """What is compared: the stretch of each bond in displacements, otherwise the fields."""

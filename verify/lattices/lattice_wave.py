@@ -131,6 +131,14 @@ class LatticeWave(ABC):
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
         return CellRing(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
 
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force beside the wave.
+
+        A long wave is all but uniform about each cell, so that the ring's first one tells it.
+        """
+        corner = (0,) * ring.lattice.dimension
+        return [float(found[corner]) for found in ring.slopes]
+
     def error(self, ring: CellRing, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
         """sup |lattice - theory| / eps**power at a later time over the cells ``within``.
 

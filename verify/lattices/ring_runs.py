@@ -176,7 +176,7 @@ class RingRuns(StepSearch):
                 _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
             )
         ]
-        check_rest(near)
+        check_rest(near.lattice, wave.rest_slopes(near))
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
@@ -260,13 +260,11 @@ def _energy(ring: CellRing, f: Array, v: Array) -> float:
         return ring.lattice.energy(f, v)
 
 
-def check_rest(ring: CellRing) -> None:
-    """Refuse a lattice whose rest, as it is in the first cell of the ring, is unstable."""
-    corner = (0,) * ring.lattice.dimension
-    slopes = [float(found[corner]) for found in ring.slopes]
-    if not ring.lattice.is_stable(slopes):
+def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
+    """Refuse a lattice that is unstable where its forces have these slopes, beside the wave."""
+    if not lattice.is_stable(slopes):
         raise ValueError(
-            f"constants must make waves of {ring.lattice.name} stable, got one that grows at "
+            f"constants must make waves of {lattice.name} stable, got one that grows at "
             "rest, beside the wave (take stiffer springs)"
         )
 

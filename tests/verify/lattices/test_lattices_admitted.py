@@ -1,0 +1,38 @@
+"""Scenes that are admissible, each of which was refused once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from verify.lattices.lattice_run import run_lattice_scene
+from verify.lattices.lattice_scene import LatticeScene
+
+SCENE: dict[str, Any] = {
+    "name": "admitted",
+    "eps": 0.1,
+    "tolerance": 1e-3,
+    "half_width": 6,
+    "slow_times": [0, 0.2],
+    "order": "slaved",
+}
+
+GRANULAR = {"lattice": "granular", "wave": "kdv_soliton", "parameters": {"kappa": 1}}
+
+
+@pytest.mark.parametrize("d", [2, "3/5"])
+def test_a_granular_chain_has_solitons_where_its_coefficients_are_roots(d: int | str) -> None:
+    """Catches: a second ansatz, which does not fit, taken for the lack of any."""
+    run = run_lattice_scene(LatticeScene.of(**SCENE, **GRANULAR, constants={"A": 1, "d": d}))
+    assert run.derived.equation == "KdV"
+    assert max(run.errors) < 0.1
+
+
+def test_a_carrier_whose_first_cell_is_far_from_rest_is_run() -> None:
+    """Catches: the stiffness of a cell within the carrier taken for that of the rest."""
+    constants = {"K2": 0.636, "g1": 1, "g2": 0, "g3": -1}
+    wave = {"wave": "nls_plane", "parameters": {"A": 1}, "carrier": "pi", "eps": 0.6}
+    scene = LatticeScene.of(**SCENE | wave, lattice="klein_gordon", constants=constants)
+    run = run_lattice_scene(scene)
+    assert max(run.relative_errors) < 0.1
