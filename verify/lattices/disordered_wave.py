@@ -113,6 +113,11 @@ class DisorderedWave(LatticeWave):
         return self._wave.rest_slopes(ring)
 
     @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """As of the ordered lattice."""
+        return self._wave.growth_shares
+
+    @property
     def effective_speed(self) -> float:
         """The speed of very long waves, in units of the ordered lattice's.
 

@@ -96,7 +96,12 @@ class EnvelopeData(LatticeWave):
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain."""
         used = mean_strain if any(mean_strain) else ()
-        return numeric_lattice(self._declared, self._numbers, used)
+        return numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The shares of the fields in the mean."""
+        return self.carrier.shares
 
     def support(self, t: float) -> tuple[float, float]:
         """The cells between which there is a wave."""

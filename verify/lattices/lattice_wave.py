@@ -118,6 +118,11 @@ class LatticeWave(ABC):
         """
         return (0.0,) * self.lattice.dimension
 
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The share of the mean strain by which each field grows; all of it unless overridden."""
+        return (1.0,) * len(self.lattice.fields)
+
     def ring(self, cells: ArrayLike, t: float) -> CellRing:
         """The state at a time on a ring of these consecutive cells.
 
@@ -129,7 +134,8 @@ class LatticeWave(ABC):
         f, v = self.state(where, t)
         axes = where if len(mean) > 1 else where[np.newaxis]
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
-        return CellRing(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
+        f = f - np.multiply.outer(self.growth_shares, grown)
+        return CellRing(self.strained(mean), mean, where, t, f, v)
 
     def rest_slopes(self, ring: CellRing) -> list[float]:
         """The slope of each bond's force beside the wave.

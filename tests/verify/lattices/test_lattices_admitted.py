@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -36,3 +37,34 @@ def test_a_carrier_whose_first_cell_is_far_from_rest_is_run() -> None:
     scene = LatticeScene.of(**SCENE | wave, lattice="klein_gordon", constants=constants)
     run = run_lattice_scene(scene)
     assert max(run.relative_errors) < 0.1
+
+
+ROTATING = {
+    "name": "rotating",
+    "fields": ["u", "f"],
+    "masses": ["1", "J"],
+    "positive": ["K", "J", "G", "H"],
+    "spring": [
+        {"between": ["u[n]", "u[n+1]"], "force": "K*x + K3*x**2"},
+        {"between": ["f[n]", "f[n+1]"], "force": "G*x"},
+    ],
+    "bond": [
+        {
+            "stretch": "u[n+1] - u[n] - f[n] - f[n+1]",
+            "action": {"u": "F[n] - F[n-1]", "f": "F[n] + F[n-1]"},
+            "force": "H*x",
+        }
+    ],
+}
+
+
+def test_a_chain_of_displacement_and_rotation_is_run() -> None:
+    """Catches: rotations that grow along a ring as displacements do."""
+    constants = {"K": 1, "K3": "1/2", "J": 1, "G": 1, "H": 1}
+    wave = {"wave": "kdv_soliton", "parameters": {"kappa": 1}, "constants": constants}
+    errors = []
+    for order in ("leading", "slaved"):
+        lattice = {"lattice": "rotating", "declared": json.dumps(ROTATING), "order": order}
+        run = run_lattice_scene(LatticeScene.of(**SCENE | lattice, **wave))
+        errors.append(max(run.errors))
+    assert errors[1] < 0.1 * errors[0] < 0.01
