@@ -250,6 +250,14 @@ class LongWaveData(LatticeWave):
         ends = sorted((X / unit + self.speed * t) for X in (low, high))
         return ends[0], ends[1]
 
+    def seam_room(self, t: float) -> int:
+        """Half a kink's width: where strains to its left and right met at once, they overshot."""
+        low, high = self.support(t)
+        if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
+            return 0
+        left, right = self.strain(np.array([low, high]), t)[0]
+        return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
+
     def _profile(self, X: Array, T: float) -> Array:
         """The wave along X, where Z is 0."""
         if self._planar is not None:

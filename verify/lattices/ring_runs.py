@@ -180,7 +180,8 @@ class RingRuns(StepSearch):
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
-        sites = sites_of(compared.ring(self.times, self.signals, 0))
+        self._room = wave.seam_room(self.times[0])
+        sites = sites_of(compared.ring(self.times, self.signals, 2 * self._room))
         self._metered: dict[float, Array] = {}
         self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
@@ -196,9 +197,9 @@ class RingRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
         loop = begin_loop(f"ring {choices}")
-        wider = WIDER if choices.size > self._first.size else 0
+        wider = 2 * self._room + (WIDER if choices.size > self._first.size else 0)
         ends = self.compared.ring(self.times, self.signals, wider)
-        ring = self.wave.ring(_grid(ends), self.times[0])
+        ring = self.wave.ring(_grid(ends), self.times[0]).smoothed(self._room)
         if choices.nudged:
             ring = ring.nudged()
         energy = _energy(ring, ring.f, ring.v)

@@ -68,3 +68,11 @@ def test_a_chain_of_displacement_and_rotation_is_run() -> None:
         run = run_lattice_scene(LatticeScene.of(**SCENE | lattice, **wave))
         errors.append(max(run.errors))
     assert errors[1] < 0.1 * errors[0] < 0.01
+
+
+def test_a_steep_kink_of_displacements_is_run() -> None:
+    """Catches: a jump of the strain at the ring's seam, which overshoots until no wave exists."""
+    kink = {"lattice": "beta_fput", "wave": "kink", "eps": 0.2, "parameters": {"A": "9/4"}}
+    run = run_lattice_scene(LatticeScene.of(**SCENE | kink, constants={"K2": 1, "K4": -1}))
+    assert run.error_estimate <= run.scene.tolerance
+    assert max(run.errors) < 0.3
