@@ -154,13 +154,16 @@ class LatticeFamily:
 
     @property
     def name(self) -> str:
+        """The family in a line."""
         return f"{self.base.lattice}/{self.base.wave}"
 
     @property
     def genes(self) -> int:
+        """How many numbers are moved."""
         return 4 + len(self.base.parameters)
 
     def scene(self, genes: Array) -> LatticeScene:
+        """The scene of these numbers, each from 0 to 1."""
         base = self.base
         values = [
             (name, moved(value, gene, 1.5) if isinstance(value, float) else value)
@@ -178,6 +181,7 @@ class LatticeFamily:
         return base.changed(**changes)
 
     def judge(self, genes: Array) -> tuple[float, float, str]:
+        """Estimate, true error and the scene in text."""
         scene = self.scene(genes)
         return *of_lattice(scene), scene.toml()
 
@@ -196,13 +200,16 @@ class ChainFamily:
 
     @property
     def name(self) -> str:
+        """The family in a line."""
         return f"chain/{self.base.wave_name}/{self.base.target.engine or 'chosen'}"
 
     @property
     def genes(self) -> int:
+        """How many numbers are moved."""
         return 5 + len(self.base.parameters)
 
     def scene(self, genes: Array) -> Scene:
+        """The scene of these numbers, each from 0 to 1."""
         base = self.base
         values = [
             (name, moved(float(value), gene, 1.3))
@@ -220,6 +227,7 @@ class ChainFamily:
         )
 
     def judge(self, genes: Array) -> tuple[float, float, str]:
+        """Estimate, true error and the scene in text."""
         scene = self.scene(genes)
         return *of_chain(scene), scene.toml()
 
@@ -237,9 +245,11 @@ class StateFamily:
 
     @property
     def name(self) -> str:
+        """The family in a line."""
         return f"integrate/{self.case.lattice.name}"
 
     def judge(self, genes: Array) -> tuple[float, float, str]:
+        """Estimate, true error and the scene in text."""
         case = self.case
         size = 4.0 ** (2.0 * genes[0] - 1.0)
         state = replace(case.state, f=size * case.state.f, v=size * case.state.v)
