@@ -30,7 +30,7 @@ from .terms import (
     premise_lines,
 )
 
-PREDICATES = ("less", "at_most", "real", "integer", "analytic", "connected")
+PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
 """Relations of premises; a denominator is other than 0 in the field itself."""
 
 OPERATIONS = {"sum": ("Sum", "+"), "product": ("Prod", "*")}

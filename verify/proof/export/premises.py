@@ -34,7 +34,7 @@ RELATIONS: Mapping[str, str] = {
     "less": "{} < {}",
     "at_most": "{} <= {}",
     "real": "{} is real",
-    "integer": "{} is an integer",
+    "is_integer": "{} is an integer",
     "analytic": "{} is analytic but for isolated poles",
     "connected": "the domain is connected",
     "not_zero": "{} is not 0",

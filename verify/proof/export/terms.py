@@ -105,6 +105,11 @@ class WrittenProof:
     steps: Sequence[Step]
 
     @property
+    def conditions(self) -> list[str]:
+        """The premises in words, each once."""
+        return list(dict.fromkeys(premise.words for premise in self.premises))
+
+    @property
     def denominators(self) -> list[Term]:
         """What must not be 0."""
         return [premise.terms[0] for premise in self.premises if premise.relation == "not_zero"]
@@ -250,6 +255,16 @@ def plain_lines(proof: WrittenProof) -> list[str]:
 def premise_line(premise: Premise) -> str:
     """A premise in words, with what it is for."""
     return f"{premise.words} ({premise.comment})"
+
+
+FEW = 3
+"""Premises that are told where there is no room for all."""
+
+
+def premises_in_short(words: Sequence[str]) -> str:
+    """The first premises, and how many more there are."""
+    more = [f"{len(words) - FEW} more"] if len(words) > FEW else []
+    return "; ".join([*words[:FEW], *more])
 
 
 def premise_lines(proof: WrittenProof) -> list[str]:

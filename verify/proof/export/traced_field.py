@@ -136,7 +136,7 @@ class TracedField(Field):
         with self.signs.asked() as asked:
             super().register(node)
             if self.nodes.all[node][0] == "parity":
-                self.signs.note(Question("integer", (self.nodes.all[node][1],)))
+                self.signs.note(Question("is_integer", (self.nodes.all[node][1],)))
         self.signs.keep(asked, self.purpose(node))
 
     def derivative(self, element: Element, variable: int) -> Element:
@@ -159,7 +159,12 @@ class TracedField(Field):
 
     def purpose(self, node: int) -> str:
         """What the premises are for that the image of a node rests on."""
-        return self.words.told(f"{PURPOSES.get(self.nodes.all[node][0], 'for')} {{}}", node)
+        match self.nodes.all[node]:
+            case ("Pow", _, exponent) if exponent.q == 1:
+                purpose = "for"
+            case (name, *_):
+                purpose = PURPOSES.get(name, "for")
+        return self.words.told(f"{purpose} {{}}", node)
 
     def premise(self, question: Question, comment: str) -> Premise:
         """A premise as a script has it."""
