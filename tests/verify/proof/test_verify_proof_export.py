@@ -237,6 +237,12 @@ PREMISES = {
         "m < 1",
         "m*(jacobi_sn(x, m))^2 - 1 is not 0",
     ],
+    ("u*(1 + sqrt(2 + x)) - x", "u = x/(1 + sqrt(2 + x))", "", "x > 0"): [
+        "x > 0",
+        "sqrt(x + 2) is analytic but for isolated poles",
+        "the domain is connected",
+        "sqrt(x + 2) + 1 is not 0",
+    ],
     ("u[n+1] + u[n]", "u[n] = (-1)**n", "", ""): ["n is an integer"],
     ("I*u_t + u_xx + 2*abs(u)**2*u", "u = sech(x)*exp(I*t)", "", ""): [
         "t is real",

@@ -126,6 +126,8 @@ class _Premises:
             for node, questions in asked.items():
                 for question in questions:
                     self._comments.setdefault(question, field.purpose(node))
+            for question in field.signs.askers[0].noted:
+                self._comments.setdefault(question, "for generators and their slopes")
             if len(self._comments) == before:
                 break
         order = {question: place for place, question in enumerate(self._comments)}

@@ -82,12 +82,19 @@ class TracedSigns(Signs):
             self.askers.pop()
 
     def note(self, question: Question) -> None:
-        """Note a premise, but for one of rational numbers, which is plain."""
+        """Note a premise, but for plain ones: of numbers, or that a fraction is analytic."""
+        if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
+            return
         values = [self._nodes.value(node) for node in question.nodes]
         known = [value for value in values if value is not None]
         if values and len(known) == len(values) and _holds(question.relation, known):
             return
         self.askers[-1].noted[question] = None
+
+    def _is_fraction(self, node: int) -> bool:
+        """Whether a node is made of symbols and numbers by sums, products and integer powers."""
+        inner = (self._nodes.all[place] for place in self._nodes.below([node]))
+        return all(n[0] in RATIONAL or (n[0] == "Pow" and n[2].q == 1) for n in inner)
 
     def is_real(self, node: int) -> bool:
         """Whether ``node`` is shown to be real."""
@@ -144,11 +151,13 @@ def _holds(relation: str, values: list[fmpq]) -> bool:
     return relation in ("real", "analytic")
 
 
+RATIONAL = ("number", "symbol", "pi", "I", "Add", "Mul", "poly")
+
 LONG = 60
 """Characters from which a part of a formula is named where a premise is told."""
 
 
-class Words:
+class FormulaWords:
     """Formulas in words, long parts by their names, which are told behind them."""
 
     def __init__(self, nodes: Nodes) -> None:

@@ -12,7 +12,7 @@ from verify.proof.checker.nodes import Nodes
 from verify.proof.checker.ring import Element
 
 from . import terms
-from .premises import PURPOSES, RELATIONS, Question, TracedSigns, Words
+from .premises import PURPOSES, RELATIONS, Question, TracedSigns, FormulaWords
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
 from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
 
@@ -90,7 +90,7 @@ class TracedField(Field):
     ) -> None:
         super().__init__(nodes, count, variables, positive, hints)
         self.signs: TracedSigns = TracedSigns(self, positive)
-        self.words = Words(nodes)
+        self.words = FormulaWords(nodes)
         self.free: dict[int, str] = {}
         self.guards: dict[int, list[Question]] = {}
 
