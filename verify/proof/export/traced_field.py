@@ -12,7 +12,7 @@ from verify.proof.checker.nodes import Nodes
 from verify.proof.checker.ring import Element
 
 from . import terms
-from .premises import PURPOSES, RELATIONS, Question, TracedSigns, FormulaWords
+from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
 from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
 
