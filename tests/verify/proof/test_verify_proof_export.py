@@ -14,6 +14,7 @@ import pytest
 from solutions import closed_form
 from verify.proof import CertificateError, prove_equal, prove_form
 from verify.proof.checker.limits import digest
+from verify.proof.checker.signs import Signs
 from verify.proof.export import terms
 from verify.proof.export.derivation import written_out
 from verify.proof.export.systems import SYSTEMS, answer, exported
@@ -203,3 +204,142 @@ def test_a_system_rejects_a_proof_with_one_number_changed(system: str, count: in
     for _ in range(count):
         other = changed(proof(draw.choice(SHORT[1:])), draw)
         assert answer(SYSTEMS[system].write(other), system, 100)[0] == "rejected"
+
+
+ROOT = ("u - x", "u = sqrt(x**2 + 2*x + 1) - 1", "", "x > 0")
+SHIFTED = "jacobi_sn(x + elliptic_k(m), m)"
+INSIDE = "x > 0; x < 1"
+PREMISES = {
+    ROOT: ["x > 0", "x + 1 >= 0"],
+    ("u*u_x - x", "u = abs(x)", "", ""): ["x is real", "x is not 0", "Abs(x) is not 0"],
+    ("x*u_x - 3", "u = log(x**3)", "", "x > 0"): ["x > 0", "x >= 0", "x is not 0"],
+    ("u - 2*log(x) - log(x+1)", "u = log(x**3 + x**2)", "", "x > 0"): [
+        "x > 0",
+        "x >= 0",
+        "x + 1 >= 0",
+    ],
+    ("u_x - 1", "u = asin(sin(x))", "", INSIDE): [
+        "x > 0",
+        "x < 1",
+        "-15707963/10000000 <= x",
+        "x <= 15707963/10000000",
+        "exp(x*I) is not 0",
+        "I is not 0",
+    ],
+    ("u - exp(I*x)", "u = sqrt(exp(2*I*x))", "", INSIDE): [
+        "x > 0",
+        "x < 1",
+        "x is real",
+        "cos(x) > 0",
+    ],
+    ("u**2*(1 - m*jacobi_sn(x,m)**2) - jacobi_cn(x,m)**2", f"u = {SHIFTED}", "m: 0<m<1", ""): [
+        "m > 0",
+        "m < 1",
+        "m*(jacobi_sn(x, m))^2 - 1 is not 0",
+    ],
+    ("u*(1 + sqrt(2 + x)) - x", "u = x/(1 + sqrt(2 + x))", "", "x > 0"): [
+        "x > 0",
+        "sqrt(x + 2) is analytic but for isolated poles",
+        "the domain is connected",
+        "sqrt(x + 2) + 1 is not 0",
+    ],
+    ("u[n+1] + u[n]", "u[n] = (-1)**n", "", ""): ["n is an integer"],
+    ("I*u_t + u_xx + 2*abs(u)**2*u", "u = sech(x)*exp(I*t)", "", ""): [
+        "t is real",
+        "sech(x) is real",
+        "(exp(x))^2 + 1 is not 0",
+        "exp(t*I) is not 0",
+    ],
+}
+SAID = {
+    "pari": re.compile(r'^print\("((?:if|\.\.\.) [^"]*)"\)$', re.M),
+    "maxima": re.compile(r'^print\("((?:if|\.\.\.) [^"]*)"\)\$$', re.M),
+    "coq": re.compile(r'^idtac "((?:if|\.\.\.) [^"]*)"\.$', re.M),
+}
+
+
+@pytest.mark.parametrize("stated", PREMISES)
+def test_a_script_says_what_the_proof_rests_on(stated: tuple[str, str, str, str]) -> None:
+    """Branches, signs, parameters, the domain and denominators: these, and no others."""
+    equation, solution, parameters, domain = stated
+    verdict = prove_text(equation, solution, parameters=parameters, domain=domain)
+    assert verdict.certificate is not None
+    found = written_out(verdict.certificate)
+    assert found.conditions == PREMISES[stated]
+    for system, said in SAID.items():
+        text = SYSTEMS[system].write(found)
+        lines = " ".join(said.findall(text)).replace(" * ", "*").replace(" ... ", " ")
+        assert lines == " ".join(f"if {terms.premise_line(p)}" for p in found.premises)
+        assert text.index('"accepted"') > max((m.end() for m in said.finditer(text)), default=0)
+
+
+def test_the_theorem_for_coq_has_its_premises_and_uses_them() -> None:
+    """Without x + 1 >= 0 the root is not x + 1: the definition says so."""
+    verdict = prove_text(*ROOT[:2], domain=ROOT[3])
+    text = exported(verdict.certificate or {}, "coq")
+    stated = text[text.index("Theorem proved") : text.index("  True.\n")]
+    assert re.search(r"less \(number \(0 # 1\)\) \(g0\) ->", stated)
+    (branch,) = re.findall(r"at_most \(number \(0 # 1\)\) \((n\d+)\) ->", stated)
+    assert re.search(
+        rf"Hypothesis (\w+) : at_most \(number \(0 # 1\)\) \({branch}\) -> n\d+ =", text
+    )
+    assert "Variable at_most : F -> F -> Prop." in text
+    assert re.search(r"\(assumed_\d+ premise_1\)", text)
+
+
+def data_of_a_root(value: list[list[Any]], base: int, root: int) -> dict[str, Any]:
+    """The certificate that u = (base)^(1/2) is its last node, whatever the sign of that."""
+    nodes = [["symbol", "x", "real"], *value]
+    data: dict[str, Any] = {
+        "format": "longwave proof 2",
+        "name": "forged",
+        "nodes": [*nodes, ["Pow", base, "1/2"], ["Mul", 1, root]],
+        "statement": {
+            "variables": [0],
+            "unknowns": [["u", len(nodes)]],
+            "equations": [[["1", [], [[0, [0]]]], ["1", [len(nodes) + 1], []]]],
+            "domain": [],
+        },
+        "proof": {
+            "generators": [["atom", 0]],
+            "sums": [],
+            "values": [[len(nodes), root]],
+            "logs": [],
+            "signs": [],
+            "parts": [],
+            "point": [[0, "1"]],
+        },
+    }
+    return data | {"digest": digest(data)}
+
+
+FORGED = {
+    "-2 >= 0": data_of_a_root([["number", "-1"], ["number", "4"], ["number", "-2"]], 2, 3),
+    "x >= 0": data_of_a_root([["number", "-1"], ["Pow", 0, "2"]], 2, 0),
+}
+
+
+@pytest.mark.parametrize("premise", FORGED)
+def test_a_branch_that_a_hint_chooses_wrongly_is_seen_in_every_script(
+    premise: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A checker that believed every sign would prove sqrt(4) = -2, on a premise that is read."""
+    with pytest.raises(CertificateError, match="not shown to be >= 0"):
+        written_out(FORGED[premise])
+    monkeypatch.setattr(Signs, "not_negative", lambda signs, node: True)
+    found = written_out(FORGED[premise])
+    assert found.conditions == [premise]
+    for system in SYSTEMS:
+        assert f"if {premise} (the branch of sqrt" in SYSTEMS[system].write(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("stated", PREMISES)
+def test_a_system_accepts_the_proof_on_its_premises(
+    stated: tuple[str, str, str, str], system: str
+) -> None:
+    equation, solution, parameters, domain = stated
+    verdict = prove_text(equation, solution, parameters=parameters, domain=domain)
+    text = exported(verdict.certificate or {}, _engine(system))
+    assert answer(text, system, 100)[0] == "accepted"
