@@ -13,10 +13,10 @@ from typing import Any
 import sympy as sp
 
 from solutions.record import Equation
+from verify.kernel import check_certificate
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
-from .checker import check_certificate
 from .domain_signs import DomainSigns, singularities
 from .domains import Point
 from .problem import Problem, Stated, equality_problem, solution_problem

@@ -5,13 +5,13 @@ from typing import Any
 import pytest
 import sympy as sp
 from flint import fmpq
-
-from verify.proof import prove
 from verify.proof.checker import CertificateError, check_certificate
 from verify.proof.checker.check import Branches, registered
 from verify.proof.checker.limits import digest
 from verify.proof.checker.nodes import Nodes
 from verify.proof.checker.statement import read_statement
+
+from verify.proof import prove
 from verify.verdict import Outcome
 
 Data = dict[str, Any]

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 
 import pytest
 from flint import acb, arb, ctx, fmpq
-
 from verify.proof.checker import axioms
 from verify.proof.checker.bounds import Interval, stated
 from verify.proof.checker.limits import CertificateError

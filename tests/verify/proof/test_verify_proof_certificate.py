@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from verify.proof.checker import check_certificate as check_content
+from verify.proof.checker.limits import digest
 
 from solutions import CATALOGUE, closed_form
 from verify.proof import CertificateError, check_certificate, prove, prove_equal, prove_form
 from verify.proof.catalogue_proofs import form_domains
-from verify.proof.checker import check_certificate as check_content
-from verify.proof.checker.limits import digest
 from verify.verdict import Outcome
 
 Data = dict[str, Any]

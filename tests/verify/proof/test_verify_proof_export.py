@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from verify.proof.checker.limits import digest
 
 from solutions import closed_form
 from verify.proof import CertificateError, prove_equal, prove_form
-from verify.proof.checker.limits import digest
 from verify.proof.export import terms
 from verify.proof.export.derivation import written_out
 from verify.proof.export.systems import SYSTEMS, answer, exported

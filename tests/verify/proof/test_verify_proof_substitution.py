@@ -4,9 +4,9 @@ import copy
 from typing import Any
 
 import pytest
-
 from verify.proof.checker import CertificateError, check_certificate
 from verify.proof.checker.limits import digest
+
 from verify.proof.statement_verdict import StatementVerdict
 from verify.proof.text_prover import prove
 

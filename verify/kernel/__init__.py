@@ -8,7 +8,7 @@ own (`ring`) whether the equations hold.  Nothing of the prover is used, and no 
 
 from __future__ import annotations
 
-from .check import check_certificate, same_statement
+from .check import check_certificate, opened
 from .limits import CertificateError
 
-__all__ = ["CertificateError", "check_certificate", "same_statement"]
+__all__ = ["CertificateError", "check_certificate", "opened"]

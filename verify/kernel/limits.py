@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-FORMAT = "longwave proof 2"
+FORMAT = "longwave proof 3"
 
 FILE_BYTES = 8_000_000
 """The largest certificate of the catalogue has 0.2 MB."""
@@ -15,6 +15,9 @@ FILE_BYTES = 8_000_000
 NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
 GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
 DIGITS, EXPONENT, NAME, SHIFT = 2_000, 1_000, 60, 1_000
+
+NESTING = 60
+"""Brackets in brackets in one text; what is deeper has names."""
 
 FORMS, PARTS = 4, 8
 """Most linear forms that belong together, and most equal parts that a proof may rest on."""
