@@ -234,10 +234,10 @@ class Parser:
     def _power_of(self, base: int, exponent: int) -> int:
         """A node to a power that is no number: by the logarithm, or of -1 to an integer."""
         value, made = self._nodes.value(base), self._nodes.made
-        if value is None or value > 0 or not self._nodes.is_integer(exponent):
-            return made("power", base, exponent)
         if value == 0:
             raise CertificateError("0 must not be raised to a symbol")
+        if value is None or value > 0 or not self._nodes.is_integer(exponent):
+            return made("power", base, exponent)
         size = made("number", -value)
         turn = made("parity", exponent)
         return turn if value == -1 else made("Mul", turn, made("power", size, exponent))

@@ -112,7 +112,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
     for name, kind in kinds.items():
         scope.declare(name, kind)
     for name in scope.unknowns:
-        if name in (*scope.known, *scope.pending, *RESERVED):
+        if name in (*scope.known, *scope.pending, *RESERVED) or "_" in name.rstrip("_"):
             raise CertificateError(f"the name {name[:40]} means two things (rename the unknown)")
     return scope
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from verify.proof.checker import check_certificate
-from verify.proof.checker.limits import digest
 
 from verify.__main__ import main
 from verify.cli import certificates as limits
 from verify.cli.certificates import limited
+from verify.kernel import check_certificate
+from verify.kernel.limits import digest
 from verify.proof import CertificateError, prove_form
 
 Data = dict[str, Any]

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from verify.proof.checker.limits import digest
 
 from solutions import closed_form
+from verify.kernel.limits import digest
 from verify.proof import CertificateError, prove_equal, prove_form
 from verify.proof.export import terms
 from verify.proof.export.derivation import written_out
