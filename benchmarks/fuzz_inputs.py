@@ -97,7 +97,7 @@ def certificate(draw: Random) -> FuzzCase:
     content = text.encode("utf-8", "surrogatepass")
     if draw.random() < 0.05:
         content = changed_bytes(draw, content)
-    words = ["verify", "check-certificate", "hostile.json"]
+    words = ["check", "hostile.json"]
     if draw.random() < 0.2:
         words = ["prove", "--certificate", "hostile.json"]
         if draw.random() < 0.5:

@@ -1,4 +1,4 @@
-"""``python -m verify check-certificate FILE``: repeat the proofs in a file, without the prover.
+"""``longwave check FILE``: repeat the proofs in a file, without the prover.
 
 The checker counts before it works (`verify.kernel.limits`).  What would slip through ends
 at a limit of time and memory, in a process of its own: the last line of defence against hostile

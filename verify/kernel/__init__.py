@@ -1,8 +1,8 @@
-"""The independent checker: a certificate in, the statement that it proves out.
+"""The kernel, an independent checker: a certificate in, the statement that it proves out.
 
-A certificate holds a statement, formulas as plain nodes, and hints; no slope, relation or image is
-in it.  The checker derives those from its axioms (`axioms`) and decides by exact arithmetic of its
-own (`ring`) whether the equations hold.  Nothing of the prover is used, and no SymPy.
+A certificate holds a statement as text, and hints; no slope, relation or image is in it.  The
+checker derives those from its axioms (`axioms`) and decides by exact arithmetic of its own (`ring`)
+whether the equations hold.  Nothing of the prover is used, and no SymPy.
 `docs/trust.md` says what is trusted.
 """
 

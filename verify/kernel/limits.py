@@ -26,6 +26,9 @@ WORK = 40_000_000
 """Products of terms in all polynomial multiplications; the catalogue's dearest proof takes a
 tenth of it."""
 
+HEIGHT = 1_000_000
+"""Bits of the coefficients of a power; the catalogue's have at most some hundred."""
+
 DEGREE = 3_000
 """Total degree of a polynomial."""
 

@@ -135,7 +135,7 @@ def rational(text: str) -> fmpq:
     return value * fmpq(10) ** int(power or "0")
 
 
-class Parser:
+class TextReader:
     """A reader of one text; ``places`` are the nodes that ``#0``, ``#1``, ... mean."""
 
     def __init__(self, scope: Scope, text: object, places: Sequence[int] = ()) -> None:
@@ -202,6 +202,7 @@ class Parser:
             value = self._nodes.value(factor)
             if value is not None and (sign == "*" or value != 0):
                 number = number * value if sign == "*" else number / value
+                within("the bits of a number", number.height_bits(), 4 * DIGITS)
             else:
                 factors.append(factor if sign == "*" else self.power(factor, fmpq(-1)))
             sign = self.take("*", "/")
@@ -316,7 +317,7 @@ class Parser:
 
 def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
     """The node of a whole text."""
-    parser = Parser(scope, text, places)
+    parser = TextReader(scope, text, places)
     found = parser.sum()
     parser.end()
     return found

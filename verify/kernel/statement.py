@@ -11,7 +11,7 @@ from flint import fmpq
 
 from .limits import JETS, TERMS, CertificateError
 from .nodes import KINDS, Nodes, children, listed
-from .reading import RESERVED, Parser, Scope, tokens
+from .reading import RESERVED, TextReader, Scope, tokens
 
 Jet = tuple[int, tuple[int, ...]]
 """The place of an unknown and its order in each variable."""
@@ -67,7 +67,7 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
     for text in texts["parameters"]:
         domain += _parameter(scope, text)
     for text in texts["domain"]:
-        domain += _conditions(scope, Parser(scope, text), "")
+        domain += _conditions(scope, TextReader(scope, text), "")
     solutions = [_solution(scope, text) for text in texts["solutions"]]
     left_sides = [_equation(scope, text) for text in texts["equations"]]
     scope.check()
@@ -95,7 +95,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
         elif kinds.setdefault(words[0], kind := _kind(words[2:])) != kind:
             raise CertificateError(f"the name {words[0][:40]} has two kinds")
     for text in texts["variables"]:
-        name = Parser(scope, text).name()
+        name = TextReader(scope, text).name()
         if len(tokens(text)) > 1:
             raise CertificateError("variables must be names")
         kind = kinds.pop(name, "integer" if name in INTEGERS else "real")
@@ -105,7 +105,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
     if not 0 < len(scope.variables) <= 8:
         raise CertificateError("a statement must have 1 to 8 variables")
     for text in texts["solutions"]:
-        name = Parser(scope, text).name()
+        name = TextReader(scope, text).name()
         if name in scope.unknowns:
             raise CertificateError(f"the unknown {name[:40]} has two solutions")
         scope.unknowns.append(name)
@@ -126,7 +126,7 @@ def _kind(words: Sequence[str]) -> str:
 
 def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
     """The inequalities of ``name: domain``; none for ``name = formula``, which is put down."""
-    parser = Parser(scope, text)
+    parser = TextReader(scope, text)
     name = parser.name()
     if parser.take(":"):
         return _conditions(scope, parser, name)
@@ -138,7 +138,7 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
     return []
 
 
-def _conditions(scope: Scope, parser: Parser, name: str) -> list[tuple[bool, int, int]]:
+def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool, int, int]]:
     """The inequalities between the commas: a chain, or a word for a domain of ``name``."""
     found = []
     while True:
@@ -155,7 +155,7 @@ def _conditions(scope: Scope, parser: Parser, name: str) -> list[tuple[bool, int
         parser.expect(",")
 
 
-def _chain(parser: Parser) -> Iterator[tuple[bool, int, int]]:
+def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
     """``a < b <= c``; what says ``a != 0`` restricts nothing, so that more is proved."""
     left, some = parser.sum(), False
     while sign := parser.take("<", "<=", ">", ">=", "!="):
@@ -170,7 +170,7 @@ def _chain(parser: Parser) -> Iterator[tuple[bool, int, int]]:
 
 def _solution(scope: Scope, text: str) -> int:
     """The formula of ``u = formula`` or ``u[n] = formula``."""
-    parser = Parser(scope, text)
+    parser = TextReader(scope, text)
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must be of the unknown at its own variables")
     parser.expect("=")
@@ -181,7 +181,7 @@ def _solution(scope: Scope, text: str) -> int:
 
 def _equation(scope: Scope, text: object) -> int:
     """The left-hand side, less the right-hand side if there is one."""
-    parser = Parser(scope, text)
+    parser = TextReader(scope, text)
     found = parser.sum()
     if parser.take("="):
         minus = scope.nodes.made("Mul", scope.nodes.rational(-1), parser.sum())

@@ -128,7 +128,9 @@ def _left_side(problem: Problem, table: NodeTable) -> int:
     for number, known, jets in problem.terms():
         factors = [table.made("number", str(number))] if number != 1 or not (known or jets) else []
         factors += map(table.place, known)
-        factors += (table.jet(orders, problem.variables) for orders in jets)
+        for orders, power in Counter(map(tuple, jets)).items():
+            jet = table.jet(orders, problem.variables)
+            factors.append(jet if power == 1 else table.made("Pow", jet, str(power)))
         terms.append(factors[0] if len(factors) == 1 else table.made("Mul", *factors))
     return terms[0] if len(terms) == 1 else table.made("Add", *terms)
 

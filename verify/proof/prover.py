@@ -47,7 +47,7 @@ def prove(
     ``domains`` states intervals (`domains.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
     points of the domains to look for a witness at, besides sampled ones.  PROVED means that
-    `checker.check_certificate` has accepted the certificate that the verdict carries.
+    `verify.kernel.check_certificate` has accepted the certificate that the verdict carries.
 
     Raises ValueError for an equation without exactly one unknown function, for domains that are
     none and for points outside them.

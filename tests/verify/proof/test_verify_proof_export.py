@@ -1,6 +1,5 @@
 """Certificates as scripts: their structure always, the systems' answers where they are there."""
 
-import json
 import random
 import re
 from collections.abc import Iterator
@@ -18,7 +17,6 @@ from verify.proof.export import terms
 from verify.proof.export.derivation import written_out
 from verify.proof.export.systems import SYSTEMS, answer, exported
 from verify.proof.export.terms import Definition, Relation, SlopeAxiom, Vanishing, WrittenProof
-from verify.proof.text_prover import prove as prove_text
 
 FORMS = ("kink", "wave_sn", "soliton_sech", "rational_1", "soliton_dn", "breather", "rogue_cn")
 SHORT = ("kink", "wave_sn", "rational_1", "soliton_sech")
@@ -111,14 +109,6 @@ def _head(lines: list[str], first: str) -> Iterator[str]:
         if line.startswith(first):
             return
         yield line
-
-
-def test_a_symbol_in_another_alphabet_is_named_by_its_code() -> None:
-    verdict = prove_text("u_t + k*u_x", "u = sin(x - k*t)", parameters="k: k>0")
-    text = json.dumps(verdict.certificate).replace('"k"', '"\u03ba"')
-    renamed = json.loads(text)
-    for system in SYSTEMS:
-        assert "<3ba>" in exported(renamed | {"digest": digest(renamed)}, system)
 
 
 def test_a_proof_by_equal_parts_is_refused() -> None:
