@@ -11,7 +11,7 @@ from flint import fmpq
 
 from .limits import JETS, TERMS, CertificateError
 from .nodes import KINDS, Nodes, children, listed
-from .reading import RESERVED, TextReader, Scope, tokens
+from .reading import RESERVED, Scope, TextReader, tokens
 
 Jet = tuple[int, tuple[int, ...]]
 """The place of an unknown and its order in each variable."""
