@@ -14,12 +14,12 @@ from typing import Any
 
 from flint import fmpq
 
-from verify.proof.checker.check import Denominators, registered
-from verify.proof.checker.identity import Residual
-from verify.proof.checker.limits import CertificateError
-from verify.proof.checker.nodes import Nodes, number
-from verify.proof.checker.ring import Element, Ring
-from verify.proof.checker.statement import Jet, Statement, read_statement, statement_text
+from verify.kernel.check import Denominators, opened, registered
+from verify.kernel.identity import Residual
+from verify.kernel.limits import CertificateError
+from verify.kernel.nodes import number
+from verify.kernel.ring import Element, Ring
+from verify.kernel.statement import Jet, Statement, statement_text
 
 from . import terms
 from .premises import RELATIONS, Question, polynomial_words
@@ -35,8 +35,8 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
     """
     if certificate["proof"]["parts"]:
         raise CertificateError("a proof by equal parts has no script (its parts have proofs)")
-    nodes = Nodes(certificate["nodes"])
-    statement = read_statement(nodes, certificate["statement"])
+    statement = opened(certificate)
+    nodes = statement.nodes
     field = registered(nodes, statement, certificate["proof"], field_type=TracedField)
     assert isinstance(field, TracedField)
     field.walk(statement.roots)
@@ -49,7 +49,7 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
     steps = premises.kept_steps()
     return WrittenProof(
         title=str(certificate["name"]),
-        statement=statement_text(statement),
+        statement=statement_text(statement, certificate["statement"]),
         meanings=[field.meaning(place) for place in range(len(field.ring.names))],
         variables=[str(nodes.all[variable][1]) for variable in statement.variables],
         free=field.free,

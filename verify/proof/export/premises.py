@@ -15,9 +15,9 @@ from functools import partial
 
 from flint import fmpq
 
-from verify.proof.checker.images import Images
-from verify.proof.checker.nodes import Nodes
-from verify.proof.checker.signs import Signs
+from verify.kernel.images import Images
+from verify.kernel.nodes import Nodes
+from verify.kernel.signs import Signs
 
 from .terms import Term
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from verify.proof.checker.derivations import Slopes
-from verify.proof.checker.field import Field
-from verify.proof.checker.images import Hints
-from verify.proof.checker.nodes import Nodes
-from verify.proof.checker.ring import Element
+from verify.kernel.derivations import Slopes
+from verify.kernel.field import Field
+from verify.kernel.images import Hints
+from verify.kernel.nodes import Nodes
+from verify.kernel.ring import Element
 
 from . import terms
 from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
