@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -14,3 +15,18 @@ class StatementTexts:
     solutions: tuple[str, ...]
     parameters: tuple[str, ...] = ()
     domain: tuple[str, ...] = ()
+
+    def with_values(self, values: Mapping[str, str]) -> StatementTexts:
+        """The texts with parameters that stand for formulas in the place of any values.
+
+        >>> texts = StatementTexts(("x",), ("u_x - b",), ("u = x",), ("b: b>0",))
+        >>> texts.with_values({"b": "1"}).parameters
+        ('b = 1',)
+        """
+        kept = (
+            p
+            for p in self.parameters
+            if p.replace("=", ":").partition(":")[0].strip() not in values
+        )
+        made = (f"{name} = {text}" for name, text in values.items())
+        return replace(self, parameters=(*made, *kept))

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
@@ -33,6 +34,7 @@ from .statement_problem import (
     with_exponentials,
 )
 from .statement_text import Statement
+from .typed_values import TypedValues
 
 Progress = Callable[[str], None]
 
@@ -88,12 +90,40 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         found.append(_decide_equation(statement, equation))
         if found[-1].outcome is Outcome.REFUTED:
             break
-    verdict = _together(statement, found, time.perf_counter() - start)
+    verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
     divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
     if divisor is not None:
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
         return undecided(statement, reason, time.perf_counter() - start)
     return verdict
+
+
+def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
+    """The verdict if what was typed agrees with it, evaluated by itself at points of the domain.
+
+    What fails at a point is refuted there; what holds at a witness is not refuted by it.
+    """
+    if statement.texts is None or verdict.outcome is Outcome.UNDECIDED:
+        return verdict
+    domains = all_domains(statement, *statement.equations)
+    names = {str(symbol) for symbol in domains}
+    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
+    typed = TypedValues(statement.texts, {**domains, **others})
+    if verdict.outcome is Outcome.REFUTED:
+        witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
+        if typed.fails_at(witness) is False:
+            reason = "what was typed holds at the point at which what SymPy makes of it fails"
+            return undecided(statement, reason, verdict.seconds)
+        return verdict
+    failing = typed.failure()
+    if failing is None:
+        return verdict
+    return replace(
+        undecided(statement, "", verdict.seconds),
+        outcome=Outcome.REFUTED,
+        detail="a ball around the residual of what was typed excludes 0",
+        witness={name: str(value) for name, value in failing.items()},
+    )
 
 
 def _together(
