@@ -118,10 +118,10 @@ def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
     failing = typed.failure()
     if failing is None:
         return verdict
+    reason = "a ball around the residual of what was typed excludes 0"
     return replace(
-        undecided(statement, "", verdict.seconds),
+        undecided(statement, reason, verdict.seconds),
         outcome=Outcome.REFUTED,
-        detail="a ball around the residual of what was typed excludes 0",
         witness={name: str(value) for name, value in failing.items()},
     )
 

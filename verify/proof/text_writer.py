@@ -60,8 +60,8 @@ def node_text(
 
 
 def _joined(terms: Sequence[str]) -> str:
-    """A sum, with the minus signs that its terms begin with."""
-    first, *rest = terms
+    """A sum, with the minus signs that its terms begin with; of no terms 0."""
+    first, *rest = terms or ["0"]
     return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
 
 

@@ -1,7 +1,7 @@
 """What was typed, evaluated by itself: a guard against a text that SymPy reads as another.
 
-SymPy simplifies while it builds formulas (`sign(z)**2` becomes 1; for n > 0 `abs(n)` becomes n, also
-where it is shifted).  So a verdict is compared with balls around the residual of the texts as they
+SymPy simplifies while it builds formulas (`sign(z)**2` becomes 1; `abs(n)` becomes n for n > 0, and
+is shifted then).  So a verdict is compared with balls around the residual of the texts as they
 stand, at points of the domain: at some that are drawn, and at the first integers that it holds.
 """
 
