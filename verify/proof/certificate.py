@@ -88,11 +88,11 @@ def statement_texts(problem: Problem) -> StatementTexts:
     ends = {end for domain in problem.domains.values() for end in (domain.lower, domain.upper)}
     places = {end: table.place(end) for end in ends if abs(end) != sp.oo}
     written = Written(table.nodes, [*formulas, left, *places.values()], unknowns, variables)
-    kinds = [
-        f"{symbol.name}: {'integer' if symbol.is_integer else 'real'}"
+    kinds = {
+        symbol.name: "integer" if symbol.is_integer else "real"
         for symbol in {**problem.domains, **dict.fromkeys(problem.variables)}
         if bool(symbol.is_integer) != (symbol.name == "n" and symbol.name in variables)
-    ]
+    }
     limits = {
         symbol.name: domain_text(symbol.name, domain, lambda end: written.text(places[end]))
         for symbol, domain in problem.domains.items()
@@ -100,12 +100,16 @@ def statement_texts(problem: Problem) -> StatementTexts:
     }
     pairs = zip(unknowns, formulas, strict=True)
     named = [f"{name} = {text}" for name, text in written.named.items()]
-    own = [f"{name}: {limit}" for name, limit in limits.items() if name not in variables]
+    own = {name: limit for name, limit in limits.items() if name not in variables}
+    stated = [
+        f"{name}: {', '.join(part[name] for part in (kinds, own) if name in part)}"
+        for name in {**kinds, **own}
+    ]
     return StatementTexts(
         tuple(variables),
         (written.text(left),),
         tuple(f"{name} = {written.text(place)}" for name, place in pairs),
-        (*named, *kinds, *own),
+        (*named, *stated),
         tuple(limit for name, limit in limits.items() if name in variables),
     )
 

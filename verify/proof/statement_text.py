@@ -79,7 +79,7 @@ class Statement:
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
-    texts: StatementTexts | None = None
+    texts: StatementTexts | None = field(default=None, compare=False)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -18,11 +18,14 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
+from verify.kernel.check import check_certificate
+from verify.kernel.limits import CertificateError
 from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .balls import ball_value
+from .certificate_writer import Certificate
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
@@ -46,8 +49,8 @@ NO_VERDICT = (ValueError, TypeError, RecursionError, NotImplementedError, Overfl
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
-NOTE = "the formulas were put into the equation and differentiated by SymPy"
-"""What a certificate of residual = 0 does not hold."""
+NOTE = "the certificate states what SymPy reads, with which balls around what was typed agree"
+"""What is said where the checker does not accept the proof for the texts as they were typed."""
 
 WITNESS_BITS = (160, 640)
 
@@ -87,7 +90,7 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
     count = len(statement.equations)
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
-        found.append(_decide_equation(statement, equation))
+        found.append(_retyped(statement, number, _decide_equation(statement, equation)))
         if found[-1].outcome is Outcome.REFUTED:
             break
     verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
@@ -96,6 +99,22 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
         return undecided(statement, reason, time.perf_counter() - start)
     return verdict
+
+
+def _retyped(statement: Statement, number: int, verdict: ProofVerdict) -> ProofVerdict:
+    """A proof of one equation with a certificate of what was typed, if the checker accepts it."""
+    certificate = verdict.certificate
+    texts = statement.texts
+    if texts is None or not isinstance(certificate, Certificate):
+        return verdict
+    if len(texts.equations) != len(statement.equations):
+        return verdict  # a case of constants in which some equations hold by themselves
+    typed = certificate.restated(replace(texts, equations=texts.equations[number - 1 : number]))
+    try:
+        check_certificate(typed)
+    except CertificateError:
+        return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
+    return replace(verdict, certificate=typed)
 
 
 def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
@@ -261,7 +280,6 @@ def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
-        assumptions=(*verdict.assumptions, NOTE),
     )
 
 

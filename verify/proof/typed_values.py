@@ -7,22 +7,25 @@ stand, at points of the domain: at some that are drawn, and at the first integer
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import islice, product
 
 import sympy as sp
 
 from verify.studies.statements.random_statement import Truth
-from verify.studies.texts.ball_judge import Judge, Unsaid
+from verify.studies.texts.ball_judge import BITS, Judge, Unsaid
 from verify.studies.texts.text_statement import Letter, TextPoint, TextStatement
 
 from .domains import Domain, Domains
 from .samples import sample
 from .statement_texts import StatementTexts
 
-POINTS = 8
+POINTS = 4
 """Points of the domain that are drawn."""
+
+QUICK = (128,)
+"""Bits of the balls at drawn points: a failure that needs more is no misreading."""
 
 FIRST, MOST = 4, 16
 """Integers next to the end of their domain, or about 0, that are looked at; their combinations."""
@@ -56,18 +59,18 @@ class TypedValues:
         names = {*texts.variables, *(name for tree in trees for name in tree.names())}
         self._names = names - {name for name, _ in definitions} - {*CONSTANTS}
 
-    def fails_at(self, point: TextPoint) -> bool | None:
+    def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
         """Whether an equation fails at a point; None where that cannot be said."""
         if self._judge is None or not self._names <= point.keys():
             return None
         try:
-            return self._judge.fails_at(point)
-        except (Unsaid, KeyError, ValueError, RecursionError, OverflowError):
+            return self._judge.fails_at(point, bits)
+        except (Unsaid, LookupError, ValueError, RuntimeError, OverflowError):
             return None
 
     def failure(self) -> TextPoint | None:
         """A point of the domain at which an equation fails; None if none was found."""
-        return next((point for point in self._points() if self.fails_at(point)), None)
+        return next((point for point in self._points() if self.fails_at(point, QUICK)), None)
 
     def _points(self) -> Iterator[TextPoint]:
         known = {str(symbol): symbol for symbol in self._domains}

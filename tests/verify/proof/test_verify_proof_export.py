@@ -236,8 +236,8 @@ PREMISES = {
     ],
     ("u[n+1] + u[n]", "u[n] = (-1)**n", "", ""): ["n is an integer"],
     ("I*u_t + u_xx + 2*abs(u)**2*u", "u = sech(x)*exp(I*t)", "", ""): [
-        "t is real",
         "sech(x) is real",
+        "t is real",
         "(exp(x))^2 + 1 is not 0",
         "exp(t*I) is not 0",
     ],
