@@ -83,7 +83,7 @@ def problem(draw: Random) -> FuzzCase:
 
 def certificate(draw: Random) -> FuzzCase:
     """A certificate, checked; its digest is made to fit, so that more than this is looked at."""
-    from verify.proof.checker.limits import digest
+    from verify.kernel.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))
     for _ in range(few(draw)):
@@ -97,7 +97,7 @@ def certificate(draw: Random) -> FuzzCase:
     content = text.encode("utf-8", "surrogatepass")
     if draw.random() < 0.05:
         content = changed_bytes(draw, content)
-    words = ["verify", "check-certificate", "hostile.json"]
+    words = ["check", "hostile.json"]
     if draw.random() < 0.2:
         words = ["prove", "--certificate", "hostile.json"]
         if draw.random() < 0.5:

@@ -32,8 +32,8 @@ from derive.algebra.small_matrices import (
 )
 from derive.lattice import Bond, Lattice
 
-z, w = Symbol("z"), Symbol("w")
-"""exp(i k) and i omega."""
+z, w = Symbol("exp(i k)"), Symbol("i omega")
+"""Under names that no constant of a lattice can have."""
 
 LETTER, CONJUGATE, MEAN = 0, 1, 2
 """Second entry of a jet, behind the number of its X-derivatives."""

@@ -18,11 +18,11 @@ from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 from derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
 from derive.algebra.jets import DifferentialPolynomial
 from derive.algebra.rational_functions import RationalFunction
-from derive.carrier import Carrier, EnvelopeError, w
+from derive.carrier import Carrier, EnvelopeError, w, z
 from derive.lattice import Lattice
 from derive.normal_form import NormalForm, normal_form_of
 from derive.output.notation import Displayed, Printed, latex_of, text_of
-from derive.sines import cosine, in_sines, omega, sine
+from derive.sines import cosine, frequency, in_sines, omega, sine
 from derive.symbols import k
 
 DIGITS = 60
@@ -42,14 +42,11 @@ LARGE_CELL = 4
 and 4 s for the mean's next order in numbers; with symbols for the springs alone the latter took
 18 s, and with symbols for the masses, too, the order before it 27 s."""
 
-FIRST_MASS = Symbol("mass", positive=True)
+FIRST_MASS = Symbol("first mass", positive=True)
 """Stands for the first mass of a lattice in numbers."""
 
 _MAPPED = ("v", "p", "q")
 """What the normal form depends on."""
-
-OWN_NAMES = {"C", "omega", "s", "w", "z"}
-"""Symbols that stand for the carrier's phase, frequency and sines."""
 
 TURNED = ("p", "q", "detuning")
 """Coefficients that stand behind an i in ``A_T = i p A_XX + i q |A|^2 A + i detuning S A``."""
@@ -141,8 +138,10 @@ class Envelope(Displayed):
 
     def _expression(self, element: RationalFunction) -> Expr:
         angle = k if self.wavenumber is None else self.wavenumber
-        actual = {sine: sin(angle / 2), cosine: cos(angle / 2)}
-        real, imaginary = (part.subs({**self.constants, **actual}) for part in in_sines(element))
+        actual = {sine: sin(angle / 2), cosine: cos(angle / 2), **self.constants}
+        if omega.name not in map(str, self.lattice.constants):
+            actual[frequency] = omega
+        real, imaginary = (part.subs(actual) for part in in_sines(element))
         found = real + I * imaginary
         algebraic = self.wavenumber is not None and (self.wavenumber / pi).is_Rational
         return simplify(found) if algebraic else found
@@ -187,7 +186,7 @@ class Envelope(Displayed):
         relation, root = self.carrier.relation, self.carrier.field(w)
         at = {sine: sin(angle / 2), cosine: cos(angle / 2), **values}
         squared = relation / (relation.diff(w) / (2 * root)) - root**2
-        at[omega] = sqrt(in_sines(squared)[0].subs(at))
+        at[frequency] = sqrt(in_sines(squared)[0].subs(at))
         parts = {name: in_sines(self.parts[name])[name in TURNED] for name in _MAPPED}
         return {name: part.subs(at) for name, part in parts.items()}
 
@@ -214,7 +213,7 @@ class Envelope(Displayed):
     def point(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
     ) -> dict[str, mpmath.mpc]:
-        """exp(i k), i omega and the constants by name, to `DIGITS` digits, and the ``angle`` k."""
+        """exp(i k), i omega, k and the constants by name, to `DIGITS` digits."""
         chosen = self.wavenumber if k is None else wavenumber(k)
         if chosen is None:
             raise ValueError("k must be given, got none (a wavenumber, as 1 or pi)")
@@ -223,9 +222,9 @@ class Envelope(Displayed):
         with mpmath.workdps(DIGITS + GUARD):
             angle = mpmath.mpf(chosen.evalf(DIGITS + GUARD))
             point = {str(s): mpmath.mpf(v.evalf(DIGITS + GUARD)) for s, v in values.items()}
-            point["z"] = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
-            point["angle"] = angle
-            return {**point, "w": 1j * _frequency(self.carrier, point, number)}
+            point[str(z)] = mpmath.mpc(-1) if chosen == pi else mpmath.expj(angle)
+            point["k"] = angle
+            return {**point, str(w): 1j * _frequency(self.carrier, point, number)}
 
     def _numbers(
         self, k: Number | None, branch: str | int | None, constants: Mapping[str, Number]
@@ -238,22 +237,22 @@ class Envelope(Displayed):
         """The same at these values; the digits are set."""
         if evaluated(self.carrier.second_harmonic, point) is None:
             raise EnvelopeError(_resonance("4 omega(k)^2 = omega(2k)^2", point))
-        found: dict[str, mpmath.mpc] = {"omega": point["w"].imag}
+        found: dict[str, mpmath.mpc] = {"omega": point[str(w)].imag}
         for name, element in self.parts.items():
             value = evaluated(element, point)
             if value is None and name in ("v", "p"):
                 first = self.lattice.fields[0]
                 raise EnvelopeError(
                     f"k must have a carrier that moves {first}, got "
-                    f"{mpmath.nstr(point['angle'], 8)}, where {first} is at rest in this branch or "
+                    f"{mpmath.nstr(point['k'], 8)}, where {first} is at rest in this branch or "
                     f"two branches meet (list the field first that moves, or take another k)"
                 )
             if value is None:
                 raise EnvelopeError(_resonance("the group velocity is the sound speed", point))
             found[name] = value / 1j if name in TURNED else value
-        if abs(found["p"]) < ROUNDING * abs(point["w"]):
+        if abs(found["p"]) < ROUNDING * abs(point[str(w)]):
             raise EnvelopeError(
-                f"k must be no zero of the dispersion p, got {mpmath.nstr(point['angle'], 8)} "
+                f"k must be no zero of the dispersion p, got {mpmath.nstr(point['k'], 8)} "
                 "(there the third derivative of omega takes its place)"
             )
         return found
@@ -318,12 +317,6 @@ def envelope(
         raise ValueError(f"lattice must have one axis, got {lattice.dimension} (take a chain)")
     chosen = None if k is None else wavenumber(k)
     number = _branch(branch, lattice)
-    taken = sorted({str(symbol) for symbol in lattice.constants} & OWN_NAMES)
-    if taken:
-        raise ValueError(
-            f"constants must have names other than {', '.join(sorted(OWN_NAMES))}, got {taken[0]} "
-            "(those are the carrier's own)"
-        )
     slopes = (bond.stiffness(S.Zero) for bond in lattice.bonds)
     if not any(part.free_symbols for part in (*lattice.masses, *slopes)):
         # the dispersion relation is solved for a symbol, and is linear in any mass
@@ -401,7 +394,7 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
     names = [str(symbol) for symbol in carrier.field.symbols]
     for (turns, power, *rest), value in carrier.relation.terms():
         factors = [at[name] ** e for name, e in zip(names[2:], rest, strict=True) if e]
-        term = (-1) ** (power // 2) * value * at["z"] ** turns * mpmath.fprod(factors)
+        term = (-1) ** (power // 2) * value * at[str(z)] ** turns * mpmath.fprod(factors)
         relation[power // 2] = relation.get(power // 2, 0) + term
     highest = max(relation)
     turned = mpmath.conj(relation[highest]) / abs(relation[highest])
@@ -411,7 +404,7 @@ def _frequency(carrier: Carrier, at: Mapping[str, mpmath.mpc], number: int) -> m
     if abs(found.imag) > ROUNDING * abs(found) or found.real <= 0:
         raise ValueError(
             f"constants must give a real frequency, got omega^2 = {mpmath.nstr(found, 8)} at "
-            f"k = {mpmath.nstr(mpmath.arg(at['z']), 8)} (the lattice must be stable)"
+            f"k = {mpmath.nstr(mpmath.arg(at[str(z)]), 8)} (the lattice must be stable)"
         )
     return mpmath.sqrt(found.real)
 
@@ -442,6 +435,6 @@ def evaluated(element: RationalFunction, at: Mapping[str, mpmath.mpc]) -> mpmath
 
 def _resonance(words: str, point: Mapping[str, mpmath.mpc]) -> str:
     return (
-        f"k must be no resonance, got {mpmath.nstr(point['angle'], 8)}, where {words} "
+        f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where {words} "
         "(the two waves interact at the order of the envelope: take another wavenumber)"
     )

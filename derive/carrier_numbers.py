@@ -92,7 +92,7 @@ def carrier_fields(
         for _ in range(highest):
             flow.append(_slope(flow[-1]))
         return CarrierFields(
-            float(point["angle"]),
+            float(point["k"]),
             numbers.omega,
             numbers.v,
             parts,
@@ -129,7 +129,7 @@ def _value(element: RationalFunction, point: Mapping[str, mpmath.mpc]) -> mpmath
     found = evaluated(element, point)
     if found is None:
         raise EnvelopeError(
-            f"k must be no resonance, got {mpmath.nstr(point['angle'], 8)}, where a harmonic of "
+            f"k must be no resonance, got {mpmath.nstr(point['k'], 8)}, where a harmonic of "
             "the carrier is a wave of the lattice (take another wavenumber)"
         )
     return found

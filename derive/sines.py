@@ -9,13 +9,16 @@ from __future__ import annotations
 from functools import cache
 from math import comb
 
-from sympy import Expr, Integer, Symbol, symbols
+from sympy import Expr, Integer, Symbol
 
 from derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
+frequency = Symbol("omega(k)", positive=True)
+sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)
+"""Under names that no constant of a lattice can have."""
+
 omega = Symbol("omega", positive=True)
-sine, cosine = symbols("s C", real=True)
-"""sin(k/2) and cos(k/2)."""
+"""How the frequency is printed, unless a constant is called so."""
 
 Complex = tuple[RationalFunction, RationalFunction]
 """Real and imaginary part."""
@@ -24,12 +27,12 @@ Complex = tuple[RationalFunction, RationalFunction]
 def in_sines(element: RationalFunction) -> tuple[Expr, Expr]:
     """Real and imaginary part, in factors; the first two symbols of the field are z and w.
 
-    >>> z, w, K = symbols("z w K")
+    >>> z, w, K = map(Symbol, "zwK")
     >>> field = RationalFunctions((z, w, K))
     >>> in_sines(field.from_expr(K * (z - 2 + 1 / z) * w))
-    (0, -4*K*omega*s**2)
+    (0, -4*K*omega(k)*sin(k/2)**2)
     """
-    field = RationalFunctions((sine, cosine, omega, *element.field.symbols[2:]))
+    field = RationalFunctions((sine, cosine, frequency, *element.field.symbols[2:]))
     above, below = _Product(field, element, below=False), _Product(field, element, below=True)
     rest = _times(above.rest, _power(field, above.turns - below.turns))
     if below.rest[1]:

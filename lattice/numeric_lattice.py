@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -213,13 +213,17 @@ def _shifted(values: Array, shift: tuple[int, ...]) -> Array:
 
 
 def numeric_lattice(
-    lattice: Lattice, constants: Mapping[str, Number], mean_strain: Sequence[float] = ()
+    lattice: Lattice,
+    constants: Mapping[str, Number],
+    mean_strain: Sequence[float] = (),
+    shares: Sequence[float] = (),
 ) -> NumericLattice:
     """The lattice with values for all its constants, its displacements growing by ``mean_strain``.
 
-    ``mean_strain`` has one entry for each axis. Raises ValueError for constants that are missing,
+    ``mean_strain`` has one entry for each axis; a field grows by its one of the ``shares`` of that,
+    by all of it unless they are given. Raises ValueError for constants that are missing,
     unknown or not what their symbols are declared to be, and for a mean strain where forces tie
-    fields to their sites.
+    what grows to its site.
 
     >>> from derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1})
@@ -243,22 +247,28 @@ def numeric_lattice(
         lattice.name,
         lattice.fields,
         tuple(float(mass.xreplace(values)) for mass in lattice.masses),
-        tuple(_numeric_bond(bond, values, mean_strain) for bond in lattice.bonds),
+        tuple(_numeric_bond(bond, values, mean_strain, shares) for bond in lattice.bonds),
     )
 
 
-def _numeric_bond(bond: Bond, values: Mapping, mean_strain: Sequence[float]) -> NumericBond:  # type: ignore[type-arg]
+def _numeric_bond(
+    bond: Bond, values: Mapping[Any, Any], mean_strain: Sequence[float], shares: Sequence[float]
+) -> NumericBond:
     stretch, action = (tuple(map(_entry, part)) for part in (bond.stretch, bond.action))
     slopes = tuple(mean_strain) or (0.0,) * len(stretch[0].shift)
     found = NumericBond(stretch, action, force_program(bond.force.xreplace(values)))
     if not any(slopes):
         return found
-    if found.is_on_site:
+    grown = [e.weight * (shares[e.field] if shares else 1.0) for e in stretch]
+    if abs(math.fsum(grown)) > ROUNDED * max(map(abs, grown)):
         raise ValueError(
             f"mean_strain must be 0 where a bond feels a field itself, got {slopes} (such a "
             "lattice has no uniform strain, or it is the field's own mean)"
         )
-    moved = [sum(a * b for a, b in zip(slopes, e.shift, strict=True)) * e.weight for e in stretch]
+    moved = [
+        sum(a * b for a, b in zip(slopes, e.shift, strict=True)) * share
+        for e, share in zip(stretch, grown, strict=True)
+    ]
     return NumericBond(stretch, action, found.force, math.fsum(moved))
 
 

@@ -7,6 +7,11 @@ what the engine calls for, is its estimated error, with what the engine knows th
 alike. That bounds the error as soon as the control run is no worse than two thirds of the run
 before it, in each of the things that were varied.
 
+That is so only where the error of the step obeys its law, step^order. Near the longest stable step
+it does not: there the errors of two steps may agree, and so may the runs. So no run is judged by a
+step at which the law has not been seen: what a shorter step changes must have fallen from what it
+changed at a longer one as the order says, and is not believed to be much less than that.
+
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
 that it is not enough, each of the choices is varied by itself, to see which one it is.
@@ -43,6 +48,8 @@ SHARES: dict[Kind, float] = {"step": 0.5, "sampling": 0.2, "domain": 0.3}
 TIGHTER = 1.5
 """By how much all errors are to fall where each keeps its share and their sum does not."""
 
+STEP: tuple[Kind, ...] = ("step",)
+
 ATTEMPTS = 12
 """Most control runs."""
 
@@ -62,11 +69,18 @@ WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
 shorter ones, whose roundings are more (scenes of `benchmarks/estimates.py`)."""
 
-SURE = 50.0
-"""A step's error that is to be divided by at most this is taken to obey its law."""
-
 LAWFUL = 3.0
-"""What is left of a step's error obeys its law if it is at most this much larger."""
+"""What a step changes obeys its law if it is at most this much larger than the law has it."""
+
+DOUBT = 4.0
+"""By so much less than the law has it is a step's change believed to be: a fifth, with a control
+step of 0.8 and an order of 6, would be less than the control run's error."""
+
+LEAST = 1e-5
+"""Least share of the tolerance that an error is told as: no run was looked at more closely."""
+
+NEGLIGIBLE = 0.01
+"""Share of the tolerance below which the change of a step needs obey no law: it may be rounding."""
 
 
 class TooDearError(ValueError):
@@ -123,18 +137,23 @@ def refine(
 
 
 def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
-    choices, scout = engine.first(), engine.scout()
-    scouting = search if scout is engine else search.scouting(scout)
-    choices = replace(choices, step=scouting.with_step(replace(scout.first(), step=choices.step)))
+    scouting = search.scouting(engine.scout())
+    choices = _followed(search, scouting, engine.first())
     search.seconds = scouting.seconds
     best, since, blown = math.inf, 0, 0
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        error = engine.safety * difference(trial, control) + rounding + control.alike
+        change = max(difference(trial, control), scouting.lawful_change(choices) / DOUBT)
+        error = max(engine.safety * change + rounding + control.alike, LEAST * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown
+        if error <= tolerance and not scouting.has_seen_law(choices):
+            shorter = _followed(search, scouting, choices)
+            if shorter != choices:
+                choices = shorter
+                continue
         blown = blown + 1 if math.isinf(error) else 0
         if error <= tolerance or blown == BLOWN:
             decade = 10.0 ** (1.0 / engine.order)
@@ -157,15 +176,26 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     )
 
 
+def _followed(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
+    """The choices with the longest step, from theirs on, that the scout finds good and lawful."""
+    if scouting is search:
+        return search.with_step(choices)
+    begun = replace(scouting.engine.first(), step=choices.step)
+    return replace(choices, step=scouting.with_step(begun).step)
+
+
 class _Search:
     """The runs so far, and the laws by which the next choices are made."""
 
     def __init__(
         self, engine: Engine, tolerance: float, progress: Progress, announce: Announce
     ) -> None:
-        self._engine, self._tolerance = engine, tolerance
+        self.engine, self._tolerance = engine, tolerance
         self._progress, self._announce = progress, announce
         self._done: dict[Choices, Trial] = {}
+        self._changes: dict[float, float] = {}  # what was changed by shortening each step
+        self._lawful = 0.0  # the longest step of which the law was seen
+        self._negligible = NEGLIGIBLE * tolerance / SAFETY
         self._shown = 0.0
         self._stopped = False
         self.seconds = 0.0
@@ -174,7 +204,9 @@ class _Search:
         self.judged: tuple[Trial, float] | None = None
 
     def scouting(self, scout: Engine) -> "_Search":
-        """A search by another engine, for the same tolerance."""
+        """A search by another engine, for the same tolerance; itself, if that is its own."""
+        if scout is self.engine:
+            return self
         return _Search(scout, self._tolerance, self._progress, self._announce)
 
     def stopped(self, stop: KeyboardInterrupt) -> StoppedSearch:
@@ -191,36 +223,55 @@ class _Search:
         begun = stop.trial if isinstance(stop, StoppedTrial) and stop.trial.shown else None
         return StoppedSearch(begun, None, self.seconds)
 
-    def with_step(self, choices: Choices) -> float:
-        """The step that keeps its share.
-
-        The law is taken at its word where it does not lead far or has held twice.
-        """
-        before, unstable, held = choices, 0, False
-        last = math.inf
+    def with_step(self, choices: Choices) -> Choices:
+        """Choices whose step keeps its share and was seen to obey its law, if there are any."""
+        unstable, last = 0, math.inf
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
             if self.wary is None and math.isfinite(excess):
-                self.wary = self._engine.fragile and WARY * self.grown(choices) > self._tolerance
+                self.wary = self.engine.fragile and WARY * self.grown(choices) > self._tolerance
             unstable += math.isinf(excess)
             stuck = 1.0 < excess < math.inf and excess > PROGRESS * last
             self.stalled = self.stalled + 1 if stuck else 0
             if stuck:
                 self.check_rounding(choices)
-            if excess <= 1.0 or unstable == self._engine.unstable or self.stalled == PATIENCE:
+            kept = excess <= 1.0 and self.has_seen_law(choices)
+            if kept or unstable == self.engine.unstable or self.stalled == PATIENCE:
                 break
-            expected = last * (choices.step / before.step) ** self._engine.order
-            held = excess <= LAWFUL * expected and math.isfinite(last)
-            before, last = choices, excess
-            choices = self._engine.better(choices, "step", excess)
-            if excess <= SURE:
-                break
-            if held:
-                shorter = excess * (choices.step / before.step) ** self._engine.order
-                if shorter > 1.0:
-                    choices = self._engine.better(choices, "step", shorter)
-                break
-        return choices.step
+            last = excess
+            if excess <= 1.0:
+                choices = self.engine.varied(choices, STEP)
+            else:
+                choices = self.engine.better(choices, "step", excess)
+        return choices
+
+    def has_seen_law(self, choices: Choices) -> bool:
+        """Whether what such a step changes has fallen by the law, or is next to nothing."""
+        return self.engine.taken(choices) <= self._lawful
+
+    def lawful_change(self, choices: Choices) -> float:
+        """What the step changes at least, going by the nearest longer one that was tried.
+
+        What is next to nothing may be rounding, which obeys no law.
+        """
+        step = self.engine.taken(choices)
+        longer = [one for one in self._changes.items() if one[0] > step]
+        if not longer:
+            return 0.0
+        other, change = min(longer)
+        if change <= self._negligible:
+            return change
+        return float(change * (step / other) ** self.engine.order)
+
+    def _note_change(self, choices: Choices, change: float) -> None:
+        """Keep what a step changes, and whether it is what the law expects."""
+        if not math.isfinite(change):
+            return
+        step, expected = self.engine.taken(choices), self.lawful_change(choices)
+        fallen = change <= max(LAWFUL * expected, self._negligible)
+        if fallen and max(self._changes, default=0.0) > step:
+            self._lawful = max(self._lawful, step)
+        self._changes[step] = change
 
     def grown(self, choices: Choices) -> float:
         """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
@@ -240,13 +291,13 @@ class _Search:
 
     def pair(self, choices: Choices) -> tuple[Trial, Trial]:
         """The run with these choices and its control, which is shown."""
-        control = self._engine.varied(choices, self._engine.kinds)
+        control = self.engine.varied(choices, self.engine.kinds)
         self._run({choices: False, control: True})
         return self._done[choices], self._done.pop(control)
 
     def improved(self, choices: Choices, trial: Trial, error: float) -> Choices:
         """Better choices: in what exceeds its share when it is varied by itself, or in all."""
-        engine = self._engine
+        engine = self.engine
         if trial.values is None:
             for kind in engine.kinds:
                 choices = engine.better(choices, kind, CURE)
@@ -265,10 +316,12 @@ class _Search:
 
     def _excess(self, choices: Choices, kind: Kind) -> float:
         """By how much the error is above its share when that kind alone is varied."""
-        other = self._engine.varied(choices, (kind,))
+        other = self.engine.varied(choices, (kind,))
         self._run({choices: False, other: False})
         change = difference(self._done[choices], self._done[other])
-        share = SHARES[kind] if len(self._engine.kinds) > 1 else 1.0
+        if kind == "step":
+            self._note_change(choices, change)
+        share = SHARES[kind] if len(self.engine.kinds) > 1 else 1.0
         return SAFETY * change / (share * self._tolerance)
 
     def _run(self, wanted: dict[Choices, bool]) -> None:
@@ -276,9 +329,9 @@ class _Search:
         self._tell(missing)
 
         def run(choices: Choices) -> Trial:
-            return self._engine.run(choices, wanted[choices], self._share)
+            return self.engine.run(choices, wanted[choices], self._share)
 
-        threads = min(self._engine.threads, usable_cores())
+        threads = min(self.engine.threads, usable_cores())
         if threads == 1:
             for choices in missing:
                 self._keep(choices, run(choices))
@@ -317,8 +370,8 @@ class _Search:
 
         Raises TooDearError for more than the engine is given.
         """
-        asked = sum(map(self._engine.work, missing))
-        if asked > self._engine.most_work:
+        asked = sum(map(self.engine.work, missing))
+        if asked > self.engine.most_work:
             raise TooDearError(asked)
         spent = sum(trial.seconds for trial in self._done.values())
         work = sum(trial.work for trial in self._done.values())

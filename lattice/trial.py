@@ -159,6 +159,9 @@ class Engine(Protocol):
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """Choices with which that kind's error is smaller by the factor ``excess`` > 1."""
 
+    def taken(self, choices: Choices) -> float:
+        """The step that makes the error of a run, where stops shorten the one that was chosen."""
+
     def work(self, choices: Choices) -> float:
         """What a run costs, in any unit, as `Trial` counts it."""
 
@@ -193,6 +196,15 @@ def mean_step(stops: Array, step: float, order: int) -> float:
         return step
     taken = gaps / np.ceil(gaps / step * (1.0 - 1e-12))
     return float(np.average((taken / step) ** order, weights=gaps) ** (1.0 / order) * step)
+
+
+def step_between(stops: Array, step: float) -> float:
+    """The step, or the longest gap between two stops where that is shorter.
+
+    >>> step_between(np.array([0.0, 1.0, 1.5]), 3.0)
+    1.0
+    """
+    return min(step, float(np.max(np.diff(stops))) or step)
 
 
 def shorter_step(stops: Array, step: float, order: int, ratio: float) -> float:
@@ -242,7 +254,12 @@ class StepSearch:
 
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the law of the order."""
-        return replace(choices, step=lawful_step(choices.step, self.order, excess))
+        step = step_between(self._stops, choices.step)
+        return replace(choices, step=lawful_step(step, self.order, excess))
+
+    def taken(self, choices: Choices) -> float:
+        """The mean of the steps between the stops."""
+        return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:
         """Steps."""

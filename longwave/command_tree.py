@@ -21,7 +21,7 @@ from derive.command_line import (
 )
 from reports.__main__ import report
 from runs.run_words import complete_scenes, run, sweep
-from verify.cli.commands import prove, verify
+from verify.cli.commands import check, prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
@@ -76,7 +76,7 @@ def longwave() -> None:
     """
 
 
-for word in (derive, prove, verify, run, sweep):
+for word in (derive, prove, check, verify, run, sweep):
     longwave.add_command(word)
 
 

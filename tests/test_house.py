@@ -222,7 +222,7 @@ def test_a_file_is_neither_a_scrap_nor_a_heap(path: Path) -> None:
     text = path.read_text("utf-8")
     assert len(text.splitlines()) <= MOST_LINES
     if not path.name.startswith("__"):
-        assert lines_of_code(text) >= 15
+        assert lines_of_code(text) >= 8
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=name_of)

@@ -215,7 +215,7 @@ def _check_logarithms(exponent: sp.Expr) -> None:
 
 def _finite(expression: sp.Expr) -> sp.Expr:
     """The expression; raises TooLarge for one that is infinite, no number or huge."""
-    if expression in (sp.zoo, sp.nan, sp.oo, -sp.oo):
+    if not expression.free_symbols and expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise TooLarge("values must be finite")
     if expression.is_Rational:
         _check_bits(_bits(expression))

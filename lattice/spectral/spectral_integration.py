@@ -308,6 +308,10 @@ class FieldSearch:
         factor = max(LEAST_FACTOR, 0.9 * excess ** (-1.0 / ORDER))
         return replace(choices, step=factor * choices.step)
 
+    def taken(self, choices: Choices) -> float:
+        """The step that was chosen."""
+        return choices.step
+
     def work(self, choices: Choices) -> float:
         """Steps times points times their logarithm."""
         points = math.prod(self._counts(choices))

@@ -9,7 +9,7 @@ from derive.command_line import fail
 
 COMMANDS = {
     "derive.__main__": ("",),
-    "verify.__main__": ("", "check-certificate", "mutations", "accuracy"),
+    "verify.__main__": ("", "mutations", "accuracy"),
     "reports.__main__": ("",),
     "reports.bench": ("",),
     "reports.figures.__main__": ("",),

@@ -212,3 +212,23 @@ def test_a_tie_of_its_own_is_only_data() -> None:
     values: Any = {"K2": 1, "g1": 2, "g2": 1, "g3": 1}
     found = envelope(lattice, K3=0, K4=0, **values).coefficients(1, K3=0, K4=0, **values)
     assert found == envelope(LATTICES["klein_gordon"], **values).coefficients(1, **values)
+
+
+@pytest.mark.parametrize("name", ["C", "w", "s", "z", "omega", "angle", "mass"])
+def test_a_constant_of_any_name_has_the_same_envelope(name: str) -> None:
+    """Catches: a constant taken for the carrier's phase, frequency or sines."""
+    renamed = {K2: Symbol(name, positive=True)}
+    chain = LATTICES["fput"]
+    bonds = tuple(replace(bond, force=bond.force.xreplace(renamed)) for bond in chain.bonds)
+    found = envelope(replace(chain, bonds=bonds))
+    numbers: dict[str, Any] = {"K3": Rational(1, 3), "K4": 2}
+    assert found.coefficients(1, **{name: 3}, **numbers) == envelope(chain).coefficients(
+        1, K2=3, **numbers
+    )
+    assert found.normal_form(1, **{name: 3}, **numbers) == envelope(chain).normal_form(
+        1, K2=3, **numbers
+    )
+    ties = (*chain.bonds, on_site(Symbol(name, positive=True) * x - x**3))
+    tied = envelope(replace(chain, bonds=ties))
+    known = {Symbol(name, positive=True)}
+    assert (omega in tied.expressions["p"].free_symbols - known) is (name != "omega")

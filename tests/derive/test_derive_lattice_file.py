@@ -201,13 +201,14 @@ def test_a_small_constant_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["z", "w", "s", "omega"])
-def test_a_constant_must_not_be_called_as_the_carrier_calls_its_own(name: str) -> None:
+def test_a_constant_may_be_called_as_any_of_the_carriers_own(name: str) -> None:
     """A constant s was taken for sin(k/2)."""
-    spring = {"between": ["u[n]", "u[n+1]"], "force": f"K*x + {name}*x**2"}
-    with pytest.raises(
-        ValueError, match=f"must have names other than C, omega, s, w, z, got {name}"
-    ):
-        envelope(lattice_of({"fields": ["u"], "spring": [spring]}))
+    found = []
+    for called in (name, "K3"):
+        spring = {"between": ["u[n]", "u[n+1]"], "force": f"K*x + {called}*x**2"}
+        lattice = lattice_of({"fields": ["u"], "positive": ["K"], "spring": [spring]})
+        found.append(envelope(lattice).coefficients(1, **{"K": 2, called: 3}))
+    assert found[0] == found[1]
 
 
 def test_maps_and_orders_are_printed_in_every_form(capsys: pytest.CaptureFixture[str]) -> None:

@@ -86,7 +86,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
     [
         (["--bogus"], "no such option"),
         (["vreify\n\x1b[31m"], r"got vreify \x1b[31m (one of"),
-        (["verify", "walk"], "COMMAND must be a known one, got walk (one of check-certificate, "),
+        (["verify", "walk"], "COMMAND must be a known one, got walk (one of recheck, "),
         (["derive", "--orders", "many"], "--order must be an integer <= 13, got 'many'"),
         (["derive", "--k2", "__import__('os')"], "K2 must be a rational number"),
         (["derive", "--k4", "--"], "K4 must be a rational number, got '--'"),
@@ -102,7 +102,7 @@ def test_a_wrong_word_is_one_line_and_status_2(capsys: Output) -> None:
         (["verify", "--points", "many"], "'many' is not a valid integer (see longwave verify"),
         (["verify", "--method", "guess"], "invalid value for '--method': 'guess'"),
         (["verify", "--seed", "1", "--stable"], "--stable must not be given with the method"),
-        (["verify", "check-certificate"], "missing argument 'FILE'"),
+        (["check"], "missing argument 'FILE'"),
         (["verify", "mutations", "--only", "peakon"], "'peakon' (one of rational_1, "),
         (["verify", "accuracy", "--jobs", "0"], "--jobs must satisfy 1 <= --jobs <= 1000, got 0"),
         (["verify", "--json", "mutations"], "--json must stand behind the word that it is meant"),

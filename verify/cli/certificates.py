@@ -1,6 +1,6 @@
-"""``python -m verify check-certificate FILE``: repeat the proofs in a file, without the prover.
+"""``longwave check FILE``: repeat the proofs in a file, without the prover.
 
-The checker counts before it works (`verify.proof.checker.limits`).  What would slip through ends
+The checker counts before it works (`verify.kernel.limits`).  What would slip through ends
 at a limit of time and memory, in a process of its own: the last line of defence against hostile
 input.
 """
@@ -20,9 +20,9 @@ from typing import Any, NoReturn
 from derive.command_line import fail, one_line
 from derive.user_files import QUOTED, read_text, shown_path
 from verify.cli.exporting import Scripts
+from verify.kernel.limits import FILE_BYTES
 from verify.processes import limit_memory
 from verify.proof import CertificateError, check_certificate
-from verify.proof.checker.limits import FILE_BYTES
 
 CERTIFICATES = 100
 """Most certificates in a file."""

@@ -168,7 +168,7 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
 def verify(**options: Any) -> int:
     """Prove every closed form, or measure its residual.
 
-    The words below check certificates and misprints, and measure the evaluation.
+    The words below check misprints and proofs by other systems, and measure the evaluation.
     """
     subcommand = click.get_current_context().invoked_subcommand
     if subcommand is not None:
@@ -185,10 +185,10 @@ def verify(**options: Any) -> int:
     return print_verdicts(VerdictOptions(**options), called_by())
 
 
-@verify.command("check-certificate", epilog=example("longwave verify check-certificate c.json"))
+@click.command(epilog=example("longwave check c.json"))
 @click.argument("file", type=click.Path(path_type=Path))
 @json_option
-def check_certificate(file: Path, json_wanted: bool) -> int:
+def check(file: Path, json_wanted: bool) -> int:
     """Repeat the proofs in FILE with other arithmetic."""
     from verify.cli.certificates import print_certificates
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import Any
 
 from derive.atomic_file import write_atomically
 from verify.cli.console import check_output
-from verify.proof.export.systems import exported
+from verify.proof.export.derivation import written_out
+from verify.proof.export.systems import SYSTEMS
+from verify.proof.export.terms import premises_in_short
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Scripts:
             )
 
     def write(self, certificates: Sequence[Mapping[str, Any]]) -> list[Path]:
-        """Write a script for each certificate.
+        """Write a script for each certificate, and tell its premises on the standard error.
 
         Raises CertificateError for one that has no script, ValueError where there is none, OSError
         as writing does.
@@ -45,12 +48,16 @@ class Scripts:
             raise ValueError(
                 "--export must be given with what is proved, got no proof (see verdict)"
             )
-        texts = [exported(certificate, self.system) for certificate in certificates]
+        proofs = [written_out(certificate) for certificate in certificates]
+        texts = [SYSTEMS[self.system].write(proof) for proof in proofs]
         paths = [path := Path(self.output)]
         if len(texts) > 1:
             paths = [path.with_stem(f"{path.stem}_{number}") for number in range(1, len(texts) + 1)]
-        for file, text in zip(paths, texts, strict=True):
+        for file, text, proof in zip(paths, texts, proofs, strict=True):
             write_text(file, text, self.force)
+            if proof.premises:
+                conditions = premises_in_short(proof.conditions)
+                print(f"{file}: accepted will mean proved if {conditions}", file=sys.stderr)
         return paths
 
 

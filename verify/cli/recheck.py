@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from rich.markup import escape
 from rich.table import Table
 
 from derive.command_line import check_and_announce, fail, interrupted
@@ -22,15 +23,16 @@ from verify.cli.published import chosen
 from verify.cli.statements import decided
 from verify.proof import CertificateError
 from verify.proof.catalogue_proofs import NAMES, prove_named
+from verify.proof.export.derivation import written_out
 from verify.proof.export.systems import (
     ACCEPTED,
     NO_ANSWER,
     REJECTED,
     SYSTEMS,
     answer,
-    exported,
     stop_answers,
 )
+from verify.proof.export.terms import WrittenProof, premises_in_short
 from verify.verdict import Outcome
 
 LIMIT = 120.0
@@ -46,10 +48,11 @@ MISSING, NO_SCRIPT = "not installed", "no script"
 
 @dataclass(frozen=True)
 class Rechecked:
-    """What each system said of a statement, and the seconds of all."""
+    """What each system said of a statement, if what holds, and the seconds of all."""
 
     name: str
     answers: Mapping[str, str]
+    premises: Sequence[str]
     seconds: float
 
 
@@ -142,24 +145,24 @@ def rechecks(proofs: Proofs, limit: float) -> Iterator[Rechecked]:
 def _recheck(
     name: str, certificates: Sequence[Mapping[str, Any]], limit: float, stopped: threading.Event
 ) -> Rechecked:
+    try:
+        proofs = [written_out(certificate) for certificate in certificates]
+    except CertificateError:
+        return Rechecked(name, dict.fromkeys(SYSTEMS, NO_SCRIPT), [], 0.0)
     found = {
-        system: [(NO_ANSWER, 0.0)] if stopped.is_set() else _answers(certificates, system, limit)
+        system: [(NO_ANSWER, 0.0)] if stopped.is_set() else _answers(proofs, system, limit)
         for system in SYSTEMS
     }
     worst = {system: worst_of([word for word, _ in said]) for system, said in found.items()}
-    return Rechecked(name, worst, sum(taken for said in found.values() for _, taken in said))
+    premises = list(dict.fromkeys(words for proof in proofs for words in proof.conditions))
+    seconds = sum(taken for said in found.values() for _, taken in said)
+    return Rechecked(name, worst, premises, seconds)
 
 
-def _answers(
-    certificates: Sequence[Mapping[str, Any]], system: str, limit: float
-) -> list[tuple[str, float]]:
+def _answers(proofs: Sequence[WrittenProof], system: str, limit: float) -> list[tuple[str, float]]:
     if not SYSTEMS[system].is_there:
         return [(MISSING, 0.0)]
-    try:
-        texts = [exported(certificate, system) for certificate in certificates]
-    except CertificateError:
-        return [(NO_SCRIPT, 0.0)]
-    return [answer(text, system, limit) for text in texts]
+    return [answer(SYSTEMS[system].write(proof), system, limit) for proof in proofs]
 
 
 def worst_of(words: Sequence[str]) -> str:
@@ -171,14 +174,16 @@ def worst_of(words: Sequence[str]) -> str:
 
 
 def rechecked_table(found: Sequence[Rechecked]) -> Table:
-    """One row a statement: its name, each system's word, seconds."""
+    """One row a statement: its name, each system's word, if what holds, seconds."""
     table = Table(title="The proofs, repeated by other systems")
     table.add_column("statement", no_wrap=True)
     for system in SYSTEMS.values():
         table.add_column(system.title, no_wrap=True)
+    table.add_column("if")
     table.add_column("seconds", justify="right")
     for entry in found:
-        table.add_row(entry.name, *entry.answers.values(), f"{entry.seconds:.1f}")
+        premises = escape(premises_in_short(entry.premises))
+        table.add_row(entry.name, *entry.answers.values(), premises, f"{entry.seconds:.1f}")
     return table
 
 
@@ -188,4 +193,6 @@ def _summary(found: Sequence[Rechecked]) -> str:
         counts = Counter(entry.answers[name] for entry in found)
         words = ", ".join(f"{count} {word}" for word, count in counts.items())
         parts.append(f"{system.title}: {words}")
+    if any(ACCEPTED in entry.answers.values() for entry in found):
+        parts.append("accepted means proved if the premises hold (--json has all of them)")
     return f"{len(found)} statements; {'; '.join(parts)}"

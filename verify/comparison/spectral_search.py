@@ -262,6 +262,10 @@ class SpectralEngine:
         factor = min(REACHES[1], max(1.3, excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
 
+    def taken(self, choices: Choices) -> float:
+        """The step that was chosen."""
+        return choices.step
+
     def work(self, choices: Choices) -> float:
         """Evaluations times points times their logarithm."""
         points = choices.size * self._dense(choices)

@@ -21,8 +21,10 @@ from lattice.trial import (
     Trial,
     clock_error,
     lawful_step,
+    mean_step,
     rounding_error,
     shorter_step,
+    step_between,
 )
 from verify.comparison.domain import (
     Array,
@@ -170,7 +172,7 @@ class StencilEngine:
         self._domain = domain_kind(scene, moving)
         self.kinds: tuple[Kind, ...] = ("step", "domain") if self._domain == "window" else ("step",)
         self.safety = WINDOW_SAFETY if self._domain == "window" else SAFETY
-        self._least = _checked(least_sites(moving, self._domain, self._bounds))
+        self._least = self._ring = _checked(least_sites(moving, self._domain, self._bounds))
         self._longest = longest_step(scene.constants, scheme, self._bounds)
         stated = Discretisation(self._longest, self._domain, self._least, scheme.name)
         self._base = replace(scene, numerics=stated)
@@ -209,12 +211,16 @@ class StencilEngine:
             self._met.append(strain)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step, a wider window; a ring, which is causal anyway, varies with the step."""
+        """A shorter step, a wider window; a ring, which is causal anyway, varies with the step.
+
+        The ring is wider than it must be, or as it must be if it was wider before.
+        """
         if "step" in kinds:
             step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
             choices = replace(choices, step=step)
             if choices.causal:
-                choices = replace(choices, size=choices.size + WIDER)
+                wider = WIDER if choices.size == self._ring else 0
+                choices = replace(choices, size=self._ring + wider)
         if "domain" in kinds and not choices.causal:
             choices = self._sized(choices, SIZE_RATIO * choices.size)
         return choices
@@ -222,11 +228,16 @@ class StencilEngine:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """By the laws of the scheme's order and of the window's size."""
         if kind == "step":
-            return replace(choices, step=lawful_step(choices.step, self.order, excess))
+            step = step_between(self._stops, choices.step)
+            return replace(choices, step=lawful_step(step, self.order, excess))
         if choices.causal:
             return choices
         factor = min(LARGEST_GROWTH, max(1.2, 1.05 * excess ** (1.0 / self.decay)))
         return self._sized(choices, factor * choices.size)
+
+    def taken(self, choices: Choices) -> float:
+        """The mean of the steps between the stops."""
+        return mean_step(self._stops, choices.step, self.order)
 
     def work(self, choices: Choices) -> float:
         """Site updates."""
@@ -239,7 +250,8 @@ class StencilEngine:
         bounds = replace(self._bounds, strain=strain)
         causal = least_sites(self._moving, "ring", bounds)
         if not choices.causal and sites >= causal:
-            return replace(choices, size=_checked(causal), causal=True)
+            self._ring = _checked(causal)
+            return replace(choices, size=self._ring, causal=True)
         return replace(choices, size=_checked(round_up(sites)))
 
     def _run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:

@@ -108,6 +108,15 @@ class DisorderedWave(LatticeWave):
         """As of the ordered lattice."""
         return self._wave.mean_strain(cells, t)
 
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """As of the ordered lattice."""
+        return self._wave.rest_slopes(ring)
+
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """As of the ordered lattice."""
+        return self._wave.growth_shares
+
     @property
     def effective_speed(self) -> float:
         """The speed of very long waves, in units of the ordered lattice's.

@@ -17,7 +17,7 @@ from derive import CarrierTerms, Envelope, Lattice, carrier_fields
 from derive.algebra.exact_numbers import Number
 from lattice.numeric_lattice import NumericLattice, numeric_lattice
 from verify.lattices.envelope_flow import EnvelopeFlow
-from verify.lattices.lattice_wave import ORDERS, LatticeWave
+from verify.lattices.lattice_wave import ORDERS, CellRing, LatticeWave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -96,7 +96,12 @@ class EnvelopeData(LatticeWave):
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain."""
         used = mean_strain if any(mean_strain) else ()
-        return numeric_lattice(self._declared, self._numbers, used)
+        return numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The shares of the fields in the mean."""
+        return self.carrier.shares
 
     def support(self, t: float) -> tuple[float, float]:
         """The cells between which there is a wave."""
@@ -156,6 +161,13 @@ class EnvelopeData(LatticeWave):
             return (self._uniform,)
         strain, _ = _Jets(self, cells, t).sums(self._kept(self.carrier.mean))
         return (float(np.mean(strain.real)),)
+
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force at the ring's mean strain, about which the carrier swings.
+
+        No cell within a carrier is at rest: its bonds at one time say nothing of the next.
+        """
+        return ring.lattice.rest_slopes()
 
     def strain(self, cells: ArrayLike, t: float) -> Array:
         """What is compared: the stretch of each bond in displacements, otherwise the fields."""

@@ -155,18 +155,20 @@ def _reductions(scene: LatticeScene, lattice: Lattice) -> Iterator[LatticeDeriva
     """Long waves, those first that ask for nothing; ValueError if there are none."""
     names = dict(_formulas(scene.constants, {}, only_plain=True))
     mean = formula("background", scene.background, names)
-    refused: list[str] = []
+    refused, found = "", False
     for scaling in _scalings(scene, lattice, mean):
         try:
             orders = scaling.leading_order + FURTHER
             reduction = reduce(lattice, scaling, orders)
             _check_mean(reduction, mean)
-            yield LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
-            refused = []
+            one = LatticeDerivation(lattice, reduction, reduction.normal_form(), {})
         except ValueError as error:
-            refused.append(str(error))
-    if refused:
-        raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused[0]}")
+            refused = refused or str(error)
+            continue
+        found = True
+        yield one
+    if not found:
+        raise ValueError(f"no long wave of {lattice.name} has a normal form: {refused}")
 
 
 def _check_mean(reduction: Reduction, mean: Expr) -> None:

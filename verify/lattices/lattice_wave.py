@@ -41,6 +41,24 @@ class CellRing:
         """The slope of each bond's force in each cell."""
         return self.lattice.slopes(self.lattice.stretches(self.f))
 
+    def smoothed(self, room: int) -> CellRing:
+        """A chain of displacements whose strain and velocity pass smoothly from end to end.
+
+        They do so within ``room`` cells of the seam; the mean strain stays.
+        """
+        if not room:
+            return self
+        share = np.sin(np.pi / 4 * (np.arange(room) + 0.5) / room) ** 2
+        f, v = self.f.copy(), self.v.copy()
+        strains = (f[:, 1] - f[:, 0]) - (f[:, -1] - f[:, -2])
+        moved = np.cumsum(strains[:, np.newaxis] * share, axis=1)
+        turned = (v[:, 0] - v[:, -1])[:, np.newaxis] * share
+        f[:, -room:] += moved
+        f[:, :room] += moved[:, ::-1]
+        v[:, -room:] += turned
+        v[:, :room] -= turned[:, ::-1]
+        return replace(self, f=f, v=v)
+
     def nudged(self) -> CellRing:
         """The ring with the last digits of its state changed."""
         f, v = nudged(self.f, self.v)
@@ -118,6 +136,11 @@ class LatticeWave(ABC):
         """
         return (0.0,) * self.lattice.dimension
 
+    @property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The share of the mean strain by which each field grows; all of it unless overridden."""
+        return (1.0,) * len(self.lattice.fields)
+
     def ring(self, cells: ArrayLike, t: float) -> CellRing:
         """The state at a time on a ring of these consecutive cells.
 
@@ -129,7 +152,20 @@ class LatticeWave(ABC):
         f, v = self.state(where, t)
         axes = where if len(mean) > 1 else where[np.newaxis]
         grown = sum(slope * axis for slope, axis in zip(mean, axes, strict=True))
-        return CellRing(self.strained(mean), mean, where, t, np.asarray(f - grown), v)
+        f = f - np.multiply.outer(self.growth_shares, grown)
+        return CellRing(self.strained(mean), mean, where, t, f, v)
+
+    def seam_room(self, t: float) -> int:
+        """Cells at either end of a ring in which the ends are made to meet; 0 unless overridden."""
+        return 0
+
+    def rest_slopes(self, ring: CellRing) -> list[float]:
+        """The slope of each bond's force beside the wave.
+
+        A long wave is all but uniform about each cell, so that the ring's first one tells it.
+        """
+        corner = (0,) * ring.lattice.dimension
+        return [float(found[corner]) for found in ring.slopes]
 
     def error(self, ring: CellRing, f: ArrayLike, t: float, within: NDArray[np.bool_]) -> float:
         """sup |lattice - theory| / eps**power at a later time over the cells ``within``.

@@ -116,7 +116,14 @@ class LongWaveData(LatticeWave):
         given = {name: value for name, value in self._numbers.items() if name in known}
         defined = {str(s): self._values[s] for s, _ in self.reduction.lattice.definitions}
         given |= {name: value for name, value in defined.items() if name in known}
-        return numeric_lattice(lattice, given, mean_strain if any(mean_strain) else ())
+        used = mean_strain if any(mean_strain) else ()
+        return numeric_lattice(lattice, given, used, self.growth_shares)
+
+    @cached_property
+    def growth_shares(self) -> tuple[float, ...]:
+        """The shares of the fields in the wave, which alone grows from cell to cell."""
+        shares = (share for share, _ in self.reduction.slaved.values())
+        return tuple(float(share.as_expr().xreplace(self._values)) for share in shares)
 
     def _correction(self, interval: tuple[float, float] | None) -> FirstCorrection:
         reduction, powers = self.reduction, sorted(self.reduction.corrections)
@@ -199,7 +206,11 @@ class LongWaveData(LatticeWave):
         fields = np.asarray(f, dtype=np.float64)
         if not self._is_displacement:
             return fields
-        rows = [np.roll(fields, -1, 1 + axis) - fields + mean_strain[axis] for axis in self._axes]
+        shares = np.reshape(self.growth_shares, (-1, *(1,) * (fields.ndim - 1)))
+        rows = [
+            np.roll(fields, -1, 1 + axis) - fields + shares * mean_strain[axis]
+            for axis in self._axes
+        ]
         return np.concatenate(rows)
 
     def background(self, cells: ArrayLike, t: float) -> Array:
@@ -219,13 +230,16 @@ class LongWaveData(LatticeWave):
             return (0.0,) * self.lattice.dimension
         places = cells if len(self._direction) > 1 else cells[np.newaxis]
         slopes = [0.0] * len(self._direction)
+        shares = self.growth_shares
+        leader = next(j for j, share in enumerate(shares) if share)
         for axis in self._axes:
             first, last = (np.take(places, [end], 1 + axis) for end in (0, -1))
             last[axis] += 1.0
             low, high = (
                 self.state(end if len(slopes) > 1 else end[0], t)[0] for end in (first, last)
             )
-            slopes[axis] = float(np.mean(high[0] - low[0])) / places.shape[1 + axis]
+            grown = float(np.mean(high[leader] - low[leader])) / shares[leader]
+            slopes[axis] = grown / places.shape[1 + axis]
         return tuple(slopes)
 
     def support(self, t: float) -> tuple[float, float]:
@@ -235,6 +249,14 @@ class LongWaveData(LatticeWave):
         unit = self._direction[0] * self.eps**self._space.exponent
         ends = sorted((X / unit + self.speed * t) for X in (low, high))
         return ends[0], ends[1]
+
+    def seam_room(self, t: float) -> int:
+        """Half a kink's width: where strains to its left and right met at once, they overshot."""
+        low, high = self.support(t)
+        if not self._is_displacement or len(self._direction) > 1 or math.isinf(high - low):
+            return 0
+        left, right = self.strain(np.array([low, high]), t)[0]
+        return math.ceil((high - low) / 2.0) if abs(right - left) > FLAT * self.scale else 0
 
     def _profile(self, X: Array, T: float) -> Array:
         """The wave along X, where Z is 0."""

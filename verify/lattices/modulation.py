@@ -90,11 +90,12 @@ def _grid(
     found: Envelope, values: Mapping[str, Any], angle: Array, amplitude: float
 ) -> ModulationGrid:
     shape = np.broadcast_shapes(angle.shape, *(np.shape(v) for v in values.values()))
-    point = {**values, "z": np.exp(1j * np.broadcast_to(angle, shape).astype(np.longdouble))}
+    z, w = map(str, found.carrier.field.symbols[:2])
+    point = {**values, z: np.exp(1j * np.broadcast_to(angle, shape).astype(np.longdouble))}
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         squared = _frequency_squared(found, point, shape)
         omega = np.sqrt(np.where(squared > 0, squared, np.nan))
-        point["w"] = 1j * omega
+        point[w] = 1j * omega
         p, q = ((_at(found.parts[name], point) / 1j).real for name in ("p", "q"))
         lost = np.isnan(_at(found.carrier.second_harmonic, point))
         p, q = (np.where(lost, np.nan, value).astype(float) for value in (p, q))
@@ -149,7 +150,7 @@ def _frequency_squared(found: Envelope, point: Mapping[str, Any], shape: tuple[i
     parts: dict[int, Any] = {}
     for exponents, value in found.carrier.relation.terms():
         others = (exponents[0], 0, *exponents[2:])
-        term, _ = _sum([(others, value)], names, {**point, "w": 1.0})
+        term, _ = _sum([(others, value)], names, {**point, names[1]: 1.0})
         half = exponents[1] // 2
         parts[half] = parts.get(half, 0) + (-1) ** half * term
     degree = max(parts)

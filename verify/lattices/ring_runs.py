@@ -176,11 +176,12 @@ class RingRuns(StepSearch):
                 _signal_speeds(lattice, rest), _signal_speeds(lattice, slopes), strict=True
             )
         ]
-        check_rest(near)
+        check_rest(near.lattice, wave.rest_slopes(near))
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
         longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
-        sites = sites_of(compared.ring(self.times, self.signals, 0))
+        self._room = wave.seam_room(self.times[0])
+        sites = sites_of(compared.ring(self.times, self.signals, 2 * self._room))
         self._metered: dict[float, Array] = {}
         self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
@@ -196,9 +197,9 @@ class RingRuns(StepSearch):
     def run(self, choices: Choices, shown: bool, progress: Progress = lambda _: None) -> Trial:
         """A run on a ring as wide as it must be, or as much wider as the size is larger."""
         loop = begin_loop(f"ring {choices}")
-        wider = WIDER if choices.size > self._first.size else 0
+        wider = 2 * self._room + (WIDER if choices.size > self._first.size else 0)
         ends = self.compared.ring(self.times, self.signals, wider)
-        ring = self.wave.ring(_grid(ends), self.times[0])
+        ring = self.wave.ring(_grid(ends), self.times[0]).smoothed(self._room)
         if choices.nudged:
             ring = ring.nudged()
         energy = _energy(ring, ring.f, ring.v)
@@ -242,9 +243,10 @@ class RingRuns(StepSearch):
         return found if fits else np.full_like(record.metered, np.nan)
 
     def varied(self, choices: Choices, kinds: Collection[Kind]) -> Choices:
-        """A shorter step on a wider ring."""
+        """A shorter step on a wider ring, or from that on the ring as it must be."""
         step = shorter_step(self._stops, choices.step, self.order, STEP_RATIO)
-        return replace(choices, step=step, size=self._first.size + WIDER)
+        wider = WIDER if choices.size == self._first.size else 0
+        return replace(choices, step=step, size=self._first.size + wider)
 
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         """A shorter step on the ring as it must be."""
@@ -260,13 +262,11 @@ def _energy(ring: CellRing, f: Array, v: Array) -> float:
         return ring.lattice.energy(f, v)
 
 
-def check_rest(ring: CellRing) -> None:
-    """Refuse a lattice whose rest, as it is in the first cell of the ring, is unstable."""
-    corner = (0,) * ring.lattice.dimension
-    slopes = [float(found[corner]) for found in ring.slopes]
-    if not ring.lattice.is_stable(slopes):
+def check_rest(lattice: NumericLattice, slopes: Sequence[float]) -> None:
+    """Refuse a lattice that is unstable where its forces have these slopes, beside the wave."""
+    if not lattice.is_stable(slopes):
         raise ValueError(
-            f"constants must make waves of {ring.lattice.name} stable, got one that grows at "
+            f"constants must make waves of {lattice.name} stable, got one that grows at "
             "rest, beside the wave (take stiffer springs)"
         )
 

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 from derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
+    from verify.kernel import CertificateError
     from verify.proof.catalogue_proofs import (
         check_certificate,
         form_domains,
         prove_form,
         prove_stable,
     )
-    from verify.proof.checker import CertificateError
     from verify.proof.domains import Domain
     from verify.proof.prover import prove, prove_equal
     from verify.proof.rational_proofs import (
@@ -49,7 +49,7 @@ __getattr__, __dir__ = lazy_face(
     __name__,
     {
         "verify.proof.catalogue_proofs": "check_certificate form_domains prove_form prove_stable",
-        "verify.proof.checker": "CertificateError",
+        "verify.kernel": "CertificateError",
         "verify.proof.domains": "Domain",
         "verify.proof.prover": "prove prove_equal",
         "verify.proof.rational_proofs": "RationalFacts prove_bilinear prove_rational "

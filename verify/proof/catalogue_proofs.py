@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import re
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,18 +26,19 @@ from derive.symbols import K2, K4, T, X, c
 from solutions.catalogue import CATALOGUE, closed_form
 from solutions.forms.rational import rational, rational_tau
 from solutions.record import ClosedForm
+from verify.kernel import CertificateError
+from verify.kernel import check_certificate as check_content
 from verify.verdict import ProofVerdict
 
-from .certificate import statement_data
-from .certificate_writer import NodeTable
-from .checker import CertificateError, same_statement
-from .checker import check_certificate as check_content
+from .certificate import statement_texts
+from .certificate_writer import as_data
 from .domains import Domain
 from .problem import Problem, equality_problem, solution_problem
 from .prover import decide
-from .rational_proofs import prove_rational, rational_certificate
+from .rational_proofs import prove_rational, rational_texts
 from .statement_problem import statement_problem
 from .statement_text import Statement
+from .statement_texts import StatementTexts
 
 
 def prove_form(form: ClosedForm) -> ProofVerdict:
@@ -154,21 +155,19 @@ def check_certificate(data: Any) -> str:
         form = closed_form(name)
     except ValueError:
         return statement
-    if not any(same_statement(data, other) for other in _named(form)):
+    if not any(data["statement"] == as_data(texts) for texts in _named(form)):
         raise CertificateError(f"{name} is a closed form of the catalogue, and not the one stated")
     return statement
 
 
-def _named(form: ClosedForm) -> Iterator[Mapping[str, Any]]:
+def _named(form: ClosedForm) -> Iterator[StatementTexts]:
     """What a certificate with the name of ``form`` may state."""
     family = form.name.removeprefix("rational_")
     if family.isdigit() and form not in CATALOGUE:
         tau = rational_tau(int(family))
-        yield rational_certificate(int(family), tau.A, tau.B)
+        yield rational_texts(int(family), tau.A, tau.B)
     for made in (*_problems(form), stable_problem):
-        problem = made(form)
-        table = NodeTable(list(problem.solutions))
-        yield {"statement": statement_data(problem, table), "nodes": table.nodes}
+        yield statement_texts(made(form))
 
 
 a = sp.Symbol("a", positive=True)

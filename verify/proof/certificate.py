@@ -13,31 +13,30 @@ known element.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
-from typing import Any
 
 import sympy as sp
 from flint import acb, ctx, fmpq_mpoly
 
+from verify.kernel.check import opened, registered
+from verify.kernel.field import Field
+from verify.kernel.limits import NAME, CertificateError
+from verify.kernel.ring import Element
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
-from .certificate_writer import Certificate, Data, NodeTable
-from .checker.check import registered
-from .checker.field import Field
-from .checker.limits import NAME, CertificateError
-from .checker.nodes import Nodes
-from .checker.ring import Element
-from .checker.statement import read_statement
+from .certificate_writer import Certificate, Data, NodeTable, as_data
 from .domain_signs import DomainSigns
-from .domains import Domains, Point
+from .domains import Domain, Point
 from .generator_search import GeneratorSearch
 from .linear_forms import BITS
 from .problem import Problem
 from .simplification import Rewriting
 from .statement_problem import StatementProblem
+from .statement_texts import StatementTexts
+from .text_writer import Written
 
 LEMMA_BITS = 320
 
@@ -53,8 +52,8 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
 
     Raises ValueError for a function without an axiom, and without a regular point.
     """
-    table = NodeTable(list(problem.solutions))
-    statement = statement_data(problem, table)
+    table = NodeTable()
+    statement = statement_texts(problem)
     rewriting = Rewriting(DomainSigns(problem.domains))
     expressions = with_definitions(problem.expressions)
     for expression in expressions:
@@ -73,32 +72,71 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     return Certificate.signed(problem.name[:NAME], table, statement, proof)
 
 
-def statement_data(problem: Problem, table: NodeTable) -> Data:
-    """What a certificate states, as places in ``table``."""
+def statement_texts(problem: Problem) -> StatementTexts:
+    """What a certificate of ``problem`` states, in the words of the grammar."""
+    table = NodeTable(list(problem.solutions))
+    variables = [symbol.name for symbol in problem.variables]
     taken = {symbol.name for symbol in problem.domains}
-    variables = [table.place(variable) for variable in problem.variables]
     unknowns = []
-    for unknown, formula in problem.solutions.items():
+    for unknown in problem.solutions:
         name = unknown.func.__name__
-        while name in taken:
+        while name in taken or any(other.startswith(f"{name}_") for other in taken):
             name += "_"
-        unknowns.append([name, table.place(formula)])
-    return {
-        "variables": variables,
-        "unknowns": unknowns,
-        "equations": [_equation_data(problem, table)],
-        "domain": _domain_data(problem.domains, table),
+        unknowns.append(name)
+    formulas = [table.place(formula) for formula in problem.solutions.values()]
+    left = _left_side(problem, table)
+    ends = {end for domain in problem.domains.values() for end in (domain.lower, domain.upper)}
+    places = {end: table.place(end) for end in ends if abs(end) != sp.oo}
+    written = Written(table.nodes, [*formulas, left, *places.values()], unknowns, variables)
+    kinds = {
+        symbol.name: "integer" if symbol.is_integer else "real"
+        for symbol in {**problem.domains, **dict.fromkeys(problem.variables)}
+        if bool(symbol.is_integer) != (symbol.name == "n" and symbol.name in variables)
     }
+    limits = {
+        symbol.name: domain_text(symbol.name, domain, lambda end: written.text(places[end]))
+        for symbol, domain in problem.domains.items()
+        if domain.lower != -sp.oo or domain.upper != sp.oo
+    }
+    pairs = zip(unknowns, formulas, strict=True)
+    named = [f"{name} = {text}" for name, text in written.named.items()]
+    own = {name: limit for name, limit in limits.items() if name not in variables}
+    stated = [
+        f"{name}: {', '.join(part[name] for part in (kinds, own) if name in part)}"
+        for name in {**kinds, **own}
+    ]
+    return StatementTexts(
+        tuple(variables),
+        (written.text(left),),
+        tuple(f"{name} = {written.text(place)}" for name, place in pairs),
+        (*named, *stated),
+        tuple(limit for name, limit in limits.items() if name in variables),
+    )
 
 
-def _equation_data(problem: Problem, table: NodeTable) -> int | list[Any]:
-    """A polynomial's terms, or the place of the left-hand side of any other equation."""
+def domain_text(name: str, domain: Domain, text: Callable[[sp.Expr], str]) -> str:
+    """The chain of inequalities that a domain with ends is."""
+    chain = name
+    if domain.lower != -sp.oo:
+        chain = f"{text(domain.lower)} {'<' if domain.lower_open else '<='} {chain}"
+    if domain.upper != sp.oo:
+        chain = f"{chain} {'<' if domain.upper_open else '<='} {text(domain.upper)}"
+    return chain
+
+
+def _left_side(problem: Problem, table: NodeTable) -> int:
+    """The place of the left-hand side, a polynomial's written term by term."""
     if isinstance(problem, StatementProblem):
         return table.place(problem.left)
-    return [
-        [str(number), [table.place(factor) for factor in known], [[0, jet] for jet in jets]]
-        for number, known, jets in problem.terms()
-    ]
+    terms = []
+    for number, known, jets in problem.terms():
+        factors = [table.made("number", str(number))] if number != 1 or not (known or jets) else []
+        factors += map(table.place, known)
+        for orders, power in Counter(map(tuple, jets)).items():
+            jet = table.jet(orders, problem.variables)
+            factors.append(jet if power == 1 else table.made("Pow", jet, str(power)))
+        terms.append(factors[0] if len(factors) == 1 else table.made("Mul", *factors))
+    return terms[0] if len(terms) == 1 else table.made("Add", *terms)
 
 
 def regular_point(problem: Problem) -> Point:
@@ -115,19 +153,6 @@ def regular_point(problem: Problem) -> Point:
             return point
         reason = "no point was found at which every denominator is shown not to vanish"
     raise ValueError(reason)
-
-
-def _domain_data(domains: Domains, table: NodeTable) -> list[list[Any]]:
-    """The domains as inequalities between nodes."""
-    found: list[list[Any]] = []
-    for symbol, domain in domains.items():
-        if domain.lower != -sp.oo:
-            relation = "<" if domain.lower_open else "<="
-            found.append([relation, table.place(domain.lower), table.place(symbol)])
-        if domain.upper != sp.oo:
-            relation = "<" if domain.upper_open else "<="
-            found.append([relation, table.place(symbol), table.place(domain.upper)])
-    return found
 
 
 def equal_parts(problem: Problem) -> Iterator[list[Pair]]:
@@ -255,7 +280,7 @@ class SquareRoots:
         return node
 
 
-def with_square_roots(table: NodeTable, statement: Data, proof: Data) -> Data:
+def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) -> Data:
     """The proof with each square root that depends on earlier ones named, not a generator."""
     atoms = (entry[1] for entry in proof["generators"] if entry[0] == "atom")
     roots = [place for place in atoms if table.nodes[place][::2] == ["Pow", "1/2"]]
@@ -274,7 +299,8 @@ def with_square_roots(table: NodeTable, statement: Data, proof: Data) -> Data:
     return {**proof, "generators": kept, "values": values}
 
 
-def _field(table: NodeTable, statement: Data, proof: Data) -> Field:
+def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
     """What the checker makes of a proof."""
-    nodes = Nodes(table.nodes)
-    return registered(nodes, read_statement(nodes, statement), proof)
+    proof = {"formulas": table.texts(), **proof}
+    found = opened({"statement": as_data(statement), "proof": proof})
+    return registered(found.nodes, found, proof)

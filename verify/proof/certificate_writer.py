@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import sympy as sp
@@ -16,12 +17,12 @@ from flint import fmpq_mpoly
 from sympy.core.function import AppliedUndef
 
 from solutions import functions
+from verify.kernel.limits import FORMAT, digest
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
-from .checker.limits import FORMAT, digest
 from .domains import Point
-
-Node = list[Any]
+from .statement_texts import StatementTexts
+from .text_writer import Node, numbered
 
 FUNCTIONS: dict[str, type] = {
     function.__name__: function
@@ -103,28 +104,52 @@ class NodeTable:
                     return ["unknown", place, list(map(int, shifts))]
         raise ValueError(f"unknowns must be of a statement, at shifted variables, got {unknown}")
 
+    def jet(self, orders: Sequence[int], variables: Sequence[sp.Symbol]) -> int:
+        """Where the derivative of the first unknown of these orders stands."""
+        own = self.made("unknown", 0, [0] * len(orders))
+        pairs = zip(variables, orders, strict=True)
+        along = [self.place(variable) for variable, order in pairs for _ in range(order)]
+        return self.made("diff", own, *along) if along else own
+
     def polynomial(self, polynomial: fmpq_mpoly, places: Sequence[int]) -> int:
         """Where a polynomial in the nodes at ``places`` stands, its generators in their order."""
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
         return self.made("poly", terms, *places)
 
+    def texts(self) -> list[str]:
+        """The nodes as texts, each in the numbers of those before it."""
+        return numbered(self.nodes)
+
 
 Data = dict[str, Any]
+
+
+def as_data(statement: StatementTexts) -> Data:
+    """A statement's texts as JSON has them."""
+    return {part: list(texts) for part, texts in asdict(statement).items()}
 
 
 class Certificate(Data):
     """A proof as plain data, with its digest; ``json.dumps`` writes it.
 
-    >>> Certificate.signed("nothing", NodeTable(), {}, {"generators": [], "point": []})
-    <Certificate of nothing: 0 generators, 199 bytes, digest 0d8344b8>
+    >>> nothing = StatementTexts((), (), ())
+    >>> Certificate.signed("nothing", NodeTable(), nothing, {"generators": [], "point": []})
+    <Certificate of nothing: 0 generators, 283 bytes, digest edd04e24>
     """
 
     @classmethod
-    def signed(cls, name: str, table: NodeTable, statement: Data, proof: Data) -> Certificate:
+    def signed(
+        cls, name: str, table: NodeTable, statement: StatementTexts, proof: Data
+    ) -> Certificate:
         """The certificate of ``statement`` by ``proof``, places in ``table``."""
-        body: Data = {"format": FORMAT, "name": name, "nodes": table.nodes}
-        body |= {"statement": statement, "proof": proof}
+        body: Data = {"format": FORMAT, "name": name, "statement": as_data(statement)}
+        body["proof"] = {"formulas": table.texts(), **proof}
         return cls(body | {"digest": digest(body)})
+
+    def restated(self, statement: StatementTexts) -> Certificate:
+        """The same proof of a statement in other words, for the checker to accept or not."""
+        body = {**self, "statement": as_data(statement)}
+        return Certificate(body | {"digest": digest(body)})
 
     @property
     def generators(self) -> int:
@@ -135,8 +160,8 @@ class Certificate(Data):
     @property
     def point(self) -> str:
         """The point at which no denominator vanishes, in words."""
-        nodes = self["nodes"]
-        found = (f"{nodes[place][1]} = {value}" for place, value in self["proof"]["point"])
+        texts = self["proof"]["formulas"]
+        found = (f"{texts[place]} = {value}" for place, value in self["proof"]["point"])
         return ", ".join(sorted(found))
 
     def __repr__(self) -> str:

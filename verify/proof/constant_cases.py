@@ -153,7 +153,10 @@ def _put_into(
         return None
     if any(divisor == 0 for divisor in divisors):
         return None
-    return Statement(statement.name, equations, solutions, domains, divisors)
+    texts = statement.texts and statement.texts.with_values(
+        {symbol.name: formula_as_text(value) for symbol, value in values.items()}
+    )
+    return Statement(statement.name, equations, solutions, domains, divisors, texts=texts)
 
 
 def _reality(value: sp.Expr) -> Iterator[Restriction]:

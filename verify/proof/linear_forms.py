@@ -13,11 +13,11 @@ import sympy as sp
 from flint import acb, ctx
 
 from solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from verify.kernel.limits import FORMS
 from verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Arguments, Dependence
 from .balls import ball_value
-from .checker.limits import FORMS
 from .domains import Point
 
 Form = dict[sp.Expr, sp.Expr]

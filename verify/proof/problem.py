@@ -12,10 +12,10 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.exact_numbers import shown
 from solutions.record import Equation
+from verify.kernel.limits import JETS
 from verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball
-from .checker.limits import JETS
 from .domain_signs import DomainSigns
 from .domains import Domain, Domains, Point, settled_domains
 from .samples import sample

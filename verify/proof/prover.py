@@ -13,10 +13,10 @@ from typing import Any
 import sympy as sp
 
 from solutions.record import Equation
+from verify.kernel import check_certificate
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
-from .checker import check_certificate
 from .domain_signs import DomainSigns, singularities
 from .domains import Point
 from .problem import Problem, Stated, equality_problem, solution_problem
@@ -47,7 +47,7 @@ def prove(
     ``domains`` states intervals (`domains.Domain` or `sympy.Interval`) of variables and parameters
     beyond what SymPy's assumptions say; a symbol without either is real.  ``points`` are rational
     points of the domains to look for a witness at, besides sampled ones.  PROVED means that
-    `checker.check_certificate` has accepted the certificate that the verdict carries.
+    `verify.kernel.check_certificate` has accepted the certificate that the verdict carries.
 
     Raises ValueError for an equation without exactly one unknown function, for domains that are
     none and for points outside them.

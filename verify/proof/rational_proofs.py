@@ -29,7 +29,6 @@ from fractions import Fraction
 from functools import partial
 from itertools import count
 from math import prod
-from typing import Any
 
 import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
@@ -38,10 +37,12 @@ from solutions.forms.rational import rational_tau
 from solutions.forms.tau_polynomials import RationalTau
 from solutions.record import FOCUSING_MKDV
 from solutions.symbols import tau, xi
+from verify.kernel import CertificateError, check_certificate
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate_writer import Certificate, NodeTable, ProofWriter
-from .checker import CertificateError, check_certificate
+from .statement_texts import StatementTexts
+from .text_writer import Written
 
 METHOD = "exact at more points than the degree"
 BILINEAR_METHOD = "bilinear identities"
@@ -90,8 +91,8 @@ def rational_verdict(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> ProofVerdict:
     )
 
 
-def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
-    """The certificate for the solution of ``order`` made of A and B."""
+def rational_texts(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> StatementTexts:
+    """What is stated of the solution of ``order`` made of A and B."""
     table = NodeTable()
     space, time_ = table.place(xi), table.place(tau)
     shift = table.place(-6 * tau)
@@ -110,17 +111,21 @@ def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificat
     change = table.made("Mul", table.made("number", "-2"), slope, inverse)
     wave = table.made("Add", one, change)
     formula = table.made("Mul", table.made("number", str((-1) ** order)), wave)
-    mkdv: list[list[Any]] = [
-        ["1", [], [[0, [0, 1]]]],
-        ["6", [], [[0, [0, 0]], [0, [0, 0]], [0, [1, 0]]]],
-        ["1", [], [[0, [3, 0]]]],
-    ]
-    statement = {
-        "variables": [space, time_],
-        "unknowns": [["U", formula]],
-        "equations": [mkdv],
-        "domain": [],
-    }
+    written = Written(table.nodes, [formula], ["U"], ["xi", "tau"])
+    return StatementTexts(
+        ("xi", "tau"),
+        ("diff(U, tau) + 6*U**2*diff(U, xi) + diff(U, xi, xi, xi)",),
+        (f"U = {written.text(formula)}",),
+        tuple(f"{name} = {text}" for name, text in written.named.items()),
+    )
+
+
+def rational_certificate(order: int, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate:
+    """The certificate for the solution of ``order`` made of A and B."""
+    statement = rational_texts(order, A, B)
+    table = NodeTable()
+    space, time_, shift = (table.place(part) for part in (xi, tau, -6 * tau))
+    one = table.made("number", "1")
     proof = ProofWriter(table)
     proof.atom(time_)
     proof.generators.append(["forms", [space], [[[one], shift]]])
@@ -199,20 +204,31 @@ def bilinear_certificate(name: str, A: fmpq_mpoly, B: fmpq_mpoly) -> Certificate
     symbols = [sp.Symbol(symbol, real=True) for symbol in A.context().names()]
     places = [table.place(symbol) for symbol in symbols]
     formulas = [table.polynomial(part, places) for part in (A, B)]
-    statement = {
-        "variables": places[:2],
-        "unknowns": [["A", formulas[0]], ["B", formulas[1]]],
-        "equations": [
-            [[factor, [], [list(jet) for jet in jets]] for factor, jets in terms]
-            for terms in (SPACE, TIME)
-        ],
-        "domain": [],
-    }
+    names = [symbol.name for symbol in symbols]
+    written = Written(table.nodes, formulas, ["A", "B"], names[:2])
+    statement = StatementTexts(
+        tuple(names[:2]),
+        tuple(bilinear_text(terms, names) for terms in (SPACE, TIME)),
+        tuple(f"{u} = {written.text(f)}" for u, f in zip("AB", formulas, strict=True)),
+        tuple(f"{name} = {text}" for name, text in written.named.items()),
+    )
+    table = NodeTable()
+    places = [table.place(symbol) for symbol in symbols]
     proof = ProofWriter(table)
     for place in places:
         proof.atom(place)
     point = dict.fromkeys(symbols, sp.S.Zero)
     return Certificate.signed(f"{name} bilinear", table, statement, proof.data(point))
+
+
+def bilinear_text(terms: Terms, names: Sequence[str]) -> str:
+    """The left-hand side `SPACE` or `TIME` in the words of the grammar."""
+
+    def jet(place: int, orders: Sequence[int]) -> str:
+        steps = "".join(f", {v}" * n for v, n in zip(names, orders, strict=False))
+        return f"diff({'AB'[place]}{steps})" if steps else "AB"[place]
+
+    return " + ".join("*".join([f"({n})", *(jet(*each) for each in jets)]) for n, jets in terms)
 
 
 def bilinear_residual(terms: Terms, A: fmpq_mpoly, B: fmpq_mpoly) -> fmpq_mpoly:

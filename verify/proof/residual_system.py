@@ -22,16 +22,14 @@ import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
 from solutions.functions.jacobi import JacobiFunction
+from verify.kernel.check import opened, registered
+from verify.kernel.field import Field
+from verify.kernel.images import Generator
+from verify.kernel.ring import Element
 
 from .arguments import Dependence, expanded_terms
 from .certificate import make_certificate
 from .certificate_writer import FUNCTIONS
-from .checker.check import registered
-from .checker.field import Field
-from .checker.images import Generator
-from .checker.nodes import Nodes
-from .checker.ring import Element
-from .checker.statement import read_statement
 from .constant_terms import Monomial, Relations, Terms, is_turn, real_parts
 from .domain_signs import DomainSigns
 from .problem import Problem
@@ -78,9 +76,8 @@ class _Coefficients:
 
     def __init__(self, problem: Problem, system: ResidualSystem) -> None:
         certificate = make_certificate(problem)
-        nodes = Nodes(certificate["nodes"])
-        stated = read_statement(nodes, certificate["statement"])
-        self._field = registered(nodes, stated, certificate["proof"])
+        stated = opened(certificate)
+        self._field = registered(stated.nodes, stated, certificate["proof"])
         self._field.walk(stated.roots)
         self._image: Element = self._field.image(stated.formulas[0])
         self._system, self._variables = system, problem.variables

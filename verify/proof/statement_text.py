@@ -29,6 +29,7 @@ from solutions import functions
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
 from .samples import sample
+from .statement_texts import StatementTexts
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 
 CONTINUOUS, SITE = "xyzt", "n"
@@ -71,7 +72,7 @@ class Statement:
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
     its formula.  ``domains`` has every variable and parameter that is not all real numbers;
     ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
-    which the values are asked for, rather than taken as any.
+    which the values are asked for, rather than taken as any.  ``texts`` are what was typed.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Statement:
     domains: Mapping[sp.Symbol, Domain]
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
+    texts: StatementTexts | None = field(default=None, compare=False)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -185,7 +187,14 @@ class _Reading:
             if symbol in wanted[:place]:
                 raise self.asked[place].error(f"expected each parameter once, got {symbol} again")
         divisors = tuple(self.divisors)
-        return Statement(self.name, equations, solutions, self.domains, divisors, wanted)
+        texts = StatementTexts(
+            tuple(self.variables),
+            *(
+                tuple(part.written for part in parts)
+                for parts in (self.equations, self.solutions, self.entries, self.limits)
+            ),
+        )
+        return Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""

@@ -11,17 +11,21 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
+from verify.kernel.check import check_certificate
+from verify.kernel.limits import CertificateError
 from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .balls import ball_value
+from .certificate_writer import Certificate
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
@@ -33,6 +37,7 @@ from .statement_problem import (
     with_exponentials,
 )
 from .statement_text import Statement
+from .typed_values import TypedValues
 
 Progress = Callable[[str], None]
 
@@ -44,8 +49,8 @@ NO_VERDICT = (ValueError, TypeError, RecursionError, NotImplementedError, Overfl
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
-NOTE = "the formulas were put into the equation and differentiated by SymPy"
-"""What a certificate of residual = 0 does not hold."""
+NOTE = "the certificate states what SymPy reads, with which balls around what was typed agree"
+"""What is said where the checker does not accept the proof for the texts as they were typed."""
 
 WITNESS_BITS = (160, 640)
 
@@ -85,15 +90,59 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
     count = len(statement.equations)
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
-        found.append(_decide_equation(statement, equation))
+        found.append(_retyped(statement, number, _decide_equation(statement, equation)))
         if found[-1].outcome is Outcome.REFUTED:
             break
-    verdict = _together(statement, found, time.perf_counter() - start)
+    verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
     divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
     if divisor is not None:
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
         return undecided(statement, reason, time.perf_counter() - start)
     return verdict
+
+
+def _retyped(statement: Statement, number: int, verdict: ProofVerdict) -> ProofVerdict:
+    """A proof of one equation with a certificate of what was typed, if the checker accepts it."""
+    certificate = verdict.certificate
+    texts = statement.texts
+    if texts is None or not isinstance(certificate, Certificate):
+        return verdict
+    if len(texts.equations) != len(statement.equations):
+        return verdict  # a case of constants in which some equations hold by themselves
+    typed = certificate.restated(replace(texts, equations=texts.equations[number - 1 : number]))
+    try:
+        check_certificate(typed)
+    except CertificateError:
+        return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
+    return replace(verdict, certificate=typed)
+
+
+def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
+    """The verdict if what was typed agrees with it, evaluated by itself at points of the domain.
+
+    What fails at a point is refuted there; what holds at a witness is not refuted by it.
+    """
+    if statement.texts is None or verdict.outcome is Outcome.UNDECIDED:
+        return verdict
+    domains = all_domains(statement, *statement.equations)
+    names = {str(symbol) for symbol in domains}
+    others = {s: d for s, d in statement.domains.items() if str(s) not in names}
+    typed = TypedValues(statement.texts, {**domains, **others})
+    if verdict.outcome is Outcome.REFUTED:
+        witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
+        if typed.fails_at(witness) is False:
+            reason = "what was typed holds at the point at which what SymPy makes of it fails"
+            return undecided(statement, reason, verdict.seconds)
+        return verdict
+    failing = typed.failure()
+    if failing is None:
+        return verdict
+    reason = "a ball around the residual of what was typed excludes 0"
+    return replace(
+        undecided(statement, reason, verdict.seconds),
+        outcome=Outcome.REFUTED,
+        witness={name: str(value) for name, value in failing.items()},
+    )
 
 
 def _together(
@@ -231,7 +280,6 @@ def _by_residual(statement: Statement, equation: sp.Expr) -> ProofVerdict:
     return replace(
         verdict,
         singularities=tuple(dict.fromkeys((*verdict.singularities, *places))),
-        assumptions=(*verdict.assumptions, NOTE),
     )
 
 

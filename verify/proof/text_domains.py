@@ -29,6 +29,11 @@ class TextPart:
     text: str
     words: list[Token]
 
+    @property
+    def written(self) -> str:
+        """The stretch as it was typed."""
+        return self.text[self.words[0].start : self.words[-1].start].strip()
+
     def parser(self, vocabulary: Vocabulary, skipped: int = 0) -> Parser:
         """A parser of the words behind the first ``skipped``."""
         return Parser(self.text, self.words[skipped:], vocabulary, self.label)

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from verify.__main__ import main
+from longwave.__main__ import main
 from verify.cli import certificates as limits
 from verify.cli.certificates import limited
+from verify.kernel import check_certificate
+from verify.kernel.limits import digest
 from verify.proof import CertificateError, prove_form
-from verify.proof.checker import check_certificate
-from verify.proof.checker.limits import digest
 
 Data = dict[str, Any]
 Output = pytest.CaptureFixture[str]
@@ -30,79 +30,74 @@ def good() -> str:
 
 def tower(data: Data) -> None:
     """9**9**9**9, through integer exponents."""
-    add(data, ["number", "9"])
-    for _ in range(6):
-        add(data, ["Pow", len(data["nodes"]) - 1, "999"])
+    add(data, "f0 = 9", *(f"f{k + 1} = f{k}**999" for k in range(6)), "f6")
 
 
-def add(data: Data, *nodes: list[Any]) -> None:
-    """Add nodes and multiply the formula by the last."""
-    data["nodes"] += nodes
-    formula = data["statement"]["unknowns"][0]
-    data["nodes"].append(["Mul", formula[1], len(data["nodes"]) - 1])
-    formula[1] = len(data["nodes"]) - 1
+def add(data: Data, *texts: str) -> None:
+    """Put definitions down and multiply the formula by the last text."""
+    *definitions, factor = texts
+    data["statement"]["parameters"] += definitions
+    data["statement"]["solutions"][0] += f" + {factor}"
 
 
-def chain(data: Data, count: int, name: str) -> None:
-    place = data["statement"]["variables"][0]
-    for _ in range(count):
-        data["nodes"].append([name, place] if name != "Add" else ["Add", place, place])
-        place = len(data["nodes"]) - 1
-    data["statement"]["unknowns"][0][1] = place
+def chain(data: Data, count: int, text: str) -> None:
+    data["statement"]["parameters"].append("f0 = X")
+    names = [f"f{k + 1} = " + text.replace("_", f"f{k}") for k in range(count)]
+    data["proof"]["formulas"] = names if count > 300 else data["proof"]["formulas"]
+    add(data, *names[:300], f"f{min(count, 300)}")
 
 
 def squares(data: Data) -> None:
-    """(1 + x + t + ...)**2 squared ten times: 3e5 terms and more."""
-    variables = data["statement"]["variables"]
-    data["nodes"].append(["Add", *range(3), *variables])
-    for _ in range(10):
-        data["nodes"].append(["Pow", len(data["nodes"]) - 1, "9"])
-    data["statement"]["unknowns"][0][1] = len(data["nodes"]) - 1
+    """(1 + X + T + ...)**2 squared ten times: 3e5 terms and more."""
+    first = "f0 = 1 + X + T + a + c"
+    add(data, first, *(f"f{k + 1} = f{k}**9" for k in range(10)), "f10")
 
 
-def jets(data: Data, count: int) -> None:
-    data["statement"]["equations"][0].append(["1", [], [[0, [0, 1]]] * count])
+def equation(data: Data, text: str) -> None:
+    data["statement"]["equations"][0] += f" + {text}"
 
 
-def order(data: Data, value: Any) -> None:
-    data["statement"]["equations"][0][0][2][0][1][0] = value
+def hint(data: Data, text: Any) -> None:
+    data["proof"]["formulas"].append(text)
 
 
 ATTACKS: dict[str, Callable[[Data], Any]] = {
-    "a million jets": lambda d: jets(d, 10**6),
-    "63 jets": lambda d: jets(d, 63),
-    "a negative order": lambda d: order(d, -1),
-    "a huge order": lambda d: order(d, 10**9),
-    "a fractional order": lambda d: order(d, 0.5),
-    "a true order": lambda d: order(d, True),
-    "order 12": lambda d: order(d, 12),
-    "a sum nested in sin": lambda d: chain(d, 10**5, "sin"),
-    "a deep sum": lambda d: chain(d, 10**5, "Add"),
-    "400 times sin": lambda d: chain(d, 400, "sin"),
-    "exp of exp": lambda d: chain(d, 60, "exp"),
-    "a surrogate in a name": lambda d: add(d, ["symbol", "\ud800", "real"]),
-    "a line in a name": lambda d: add(d, ["symbol", "a\nb", "real"]),
+    "a million jets": lambda d: equation(d, "*".join(["U_T"] * 10**6)),
+    "63 jets": lambda d: equation(d, "*".join(["U_T"] * 63)),
+    "a huge power of a jet": lambda d: equation(d, "U_T**1000000000"),
+    "a sum of jets to a power": lambda d: equation(d, "(U + U_X + U_T + X)**60"),
+    "order 13": lambda d: equation(d, "U_" + "X" * 13),
+    "order 12": lambda d: equation(d, "U_" + "X" * 12),
+    "a derivative in a parameter": lambda d: equation(d, "diff(U, a)"),
+    "brackets in brackets": lambda d: equation(d, "sin(" * 10**5 + "X"),
+    "minus signs": lambda d: equation(d, "-" * 10**6 + "X"),
+    "powers of powers": lambda d: equation(d, "2**" * 10**5 + "2"),
+    "a sum nested in sin": lambda d: chain(d, 10**5, "sin(_)"),
+    "a deep sum": lambda d: chain(d, 10**5, "_ + _"),
+    "300 times sin": lambda d: chain(d, 300, "sin(_)"),
+    "exp of exp": lambda d: chain(d, 60, "exp(_)"),
+    "a surrogate in a name": lambda d: add(d, "\ud800"),
+    "a line in a text": lambda d: add(d, "a\nb"),
     "a surrogate as its name": lambda d: d.update(name="\ud800"),
     "a name that is a list": lambda d: d.update(name=[["x"]]),
-    "power 1e8": lambda d: add(d, ["Pow", 0, "100000000"]),
-    "power -1e8": lambda d: add(d, ["Pow", 0, "-100000000"]),
-    "a root of degree 1e8": lambda d: add(d, ["Pow", 0, "1/100000000"]),
-    "power 999": lambda d: add(d, ["Pow", d["statement"]["unknowns"][0][1], "999"]),
+    "power 1e8": lambda d: add(d, "X**100000000"),
+    "power -1e8": lambda d: add(d, "X**(-100000000)"),
+    "a root of degree 1e8": lambda d: add(d, "X**(1/100000000)"),
+    "power 999": lambda d: add(d, "(1 + X + T)**999"),
     "a tower": tower,
     "a huge polynomial": squares,
-    "a million digits": lambda d: add(d, ["number", "9" * 10**6]),
-    "unequal digits": lambda d: add(d, ["number", "٣"]),
-    "a division by 0": lambda d: add(d, ["number", "1/0"]),
-    "0 to the power -1": lambda d: add(d, ["number", "0"], ["Pow", len(d["nodes"]), "-1"]),
-    "a path of zeros": lambda d: add(d, ["Add", *[0] * 10**6]),
-    "a polynomial of zeros": lambda d: add(d, ["poly", [["1", [0] * 10**6]], *[0] * 10**6]),
-    "huge exponents": lambda d: add(d, ["poly", [["1", [10**9]]], 0]),
-    "a place that is no integer": lambda d: add(d, ["Add", 0.5, 0]),
-    "a place ahead": lambda d: add(d, ["Add", 10**6, 0]),
-    "a place behind": lambda d: add(d, ["Add", -1, 0]),
-    "a node that is a number": lambda d: d["nodes"].append(3),
-    "an unknown function": lambda d: add(d, ["eval", 0]),
-    "nodes that are none": lambda d: d.update(nodes=None),
+    "a million digits": lambda d: add(d, "9" * 10**6),
+    "digits after digits": lambda d: add(d, "1e999*" * 10**4 + "1"),
+    "unequal digits": lambda d: add(d, "\u0663"),
+    "a division by 0": lambda d: add(d, "1/0"),
+    "0 to the power -1": lambda d: add(d, "0**(-1)"),
+    "a million terms": lambda d: add(d, "+".join(["X"] * 10**6)),
+    "a formula that is a number": lambda d: hint(d, 0.5),
+    "a place ahead": lambda d: hint(d, "#1000000"),
+    "a place of many digits": lambda d: hint(d, "#" + "9" * 10**6),
+    "a place that is no integer": lambda d: hint(d, "#0.5"),
+    "an unknown function": lambda d: hint(d, "eval(X)"),
+    "formulas that are none": lambda d: d["proof"].update(formulas=None),
     "a proof that is none": lambda d: d.update(proof=7),
     "hints of hints": lambda d: d["proof"].update(sums=[[0, [[[], []]]]]),
     "a million generators": lambda d: d["proof"].update(generators=[["atom", 0]] * 10**6),
@@ -112,6 +107,7 @@ ATTACKS: dict[str, Callable[[Data], Any]] = {
     ),
     "a point that is text": lambda d: d["proof"].update(point="1/2"),
     "no variables": lambda d: d["statement"].update(variables=[]),
+    "a variable that is a list": lambda d: d["statement"].update(variables=[[]]),
     "a statement that is a list": lambda d: d.update(statement=[1, 2]),
 }
 
@@ -134,7 +130,7 @@ def test_a_hostile_certificate_is_refused_in_one_line(
     path = tmp_path / "c.json"
     path.write_text(attacked(good, attack), encoding="utf-8")
     start = seconds_of_children()
-    assert main(["check-certificate", str(path)]) == 1
+    assert main(["check", str(path)]) == 1
     assert seconds_of_children() - start < SECONDS + 1
     output = capsys.readouterr()
     assert output.err.count("\n") == 1
@@ -172,7 +168,7 @@ def test_the_checker_itself_stays_within_its_budget(attack: str, good: str) -> N
 def test_hostile_text_is_refused_in_one_line(text: str, tmp_path: Path, capsys: Output) -> None:
     path = tmp_path / "c.json"
     path.write_text(text, encoding="utf-8")
-    assert main(["check-certificate", str(path)]) == 1
+    assert main(["check", str(path)]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "rejected" in error
@@ -182,7 +178,7 @@ def test_a_long_file_is_not_read(tmp_path: Path, capsys: Output) -> None:
     path = tmp_path / "c.json"
     with path.open("wb") as file:
         file.truncate(2**32)
-    assert main(["check-certificate", str(path)]) == 1
+    assert main(["check", str(path)]) == 1
     assert "at most 8000000 bytes" in capsys.readouterr().err
 
 

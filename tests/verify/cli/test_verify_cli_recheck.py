@@ -75,6 +75,22 @@ def test_the_table_says_what_the_systems_say(
     (entry,) = json.loads(capsys.readouterr().out)
     assert entry["name"] == "kink"
     assert set(entry["answers"].values()) == {expected}
+    assert entry["premises"][:3] == ["A > 0", "a > 0", "c > 0"]
+    assert [words for words in entry["premises"] if words.endswith("is not 0")]
+
+
+def test_accepted_is_told_with_its_premises(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cardboard(tmp_path, "echo accepted")
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    assert main(["verify", "recheck", "--only", "kink"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "A > 0; a > 0; c > 0; 1 more" in said
+    assert "accepted means proved if the premises hold" in said
+    file = str(tmp_path / "kink.v")
+    assert main(["prove", "kink", "--export", "coq", "--output", file]) == 0
+    assert "accepted will mean proved if A > 0; a > 0; c > 0; 1 more" in capsys.readouterr().err
 
 
 def test_what_is_not_installed_is_said_and_never_accepted(

@@ -52,15 +52,42 @@ class Toy:
     def better(self, choices: Choices, kind: Kind, excess: float) -> Choices:
         return replace(choices, step=max(0.2, 0.9 * excess**-0.25) * choices.step)
 
+    def taken(self, choices: Choices) -> float:
+        return choices.step
+
     def work(self, choices: Choices) -> float:
         return 1.0 / choices.step
 
 
-def test_a_law_that_holds_needs_no_more_runs_than_before() -> None:
+def test_a_law_that_holds_needs_a_run_and_its_control_for_each_step_tried() -> None:
     toy = Toy()
     assert refine(toy, 1e-6).error <= 1e-6
     assert not any(choices.nudged for choices in toy.runs)
-    assert len(toy.runs) <= 7
+    assert len(toy.runs) <= 8
+
+
+@dataclass
+class Misleading(Toy):
+    """An error that hardly varies at long steps, and obeys the law below the step ``lawful``."""
+
+    wrong: float = 0.02
+    lawful: float = 0.5
+
+    def run(self, choices: Choices, shown: bool, progress: Progress) -> Trial:
+        self.runs.append(choices)
+        error = self.wrong * (1.0 + 1e-5 * choices.step)
+        if choices.step < self.lawful:
+            error = self.wrong * (choices.step / self.lawful) ** self.order
+        return Trial(choices, np.array([[error]]), self.work(choices), 0.0, 0.0, None)
+
+
+@pytest.mark.parametrize("lawful", [0.9, 0.7, 0.5])
+def test_runs_that_agree_and_are_both_wrong_are_not_believed(lawful: float) -> None:
+    """Catches: a pair of runs judged near the longest stable step, where errors obey no law."""
+    found = refine(Misleading(lawful=lawful), 1e-3)
+    assert found.trial.values is not None
+    true = float(np.max(np.abs(found.trial.values)))
+    assert true <= found.error <= 1e-3
 
 
 def test_a_plateau_ends_before_steps_become_dear() -> None:

@@ -4,9 +4,9 @@ import sympy as sp
 
 from solutions import closed_form
 from verify.evidence.residual import sample_points
+from verify.kernel import check_certificate
 from verify.proof import form_domains, prove_equal
 from verify.proof.certificate import find_lemmas, make_certificate
-from verify.proof.checker import check_certificate
 from verify.proof.problem import equality_problem
 from verify.verdict import Outcome
 

@@ -6,13 +6,15 @@ the engine, proved right in the script, computes.  Coq finds the two to be the s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from flint import fmpq
 
+from . import terms
 from .terms import (
     Definition,
     Powers,
+    Premise,
     Rate,
     Relation,
     SlopeAxiom,
@@ -22,8 +24,14 @@ from .terms import (
     WrittenProof,
     engine_text,
     name_of,
+    plain,
     plain_lines,
+    premise_line,
+    premise_lines,
 )
+
+PREDICATES = ("less", "at_most", "real", "is_integer", "analytic", "connected")
+"""Relations of premises; a denominator is other than 0 in the field itself."""
 
 OPERATIONS = {"sum": ("Sum", "+"), "product": ("Prod", "*")}
 
@@ -44,7 +52,7 @@ def formula(term: Term) -> str:
             return f"number {_rational(value)}"
         case ("generator", place):
             return f"g{place}"
-        case (("node" | "jet"), _):
+        case (("node" | "jet" | "free"), _):
             return name_of(term)
         case ("minus", inner):
             return f"- ({formula(inner)})"
@@ -66,6 +74,7 @@ class _Theorem:
         defined = [step.name for step in proof.steps if isinstance(step, Definition)]
         self._places = {name: place for place, name in enumerate(defined, 1)}
         self._assumptions: list[str] = []
+        self._labels: list[str] = []
         self._claims: list[str] = []
 
     def lines(self) -> list[str]:
@@ -73,15 +82,13 @@ class _Theorem:
         proof = self._proof
         steps = [self._step(step) for step in proof.steps]
         below_data = [self._data(term) for term in proof.denominators]
-        below = [f"nonzero_{i}" for i, _ in enumerate(proof.denominators)]
+        below = [f"premise_{i}" for i, p in enumerate(proof.premises) if p.relation == "not_zero"]
         generators = [f"g{place}" for place in range(len(proof.meanings))]
         names = [name_of(name) for name in self._places]
+        free = [name_of(terms.free(place)) for place in proof.free]
         return [
-            f"Variables {' '.join([*generators, *names])} : F.",
-            *(
-                f"Hypothesis {label} : {formula(term)} <> 0."
-                for label, term in zip(below, proof.denominators, strict=True)
-            ),
+            f"Variables {' '.join([*generators, *names, *free])} : F.",
+            *self._predicates(),
             *self._assumptions,
             f"Definition denominators : list ex := {_list(below_data)}.",
             f"Definition steps : list step := {_list(steps)}.",
@@ -91,31 +98,50 @@ class _Theorem:
             '  else (idtac "rejected"; fail 1 "rejected").',
             "Qed.",
             "Theorem proved :",
+            *self._premises(),
             *(f"  ({claim}) /\\" for claim in self._claims),
             "  True.",
             "Proof.",
+            f"  intros {' '.join(f'premise_{i}' for i, _ in enumerate(proof.premises))}.",
             f"  exact (accepted (listed {_list(generators)}) (listed {_list(names)})",
             f"    denominators steps checked {_conjunction(below)}",
-            f"    {_conjunction(self._labels())}).",
+            f"    {_conjunction(self._labels)}).",
             "Qed.",
             "End Soundness.",
             "Print Assumptions proved.",
-            'Goal True. idtac "accepted". exact I. Qed.',
+            "Goal True.",
+            *(f'idtac "{line}".' for line in premise_lines(proof)),
+            'idtac "accepted". exact I. Qed.',
         ]
 
-    def _labels(self) -> list[str]:
-        return [f"assumed_{i}" for i in range(len(self._assumptions))]
+    def _predicates(self) -> list[str]:
+        """A relation of any meaning for each kind of premise."""
+        found = {p.relation: len(p.terms) for p in self._proof.premises if p.relation in PREDICATES}
+        return [f"Variable {name} : {'F -> ' * count}Prop." for name, count in found.items()]
 
-    def _assume(self, statement: str) -> None:
-        label = f"assumed_{len(self._assumptions)}"
-        self._assumptions.append(f"Hypothesis {label} : {statement}.")
+    def _premises(self) -> list[str]:
+        """The premises of the theorem, each with its words."""
+        lines = []
+        for premise in self._proof.premises:
+            lines += [f"  (* {line} *)" for line in plain(premise_line(premise))]
+            lines.append(f"  {_proposition(premise)} ->")
+        return lines
+
+    def _assume(self, statement: str, guards: Sequence[int] = ()) -> None:
+        """Assume an equation, under the premises that it rests on."""
+        name = f"assumed_{len(self._assumptions)}"
+        under = [f"{_proposition(self._proof.premises[place])} -> " for place in guards]
+        self._assumptions.append(f"Hypothesis {name} : {''.join(under)}{statement}.")
+        label = " ".join([name, *(f"premise_{place}" for place in guards)])
+        self._labels.append(f"({label})" if guards else label)
 
     def _step(self, step: Step) -> str:
         """The data of a step; what it assumes or claims is noted as a formula."""
         written, data = formula(step.term), self._data(step.term)
         match step:
             case Definition():
-                self._assume(f"{name_of(step.name)} = {written}")
+                guards = self._proof.guards.get(step.name, ())
+                self._assume(f"{name_of(step.name)} = {written}", guards)
                 return f"Def {self._places[step.name]} {data} {_powers(step.below)}"
             case Relation():
                 self._assume(f"power g{step.generator} {step.degree} = {written}")
@@ -150,6 +176,12 @@ class _Theorem:
                 return f"(Der {axis} {self._data(inner)})"
         name = OPERATIONS[term[0]][0]
         return _nested([self._data(part) for part in term[1:]], lambda a, b: f"({name} {a} {b})")
+
+
+def _proposition(premise: Premise) -> str:
+    if premise.relation == "not_zero":
+        return f"{formula(premise.terms[0])} <> 0"
+    return " ".join([premise.relation, *(f"({formula(term)})" for term in premise.terms)])
 
 
 def _nested(parts: list[str], joined: Callable[[str, str], str]) -> str:

@@ -18,6 +18,7 @@ from .terms import (
     engine_text,
     name_of,
     plain_lines,
+    premise_lines,
 )
 
 CALLS = {"sum": "add", "product": "mul", "minus": "neg", "inverse": "inv"}
@@ -31,6 +32,7 @@ class Language:
     engine: str
     head: Callable[[WrittenProof], list[str]]
     body: Callable[[list[str]], list[str]]
+    say: str
 
 
 def script(proof: WrittenProof, language: Language) -> str:
@@ -39,6 +41,7 @@ def script(proof: WrittenProof, language: Language) -> str:
         *(language.comment(line) for line in plain_lines(proof)),
         *language.head(proof),
         engine_text(language.engine),
+        *(language.say.format(line) for line in premise_lines(proof)),
         *language.body([_step(step) for step in proof.steps]),
     ]
     return "\n".join(lines) + "\n"
@@ -139,5 +142,7 @@ def _maxima_body(steps: list[str]) -> list[str]:
     ]
 
 
-PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", _pari_head, _pari_body)
-MAXIMA = Language(lambda line: f"/* {line} */", "engine.mac", _maxima_head, _maxima_body)
+PARI = Language(lambda line: f"\\\\ {line}", "engine.gp", _pari_head, _pari_body, 'print("{}")')
+MAXIMA = Language(
+    lambda line: f"/* {line} */", "engine.mac", _maxima_head, _maxima_body, 'print("{}")$'
+)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from textwrap import wrap
@@ -14,7 +14,8 @@ from flint import fmpq, fmpq_mpoly
 Term = tuple[Any, ...]
 """``("number", q)``, ``("generator", i)``, ``("node", k)``, ``("jet", k)``, ``("sum", ...)``,
 ``("product", ...)``, ``("minus", a)``, ``("inverse", a)``, ``("power", a, n)`` with n > 0, or
-``("slope", v, a)``, the derivative of a along the variable of that place."""
+``("slope", v, a)``, the derivative of a along the variable of that place; in premises also
+``("free", k)``."""
 
 Powers = tuple[int, ...] | None
 """Exponents of the denominators that a value is written over, where they are known; the last are
@@ -73,19 +74,45 @@ Step = Definition | Relation | SlopeAxiom | Rate | Vanishing
 
 
 @dataclass(frozen=True)
+class Premise:
+    """What the proof needs and no script shows: a ``relation`` of ``terms``, in words, for what.
+
+    A denominator, a polynomial in the generators, is one that is ``not_zero``.
+    """
+
+    relation: str
+    terms: tuple[Term, ...]
+    words: str
+    comment: str
+
+
+@dataclass(frozen=True)
 class WrittenProof:
     """All that a script is written from.
 
     ``meanings`` are what the generators stand for, ``variables`` the names of the variables that
-    something is differentiated by, ``denominators`` polynomials in the generators.
+    something is differentiated by, ``free`` elements that are in premises alone.  ``guards`` are
+    the places of the premises that a definition rests on.
     """
 
     title: str
     statement: str
     meanings: Sequence[str]
     variables: Sequence[str]
-    denominators: Sequence[Term]
+    free: Mapping[int, str]
+    premises: Sequence[Premise]
+    guards: Mapping[Term, Sequence[int]]
     steps: Sequence[Step]
+
+    @property
+    def conditions(self) -> list[str]:
+        """The premises in words, each once."""
+        return list(dict.fromkeys(premise.words for premise in self.premises))
+
+    @property
+    def denominators(self) -> list[Term]:
+        """What must not be 0."""
+        return [premise.terms[0] for premise in self.premises if premise.relation == "not_zero"]
 
 
 def number(value: fmpq | int) -> Term:
@@ -108,13 +135,20 @@ def jet(place: int) -> Term:
     return ("jet", place)
 
 
-NAMES = ("generator", "node", "jet")
+def free(place: int) -> Term:
+    """A formula of a premise that the proof has no image of."""
+    return ("free", place)
+
+
+NAMES = ("generator", "node", "jet", "free")
 """Kinds of terms that are names."""
+
+LETTERS = {"node": "n", "jet": "u", "free": "free"}
 
 
 def name_of(term: Term) -> str:
     """A node as n12, a jet as u3."""
-    return f"{'n' if term[0] == 'node' else 'u'}{term[1]}"
+    return f"{LETTERS[term[0]]}{term[1]}"
 
 
 def is_number(term: Term, value: int) -> bool:
@@ -213,4 +247,30 @@ def plain_lines(proof: WrittenProof) -> list[str]:
         for step in proof.steps
         if isinstance(step, Definition) and step.comment
     ]
+    lines += [f"{name_of(free(place))}: {text}" for place, text in proof.free.items()]
+    lines += ["Accepted means proved if", *map(premise_line, proof.premises)]
     return [short for line in lines for short in plain(line)]
+
+
+def premise_line(premise: Premise) -> str:
+    """A premise in words, with what it is for."""
+    return f"{premise.words} ({premise.comment})"
+
+
+FEW = 3
+"""Premises that are told where there is no room for all."""
+
+
+def premises_in_short(words: Sequence[str]) -> str:
+    """The first premises, and how many more there are."""
+    more = [f"{len(words) - FEW} more"] if len(words) > FEW else []
+    return "; ".join([*words[:FEW], *more])
+
+
+def premise_lines(proof: WrittenProof) -> list[str]:
+    """What a script prints of its premises, in letters that no string ends at."""
+    return [
+        f"{'...' if place else 'if'} {line}"
+        for premise in proof.premises
+        for place, line in enumerate(plain(premise_line(premise)))
+    ]

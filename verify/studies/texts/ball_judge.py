@@ -195,7 +195,8 @@ class Judge:
         self.equations = [_one_side(text, unknowns) for text in statement.equations]
         self.definitions = {name: read(text) for name, text in statement.definitions}
         self.letters = [v.name for v in statement.letters if v.name in DERIVED]
-        self.order = max(map(_order, self.equations))
+        inner = (*self.solutions.values(), *self.definitions.values())
+        self.order = max(map(_order, self.equations)) + max(map(_order, inner), default=0)
 
     def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
         """The residual of each equation; raises Unsaid."""

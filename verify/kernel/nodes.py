@@ -2,10 +2,9 @@
 
 A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol", name, kind)`` with
 the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
-``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("poly", terms,
-*arguments)`` is a polynomial in its arguments, ``("diff", node, *variables)`` a derivative; all
-others are functions of nodes that stand earlier.  `Balls` encloses their values at a rational point
-(FLINT's arb and acb).
+``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("diff", node,
+*variables)`` is a derivative; all others are functions of nodes that stand earlier.  `Balls`
+encloses their values at a rational point (FLINT's arb and acb).
 """
 
 from __future__ import annotations
@@ -18,23 +17,16 @@ from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
-from verify.proof.taylor import Elliptic
-
 from .limits import (
-    ARGUMENTS,
     DEPTH,
     DIGITS,
-    EXPONENT,
-    NAME,
     NODES,
-    ORDER,
-    SHIFT,
     CertificateError,
     within,
 )
+from .taylor import Elliptic
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
-SYMBOL = re.compile(r"[^\W\d]\w*")
 KINDS = ("real", "integer", "complex")
 
 ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
@@ -88,30 +80,23 @@ def listed(value: object, limit: int, what: str, length: int | None = None) -> l
 class Nodes:
     """The nodes of a certificate, and those that the axioms make from them.
 
-    >>> nodes = Nodes([["symbol", "x", "real"], ["number", "2"], ["Mul", 0, 1]])
-    >>> nodes.made("Mul", 1, 0) == nodes.places[2]
+    ``places`` are those that a proof refers to by number.
+
+    >>> nodes = Nodes()
+    >>> x, two = nodes.made("symbol", "x", "real"), nodes.rational(2)
+    >>> nodes.made("Mul", x, two) == nodes.made("Mul", two, x)
     True
     """
 
-    def __init__(self, table: object) -> None:
+    def __init__(self) -> None:
         self.all: list[Node] = []
         self.depth: list[int] = []
         self._known: dict[Node, int] = {}
         self.places: list[int] = []
-        self.read(table)
-
-    def read(self, table: object) -> None:
-        """Make ``table`` the one that `place` reads from; equal nodes of both are one."""
-        self.places = []
-        for entry in listed(table, NODES, "nodes"):
-            self.places.append(self._read(entry))
-        symbols = [node[1] for node in self.all if node[0] == "symbol"]
-        if len(set(symbols)) != len(symbols):
-            raise CertificateError("symbols must differ in name")
 
     def place(self, value: object) -> int:
-        """The node that a place in the certificate's table means."""
-        return self.places[integer(value, 0, len(self.places) - 1, "a place in nodes")]
+        """The node that a place in the proof's list of formulas means."""
+        return self.places[integer(value, 0, len(self.places) - 1, "a place in formulas")]
 
     def made(self, name: str, *arguments: Any) -> int:
         """The node ``(name, *arguments)``; sums and products know no order."""
@@ -119,8 +104,7 @@ class Nodes:
             arguments = tuple(sorted(arguments))
         node = (name, *arguments)
         if node not in self._known:
-            inner = arguments[1:] if name == "poly" else children(node)
-            depth = 1 + max((self.depth[argument] for argument in inner), default=0)
+            depth = 1 + max((self.depth[argument] for argument in children(node)), default=0)
             self.depth.append(within("the depth of a formula", depth, DEPTH))
             within("the number of nodes", len(self.all) + 1, 2 * NODES)
             self._known[node] = len(self.all)
@@ -136,6 +120,19 @@ class Nodes:
         found = self.all[node]
         return found[1] if found[0] == "number" else None
 
+    def is_integer(self, node: int) -> bool:
+        """Whether a node is evidently an integer at every point."""
+        match self.all[node]:
+            case ("number", value):
+                return bool(value.q == 1)
+            case ("symbol", _, kind):
+                return bool(kind == "integer")
+            case ("Add" | "Mul", *parts):
+                return all(map(self.is_integer, parts))
+            case ("Pow", base, exponent):
+                return bool(exponent.q == 1 and exponent > 0 and self.is_integer(base))
+        return False
+
     def rebuilt(self, node: int, images: Callable[[int], int]) -> int:
         """The node with the images of its children in their places."""
         name, *rest = self.all[node]
@@ -143,8 +140,6 @@ class Nodes:
         if not inner:
             return node
         moved = map(images, inner)
-        if name == "poly":
-            return self.made(name, rest[0], *moved)
         return self.made(name, *moved, *(rest[1:] if name in ("Pow", "diff") else ()))
 
     def below(self, roots: Sequence[int]) -> Iterator[int]:
@@ -155,51 +150,6 @@ class Nodes:
                 wanted.update(children(self.all[node]))
         yield from sorted(wanted)
 
-    def _read(self, entry: object) -> int:
-        match listed(entry, ARGUMENTS, "a node"):
-            case ["number", text]:
-                return self.made("number", number(text))
-            case ["symbol", str(name), str(kind)] if kind in KINDS:
-                within("the length of a name", len(name), NAME)
-                if not SYMBOL.fullmatch(name):
-                    raise CertificateError(f"names must be letters and digits, got {name!a}")
-                return self.made("symbol", name, kind)
-            case ["constant", ("I" | "pi") as name]:
-                return self.made(name)
-            case [("Add" | "Mul") as name, *places] if places:
-                return self.made(name, *map(self.place, places))
-            case ["Pow", base, exponent]:
-                return self._power(self.place(base), number(exponent))
-            case ["poly", terms, *places] if places:
-                return self._polynomial(terms, [self.place(place) for place in places])
-            case ["unknown", place, shifts]:
-                steps = listed(shifts, 8, "the shifts of an unknown")
-                moved = (integer(n, -SHIFT, SHIFT, "a shift") for n in steps)
-                return self.made("unknown", integer(place, 0, 7, "an unknown"), tuple(moved))
-            case ["diff", place, *places] if 0 < len(places) <= ORDER:
-                variables = sorted(map(self.place, places))
-                if any(self.all[variable][0] != "symbol" for variable in variables):
-                    raise CertificateError("derivatives must be in symbols")
-                return self.made("diff", self.place(place), *variables)
-            case [str(name), *places] if ARITY.get(name) == len(places):
-                return self.made(name, *map(self.place, places))
-        raise CertificateError(f"nodes must be such as the prover writes, got {ascii(entry)[:60]}")
-
-    def _power(self, base: int, exponent: fmpq) -> int:
-        for part, what in ((exponent.p, "exponents"), (exponent.q, "the degree of a root")):
-            within(what, abs(int(part)), EXPONENT)
-        return self.made("Pow", base, exponent)
-
-    def _polynomial(self, terms: object, places: list[int]) -> int:
-        found = []
-        for term in listed(terms, NODES, "the terms of a polynomial"):
-            text, exponents = listed(term, 2, "a term", 2)
-            powers = listed(exponents, ARGUMENTS, "exponents", len(places))
-            found.append(
-                (number(text), tuple(integer(n, 0, EXPONENT, "an exponent") for n in powers))
-            )
-        return self.made("poly", tuple(found), *places)
-
 
 def children(node: Node) -> tuple[int, ...]:
     """The nodes that a node is made of."""
@@ -208,8 +158,6 @@ def children(node: Node) -> tuple[int, ...]:
             return ()
         case "Pow" | "diff":
             return (node[1],)
-        case "poly":
-            return node[2:]
     return node[1:]
 
 
@@ -260,12 +208,13 @@ class Balls:
             case ("Pow", base, exponent):
                 root = known[base] if exponent.q == 1 else known[base].root(int(exponent.q))
                 return root ** int(exponent.p)
-            case ("poly", terms, *inner):
-                return polynomial([known[place] for place in inner], terms)
             case ("power", base, exponent):
                 return (known[exponent] * known[base].log()).exp()
-            case ("parity", _):
-                return acb(1)  # the other value is tried as another branch
+            case ("parity", inner):
+                whole = known[inner].real.unique_fmpz()
+                if whole is None or known[inner].imag != 0:
+                    raise CertificateError("a power of -1 must be to an integer at the point")
+                return acb(-1 if int(whole) % 2 else 1)
             case (str(name), z, m) if name.startswith("jacobi_"):
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z], 0)[0]
             case ("sign", inner):

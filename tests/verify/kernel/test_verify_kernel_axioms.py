@@ -6,13 +6,13 @@ from collections.abc import Iterator
 import pytest
 from flint import acb, arb, ctx, fmpq
 
-from verify.proof.checker import axioms
-from verify.proof.checker.bounds import Interval, stated
-from verify.proof.checker.limits import CertificateError
-from verify.proof.checker.nodes import BITS, Balls, Nodes
-from verify.proof.checker.ring import Element
-from verify.proof.checker.signs import INVERSE, Signs
-from verify.proof.checker.substitution import Substitution
+from verify.kernel import axioms
+from verify.kernel.bounds import Interval, stated
+from verify.kernel.limits import CertificateError
+from verify.kernel.nodes import BITS, Balls, Nodes
+from verify.kernel.ring import Element
+from verify.kernel.signs import INVERSE, Signs
+from verify.kernel.substitution import Substitution
 
 UNARY = ("sin", "cos", "tanh", "sech", "cosh", "exp", "Abs", "sinh", "atan")
 
@@ -25,7 +25,7 @@ def numbers(draw: random.Random) -> fmpq:
 def test_an_inverse_function_is_its_definition_off_the_cuts(name: str) -> None:
     draw = random.Random(1)
     for _ in range(60):
-        nodes = Nodes([])
+        nodes = Nodes()
         x, y = (nodes.made("symbol", letter, "real") for letter in "xy")
         f = nodes.made("Add", x, nodes.made("Mul", nodes.made("I"), y))
         point = {x: numbers(draw) / 4, y: numbers(draw) / 7}
@@ -43,7 +43,7 @@ def test_an_inverse_function_is_its_definition_off_the_cuts(name: str) -> None:
 def test_an_inverse_function_is_its_definition_where_it_is_real(name: str) -> None:
     low, high = INVERSE[name]
     for share in (fmpq(1, 7), fmpq(1, 2), fmpq(8, 9)):
-        nodes = Nodes([])
+        nodes = Nodes()
         x = nodes.made("symbol", "x", "real")
         end = fmpq(9) if high is None else high
         value = share * end + (1 - share) * (fmpq(-9) if low is None else low)
@@ -86,7 +86,7 @@ def domains(nodes: Nodes, draw: random.Random) -> Iterator[tuple[int, fmpq, fmpq
 def test_bounds_hold_at_random_points_of_random_formulas() -> None:
     draw, narrow = random.Random(5), 0
     for _ in range(400):
-        nodes, positive, ends = Nodes([]), {}, []
+        nodes, positive, ends = Nodes(), {}, []
         for symbol, low, high, weak in domains(nodes, draw):
             minus = nodes.made("Mul", nodes.rational(-1), symbol)
             above = nodes.made("Add", symbol, nodes.made("number", -low))
@@ -131,7 +131,7 @@ def test_open_ends_are_kept_through_products_and_powers() -> None:
 
 
 def test_what_an_inequality_says_of_a_symbol() -> None:
-    nodes = Nodes([])
+    nodes = Nodes()
     s, three = nodes.made("symbol", "s", "real"), nodes.made("number", fmpq(3))
     minus = nodes.made("Mul", nodes.rational(-1), s)
     assert stated(nodes, s, False) == (s, Interval(fmpq(0), None, True))
@@ -144,10 +144,19 @@ def test_what_an_inequality_says_of_a_symbol() -> None:
     assert stated(nodes, nodes.made("Add", s, minus), False) is None
 
 
+@pytest.mark.parametrize("signs", [2, 3])
+def test_no_minus_sign_of_an_inequality_is_dropped(signs: int) -> None:
+    """0 < (-1)*(-1)*x was read as x < 0."""
+    nodes = Nodes()
+    s = nodes.made("symbol", "s", "real")
+    product = nodes.made("Mul", s, *[nodes.rational(-1)] * signs)
+    assert stated(nodes, product, False) == (product, Interval(fmpq(0), None, True))
+
+
 def test_a_shifted_formula_has_the_values_of_the_formula_at_the_shifted_place() -> None:
     draw = random.Random(3)
     for _ in range(60):
-        nodes = Nodes([])
+        nodes = Nodes()
         n, t = nodes.made("symbol", "n", "integer"), nodes.made("symbol", "t", "real")
         formula = grown(nodes, [n, t], draw, 3)
         put = Substitution(nodes, [n, t], [formula])

@@ -161,10 +161,9 @@ def stated(nodes: Nodes, node: int, weak: bool) -> tuple[int, Interval] | None:
         return None
     shift = sum((value for value in shifts if value is not None), fmpq(0))
     match nodes.all[rest[0]]:
-        case ("Mul", *factors) if nodes.rational(-1) in factors:
-            others = [f for f in factors if f != nodes.rational(-1)]
-            if len(others) == 1:
-                return others[0], Interval(None, shift, False, not weak)
+        case ("Mul", *factors) if factors.count(nodes.rational(-1)) == 1 and len(factors) == 2:
+            (other,) = (f for f in factors if f != nodes.rational(-1))
+            return other, Interval(None, shift, False, not weak)
     return rest[0], Interval(-shift, None, not weak, False)
 
 

@@ -31,6 +31,7 @@ from .limits import (
     within,
 )
 from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
+from .reading import formula
 from .signs import INVERSE
 from .statement import Statement, read_statement, statement_text
 
@@ -202,32 +203,33 @@ def check_certificate(data: object) -> str:
         raise CertificateError(f"the certificate cannot be read: {reason}") from error
 
 
-def same_statement(data: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    """Whether two certificates that can be read state the same, node for node."""
-    nodes = Nodes(data["nodes"])
-    own = read_statement(nodes, data["statement"]).content()
-    try:
-        nodes.read(other["nodes"])
-        return own == read_statement(nodes, other["statement"]).content()
-    except CertificateError:
-        return False
-
-
 def _check(data: object) -> str:
     if not isinstance(data, Mapping):
         got = type(data).__name__
         raise CertificateError(f"certificate must be an object, got {got} (prove writes one)")
     if data["format"] != FORMAT:
-        raise CertificateError(f"format must be {FORMAT!r}, got {ascii(data['format'])[:60]}")
+        got = ascii(data["format"])[:60]
+        raise CertificateError(f"format must be {FORMAT!r}, got {got} (prove the statement again)")
     name = data["name"]
     if not isinstance(name, str) or len(name) > NAME or not name.isprintable():
         raise CertificateError("the name must be a short printable text")
     if digest(data) != data["digest"]:
         raise CertificateError("the digest does not match the content")
-    nodes = Nodes(data["nodes"])
-    statement = read_statement(nodes, data["statement"])
-    prove(nodes, statement, data["proof"])
-    return statement_text(statement)
+    statement = opened(data)
+    prove(statement.nodes, statement, data["proof"])
+    return statement_text(statement, data["statement"])
+
+
+def opened(data: Mapping[str, Any]) -> Statement:
+    """The statement of a certificate; its nodes have the proof's formulas as places."""
+    nodes = Nodes()
+    statement, scope = read_statement(nodes, data["statement"])
+    symbols = len(scope.known)
+    for text in listed(data["proof"]["formulas"], NODES, "formulas"):
+        nodes.places.append(formula(scope, text, nodes.places))
+    if len(scope.known) > symbols:
+        raise CertificateError("the formulas of a proof must be in the statement's symbols")
+    return statement
 
 
 def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bool = False) -> None:
@@ -243,6 +245,10 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
         if not residual.vanishes(equation):
             raise CertificateError("the numerator of the residual is not 0")
     point = {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
+    if any(nodes.all[s][0] != "symbol" for s in point):
+        raise CertificateError("the point must give symbols their values")
+    if any(nodes.all[s][2] == "integer" and value.q != 1 for s, value in point.items()):
+        raise CertificateError("the point must give integers to integer symbols")
     _check_point(field, statement, point)
 
 
@@ -329,9 +335,6 @@ def _check_point(field: Field, statement: Statement, point: Mapping[int, fmpq]) 
             raise CertificateError("the point is not in the domain, or not inside it")
         if weak and not (is_linear(field, left) and is_linear(field, right)):
             raise CertificateError("<= must be between formulas of degree 1 (write < instead)")
-    for symbol in point:
-        if field.nodes.all[symbol][0] != "symbol":
-            raise CertificateError("the point must give symbols their values")
     if (
         all(not g.form and field.nodes.all[g.node][0] == "symbol" for g in field.generators)
         and not field.ring.relations

@@ -59,7 +59,7 @@ UNBOUNDED = (
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
-CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "poly", "exp", "elliptic_k", "elliptic_e")
+CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elliptic_e")
 """Analytic functions, besides those of Jacobi."""
 
 THROUGH = ("exp", *axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC)
@@ -190,8 +190,6 @@ class Signs:
                 return made(name, *map(inside, parts))
             case ("Pow", base, exponent) if exponent.q == 1:
                 return made("Pow", inside(base), exponent)
-            case ("poly", terms, *parts):
-                return made("poly", terms, *map(inside, parts))
             case ("conjugate", inner):
                 return int(inner)
             case ("diff", inner, *variables):
@@ -261,7 +259,7 @@ class Signs:
                 return True
             case ("jacobi_eta", z, m):
                 return self.is_real(z) and self.not_negative(m)
-            case ("poly", _, *inner) | (("Add" | "Mul"), *inner):
+            case (("Add" | "Mul"), *inner):
                 return all(map(self.is_real, inner))
             case (str(name), *inner) if name in REAL:
                 return all(map(self.is_real, inner))

@@ -19,6 +19,7 @@ from .limits import (
     DEGREE,
     FACTOR_DEGREE,
     FACTOR_TERMS,
+    HEIGHT,
     WORK,
     CertificateError,
     within,
@@ -166,11 +167,15 @@ class Element:
 
     def __pow__(self, exponent: int) -> Element:
         base = self if exponent >= 0 else self.inverse()
+        longest = max((c.height_bits() for c in base.numerator.coeffs()), default=0)
+        within("the bits of a coefficient", longest * abs(exponent), HEIGHT)
         if len(base.numerator) == 1 and not base.powers and not self.ring.relations:
             within("degrees", int(base.numerator.total_degree()) * abs(exponent), DEGREE)
             return Element(self.ring, base.numerator ** abs(exponent))
         result = self.ring.number(1)
-        for _ in range(abs(exponent)):
+        size = len(base.numerator) * (longest + len(base.numerator).bit_length())
+        for power in range(abs(exponent)):
+            self.ring.spend(len(result.numerator) * size * power // 64)  # words of 64 bits
             result = result * base
         return result
 

@@ -222,8 +222,6 @@ class Images(ABC):
                 return self.sum([self.image(term) for term in terms])
             case ("Mul", *factors):
                 return self.product([self.image(factor) for factor in factors])
-            case ("poly", terms, *places):
-                return self._polynomial(terms, [self.image(place) for place in places])
             case ("Pow", base, exponent):
                 return self._power(node, base, int(exponent.p), int(exponent.q))
             case ("symbol", name, _):
@@ -231,15 +229,6 @@ class Images(ABC):
             case (name,):
                 raise CertificateError(f"there is no generator for {name}")
         return self._function(node)
-
-    def _polynomial(
-        self, terms: Sequence[tuple[fmpq, tuple[int, ...]]], values: list[Element]
-    ) -> Element:
-        parts = []
-        for coefficient, exponents in terms:
-            powers = (v**n for v, n in zip(values, exponents, strict=True) if n)
-            parts.append(self.product([self.ring.number(coefficient), *powers]))
-        return self.sum(parts)
 
     def _power(self, node: int, base: int, p: int, q: int) -> Element:
         if q != 1:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-FORMAT = "longwave proof 2"
+FORMAT = "longwave proof 3"
 
 FILE_BYTES = 8_000_000
 """The largest certificate of the catalogue has 0.2 MB."""
@@ -16,12 +16,18 @@ NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
 GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
 DIGITS, EXPONENT, NAME, SHIFT = 2_000, 1_000, 60, 1_000
 
+NESTING = 60
+"""Brackets in brackets in one text; what is deeper has names."""
+
 FORMS, PARTS = 4, 8
 """Most linear forms that belong together, and most equal parts that a proof may rest on."""
 
 WORK = 40_000_000
 """Products of terms in all polynomial multiplications; the catalogue's dearest proof takes a
 tenth of it."""
+
+HEIGHT = 1_000_000
+"""Bits of the coefficients of a power; the catalogue's have at most some hundred."""
 
 DEGREE = 3_000
 """Total degree of a polynomial."""

@@ -1,0 +1,146 @@
+"""Hand-made proofs of one rule each: a true value is accepted, one beside it refused."""
+
+from typing import Any
+
+import pytest
+
+from tests.verify.kernel.test_verify_kernel_attacks import Proof, certificate, refused, signed
+from verify.kernel import check_certificate
+
+Hints = dict[str, Any]
+
+ATOMS = ("x", "y", "I")
+XY: Hints = {"variables": ["x", "y"]}
+POINT = {"x": "1/2", "y": "1/3"}
+
+VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
+    # formula, value, wrong value, atoms, domain, hints
+    ("abs(x)", "-x", "x", ATOMS, ["x < 0"], {"values": {"abs(x)": "-x"}}),
+    ("abs(x*I)", "x", "-x", ATOMS, ["x > 0"], {"values": {"abs(x*I)": "x"}}),
+    ("sign(x)", "1", "-1", ATOMS, ["x > 0"], {"values": {"abs(x)": "x"}}),
+    ("sign(x)", "-1", "1", ATOMS, ["x < 0"], {"values": {"abs(x)": "-x"}}),
+    ("sqrt(9*x)", "3*sqrt(x)", "-3*sqrt(x)", (*ATOMS, "x**(1/2)"), ["x > 0"],
+     {"values": {"sqrt(9*x)": "3*sqrt(x)"}}),
+    ("(-8*y)**(1/3)", "2*(-y)**(1/3)", "-2*y**(1/3)", (*ATOMS, "(-y)**(1/3)", "y**(1/3)"), [],
+     {"values": {"(-8*y)**(1/3)": "2*(-y)**(1/3)"}}),
+    ("sqrt(-x**2)", "I*x", "-I*x", ATOMS, ["x > 0"], {"values": {"sqrt(-x**2)": "I*x"}}),
+    ("sqrt((1 + I*x)**2)", "1 + I*x", "-1 - I*x", ATOMS, [],
+     {"values": {"sqrt((1 + I*x)**2)": "1 + I*x"}}),
+    ("conjugate((1 + I*x)/(y - I))", "(1 - I*x)/(y + I)", "(1 + I*x)/(y - I)", ATOMS, [], {}),
+    ("conjugate(conjugate(x + I))", "x + I", "x - I", ATOMS, [], {}),
+    ("re(exp(I*x))", "(exp(I*x) + 1/exp(I*x))/2", "exp(I*x)", (*ATOMS, "exp(I*x)"), [],
+     {"sums": {"exp(I*x)": {"I*x": "1"}, "exp(-I*x)": {"I*x": "-1"}}}),
+    ("im(jacobi_sn(x, 1/2) + I*x)", "x", "-x", (*ATOMS, "jacobi_sn(x, 1/2)"), [], {}),
+    ("log(x*y)", "log(x) + log(y)", "log(x) - log(y)", (*ATOMS, "log(x)", "log(y)"),
+     ["x > 0", "y > 0"], {"logs": {"log(x*y)": {"x": "1", "y": "1"}}}),
+    ("log(x*I)", "log(x) + I*pi/2", "log(x) - I*pi/2", (*ATOMS, "pi", "log(x)"), ["x > 0"],
+     {"logs": {"log(x*I)": {"x": "1", "I": "1"}}}),
+    ("log(exp(x)*y)", "x + log(y)", "log(y)", (*ATOMS, "exp(x)", "log(y)"), ["y > 0"],
+     {"logs": {"log(exp(x)*y)": {"exp(x)": "1", "y": "1"}}}),
+    ("exp(2*log(x))", "x**2", "x", (*ATOMS, "log(x)"), ["x > 0"],
+     {"sums": {"exp(2*log(x))": {"log(x)": "2"}}}),
+    ("exp(I*atan(x))", "(1 + I*x)/sqrt(1 + x**2)", "(1 - I*x)/sqrt(1 + x**2)",
+     (*ATOMS, "sqrt(1 + x**2)", "atan(x)"), [], {"sums": {"exp(I*atan(x))": {"I*atan(x)": "1"}}}),
+    ("x**y", "exp(y*log(x))", "y*log(x)", (*ATOMS, "log(x)", "exp(y*log(x))"), ["x > 0"],
+     {"sums": {"exp(y*log(x))": {"y*log(x)": "1"}}}),
+    ("atan(tan(x))", "x", "-x", (*ATOMS, "exp(I*x)"), ["-1 < x < 1"],
+     {"values": {"atan(tan(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}),
+    ("jacobi_sn(0*x, 1/2)", "0", "1", ATOMS, [], {"sums": {"jacobi_sn(0*x, 1/2)": {"x": "0"}}}),
+    ("jacobi_cn(-x, 1/2)", "jacobi_cn(x, 1/2)", "-jacobi_cn(x, 1/2)",
+     (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn"))), [],
+     {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
+    ("jacobi_epsilon(-x, 1/2)", "-jacobi_epsilon(x, 1/2)", "jacobi_epsilon(x, 1/2)",
+     (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn", "epsilon"))), [],
+     {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
+    ("jacobi_dn(elliptic_k(1/4), 1/4)", "sqrt(3/4)", "-sqrt(3/4)",
+     (*ATOMS, "sqrt(1 - 1/4)", "elliptic_k(1/4)"), [],
+     {"sums": {"jacobi_sn(elliptic_k(1/4), 1/4)": {"elliptic_k(1/4)": "1"}}}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", VALUES, ids=lambda case: f"{case[0]} {case[4]}")
+def test_a_value(case: tuple[str, str, str, tuple[str, ...], list[str], Hints]) -> None:
+    formula, value, wrong, atoms, domain, hints = case
+    below = {symbol: "-" + p for symbol, p in POINT.items() if f"{symbol} < 0" in domain}
+    statement = XY | {"domain": domain}
+    for said, right in ((value, True), (wrong, False)):
+        u, point = f"u = {formula}", POINT | below
+        data = certificate(f"u - ({said})", u, atoms, point, statement, **hints)
+        if right:
+            assert u in check_certificate(data)
+        else:
+            refused(data, "the residual is not 0")
+
+
+@pytest.mark.parametrize(
+    ("formula", "atoms", "domain", "hints", "message"),
+    [
+        ("abs(x)", ("x",), [], {"values": {"abs(x)": "x"}}, "not shown to be >= 0"),
+        ("abs(x)", ("x",), ["x > 0"], {"values": {"abs(x)": "2*x"}}, "another square"),
+        ("abs(x)", ("x",), ["x > 0"], {}, "no generator for a Abs"),
+        ("sqrt(x)", ("x",), ["x > 0"], {"values": {"sqrt(x)": "x"}}, "is another"),
+        ("sqrt(x**2)", ("x",), [], {"values": {"sqrt(x**2)": "x"}}, "not shown to be >= 0"),
+        ("log(x*y)", ("x", "y"), [], {}, "no generator for a log"),
+        ("log(x*y)", ("x", "y"), [], {"logs": {"log(x*y)": {"x": "1", "y": "1"}}}, "be positive"),
+        ("log(x)", ("x", "log(2*x)"), ["x > 0"], {"logs": {"log(x)": {"2*x": "1"}}}, "not of the"),
+        ("exp(x)", ("x",), [], {"sums": {"exp(x)": {"2*x": "1"}}}, "not the sum"),
+        ("exp(x)", ("x", "exp(2*x)"), [], {"sums": {"exp(x)": {"2*x": "1/2"}}}, "integers"),
+        ("exp(x)", ("x",), [], {}, "a function of a sum"),
+        ("asin(sin(x))", ("x", "I", "exp(I*x)"), [],
+         {"values": {"asin(sin(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}, "principal value"),
+        ("atan(tan(2*x))", ("x", "I", "exp(I*x)"), ["-1/2 < x < 1/2"],
+         {"values": {"atan(tan(2*x))": "x"},
+          "sums": {"exp(I*x)": {"I*x": "1"}, "exp(I*(2*x))": {"I*x": "2"}}}, "another argument"),
+        ("conjugate(log(x))", ("x", "log(x)"), [], {}, "conjugate of log"),
+        ("jacobi_sn(x, x)", ("x", "jacobi_sn(x, x)"), [], {}, "must be constant"),
+        ("elliptic_k(y)", ("x", "y", "elliptic_k(y)"), [], {}, "constant|needs m < 1"),
+        ("elliptic_k(2)", ("x", "elliptic_k(2)"), [], {}, "needs m < 1"),
+        ("jacobi_theta(x, -1)", ("x", "jacobi_theta(x, -1)"), [], {}, "needs m > 0"),
+        ("jacobi_theta(x, 1/2)", ("x",), [], {"sums": {"jacobi_theta(x, 1/2)": {"x": "1"}}},
+         "a difference of two"),
+        ("x", ("x + 1",), [], {}, "no generator"),
+        ("x", ("x", "x"), [], {}, "must be new"),
+        ("I", (), [], {}, "no generator for I"),
+        ("1/(x - x)", ("x",), [], {}, "vanishes identically"),
+        ("x", ("x",), [], {"signs": {"x": "x + y", "y": "x"}, "values": {}}, "residual"),
+    ],
+)  # fmt: skip
+def test_what_does_not_follow(
+    formula: str, atoms: tuple[str, ...], domain: list[str], hints: Hints, message: str
+) -> None:
+    statement = XY | {"domain": domain}
+    data = certificate("u - 1", f"u = {formula}", atoms, POINT, statement, **hints)
+    refused(data, message)
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        (["scaled", "x", "y"], "must be a Jacobi function"),
+        (["circle", "sqrt(1 - k**2)", "x"], "must be of a symbol"),
+        (["circle", "sqrt(1 - x**2)", "x"], "of a parameter"),
+        (["quotient", "x", "y"], "of theta functions"),
+        (["forms", ["I"], [[["1"], "0"]]], "cannot be in a linear form"),
+        (["forms", ["x"], [[["y"], "0"]]], "must be constant"),
+        (["forms", ["x"], [[["abs(k)"], "0"]]], "must be analytic"),
+        (["forms", ["x", "y"], [[["1", "1"], "0"], [["2", "2"], "0"]]], "must be independent"),
+        (["part", 0, 0], "no generator is written"),
+        (["atom"], "no generator is written"),
+    ],
+)
+def test_a_generator_that_is_none(entry: list[Any], message: str) -> None:
+    proof = Proof()
+    data = proof.data(["k", "y"] if entry[0] == "forms" and "y" in str(entry[2]) else ["k"], POINT)
+
+    def placed(value: Any) -> Any:
+        return [placed(v) for v in value] if isinstance(value, list) else (
+            proof.place(value) if isinstance(value, str) else value
+        )  # fmt: skip
+
+    rows = [entry[0], *map(placed, entry[1:])]
+    if entry[0] == "forms":
+        rows[2] = [[factors, shift] for factors, shift in rows[2]]
+    data["generators"].append(rows)
+    data["point"].append([proof.place("k"), "1/5"])
+    statement = {"equations": ["u - k"], "solutions": ["u = k"], **XY}
+    refused(signed(statement, proof, data), message)

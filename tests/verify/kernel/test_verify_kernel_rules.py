@@ -1,0 +1,157 @@
+"""Every rule in a true statement that needs it, and the same statement with one thing wrong."""
+
+import copy
+import json
+from typing import Any
+
+import pytest
+from flint import acb, arb, ctx
+
+from solutions import closed_form
+from verify.kernel import CertificateError, check_certificate, taylor
+from verify.kernel.__main__ import main
+from verify.kernel.limits import digest
+from verify.proof import prove_form
+from verify.proof.catalogue_proofs import NAMES, higher_order
+from verify.proof.rational_proofs import prove_bilinear, prove_rational
+from verify.proof.statement_verdict import StatementVerdict
+from verify.proof.text_prover import prove
+
+Data = dict[str, Any]
+
+RULES = [
+    ("u_t + 6*u*u_x + u_xxx", "u = 2*k**2*sech(k*(x - 4*k**2*t))**2", "k: k>0", ""),
+    ("u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2)))", "c: -1<c<1", ""),
+    ("I*u_t + u_xx + 2*abs(u)**2*u", "u = a*sech(a*x)*exp(I*a**2*t)", "a: a>0", ""),
+    ("u_t - u_xx", "u = exp(-x**2/(4*t))/sqrt(t)", "", "t > 0"),
+    ("u_x - 1/x", "u = log(x)", "", "x > 0"),
+    ("u - 2*log(x) - x", "u = log(x**2*exp(x))", "", "x > 0"),
+    ("u - v", "u = asinh(sinh(x)) ;; v = x", "", ""),
+    ("u - v", "u = acos(cos(x)) ;; v = x", "", "0 < x < 3"),
+    ("u_x - 1/sqrt(1 - x**2)", "u = asin(x)", "", "-1 < x < 1"),
+    ("u_x + 1/sqrt(1 - x**2)", "u = acos(x)", "", "-1 < x < 1"),
+    ("u_x*(1 - x**2) - 1", "u = atanh(x)", "", "-1 < x < 1"),
+    ("u_x**2*(x**2 - 1) - 1", "u = acosh(x)", "", "x > 1"),
+    ("u - x", "u = abs(x)", "", "x > 0"),
+    ("u_x*abs(x) - x", "u = abs(x)", "", ""),
+    ("u_x - sign(x)", "u = abs(x)", "", ""),
+    ("u - x", "u = sqrt(x**2)", "", "x > 0"),
+    ("u - x*y", "u = re((x + I)*(y - I)) - 1", "", ""),
+    ("u - y + x", "u = im((x + I)*(y - I)) + 0*x", "", ""),
+    ("u - exp(-I*x)", "u = conjugate(exp(I*x))", "", ""),
+    ("u_x - a*x**a/x", "u = x**a", "a: real", "x > 0"),
+    ("u[n+1] + u[n]", "u[n] = (-1)**n*k", "", ""),
+    ("u[n+2] - u[n]", "u[n] = (-1)**n*k", "", ""),
+    ("diff(u*v, x) - u**2*v - v**3", "u = tan(x) ;; v = sec(x)", "", ""),
+    ("u_x + u**2 + 1", "u = cot(x)", "", ""),
+    ("u_x + u*coth(x)", "u = csch(x)", "", ""),
+    ("u_xx + (1 + m)*u - 2*m*u**3", "u = jacobi_sn(x, m)", "m: 0<m<1", ""),
+    ("u - v", "u = jacobi_sn(x + elliptic_k(m), m) ;; v = jacobi_cn(x, m)/jacobi_dn(x, m)",
+     "m: 0<m<1", ""),
+    ("u_x - jacobi_dn(x, m)**2", "u = jacobi_epsilon(x, m)", "m: 0<m<1", ""),
+    ("u - v", "u = jacobi_sn(2*x, m) ;; v = 2*jacobi_sn(x,m)*jacobi_cn(x,m)*jacobi_dn(x,m)"
+     "/(1 - m*jacobi_sn(x,m)**4)", "m: 0<m<1", ""),
+    ("sqrt(u**2) - u", "u = exp(I*x)", "", "-1 < x < 1"),
+    ("u - v", "u = exp(2*I*atan(x)) ;; v = (1 + I*x)/(1 - I*x)", "", ""),
+    ("u - v", "u = log(exp(I*x)) ;; v = I*x", "", "-1 < x < 1"),
+    ("u - v", "u = cos(pi/6)*x ;; v = sqrt(3)*x/2", "", ""),
+]  # fmt: skip
+
+
+def proved(equation: str, solution: str, parameters: str, domain: str) -> list[Data]:
+    verdict = prove(equation, solution, parameters=parameters, domain=domain)
+    assert isinstance(verdict, StatementVerdict)
+    assert verdict.outcome == "PROVED", verdict.detail
+    return [json.loads(json.dumps(certificate)) for certificate in verdict.certificates]
+
+
+def with_equation(data: Data, added: str) -> Data:
+    """The certificate with something added to its equation, signed again."""
+    changed = copy.deepcopy(data)
+    changed["statement"]["equations"][0] += added
+    return changed | {"digest": digest(changed)}
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule[1][:40])
+def test_a_rule_proves_what_is_true_and_nothing_beside_it(rule: tuple[str, ...]) -> None:
+    for data in proved(*rule):
+        assert data["statement"]["solutions"][0] in check_certificate(data)
+        unknown = data["statement"]["solutions"][0].split(" = ")[0]
+        variable = data["statement"]["variables"][0]
+        for added in (f" + 1e-40*{variable}", f" + 1e-40*{unknown}*{variable}"):
+            with pytest.raises(CertificateError, match="the residual is not 0"):
+                check_certificate(with_equation(data, added))
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if higher_order(n) is None])
+def test_a_form_of_the_catalogue_is_accepted_and_with_a_changed_equation_refused(name: str) -> None:
+    certificate = prove_form(closed_form(name)).certificate
+    assert certificate is not None
+    data = json.loads(json.dumps(certificate))
+    variable = data["statement"]["variables"][0]
+    with pytest.raises(CertificateError, match="the residual is not 0"):
+        check_certificate(with_equation(data, f" + 1e-40*{variable}"))
+
+
+def test_a_long_quotient_is_put_in_at_more_values_than_its_degree() -> None:
+    certificate = prove_rational(5).certificate
+    assert certificate is not None
+    data = json.loads(json.dumps(certificate))
+    assert "U = " in check_certificate(data)
+    for old, new in (("6*U**2", "6000001/1000000*U**2"), ("diff(U, tau)", "2*diff(U, tau)")):
+        wrong = copy.deepcopy(data)
+        (text,) = wrong["statement"]["equations"]
+        wrong["statement"]["equations"] = [text.replace(old, new)]
+        with pytest.raises(CertificateError, match="the residual is not 0"):
+            check_certificate(wrong | {"digest": digest(wrong)})
+    second = prove_bilinear(2).certificate
+    assert second is not None
+    assert "A = " in check_certificate(second)
+
+
+def test_the_command_prints_what_it_accepts(
+    tmp_path: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "c.json"
+    (data,) = proved("u_x - 1", "u = x", "", "")
+    for content, status, words in (
+        (json.dumps(data), 0, "accepted"),
+        (json.dumps([data, with_equation(data, " + x")]), 1, "rejected"),
+        (" " * 8_000_001, 1, "at most"),
+        ("[", 1, "no JSON"),
+    ):
+        path.write_text(content, encoding="utf-8")
+        assert main([str(path)]) == status
+        assert words in "".join(capsys.readouterr())
+    assert main([]) == 2
+    assert main([str(tmp_path / "none")]) == 2
+
+
+@pytest.mark.parametrize(
+    "name", ["sn", "cn", "dn", "epsilon", "zeta", "theta", "eta", "exp", "log", "atan", "asin",
+             "acosh", "sin", "cosh", "power"]
+)  # fmt: skip
+def test_taylor_coefficients_continue_a_function(name: str) -> None:
+    """The series about z at z + h is the function there, to the order h**12."""
+    with ctx.workprec(200):
+        elliptic = taylor.Elliptic(acb(0.3))
+    series = {
+        **{n: getattr(elliptic, n) for n in ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")},
+        **{n: taylor.periodic(n) for n in ("sin", "cosh")},
+        **{n: taylor.inverse(n) for n in ("asin", "acosh")},
+        "exp": taylor.exponential,
+        "log": taylor.logarithm,
+        "atan": taylor.arctangent,
+        "power": taylor.power(taylor.Fraction(2, 3)),
+    }[name]
+    with ctx.workprec(200):
+        z = acb(1.4 if name == "acosh" else 0.4)
+        h = acb(arb(1) / 1024)
+        found = sum((c * h**n for n, c in enumerate(series(z, 12))), acb(0))
+        assert abs(found - series(z + h, 0)[0]) < 1e-30
+
+
+def test_an_elliptic_parameter_is_below_one() -> None:
+    for m in (0, 1, 2):
+        with pytest.raises(ValueError, match="m must satisfy"):
+            taylor.Elliptic(acb(m))

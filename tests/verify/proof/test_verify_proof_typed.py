@@ -1,0 +1,84 @@
+"""Catches: a verdict on what SymPy makes of a text, in the place of what was typed."""
+
+from fractions import Fraction
+
+import pytest
+
+from verify.proof.statement_text import read_statement
+from verify.proof.statement_texts import StatementTexts
+from verify.proof.text_prover import prove
+from verify.proof.typed_values import TypedValues
+from verify.verdict import Outcome
+
+FALSE = [
+    ("u_x", "u = sign(exp(I*x))**2", "", ""),
+    ("u_x", "u = re((-2)**(j/2))*x", "j: integer", ""),
+    ("u[n-2] - n + 2", "u[n] = abs(n)", "", "n > 0"),
+    (
+        "I*u_t + u_xx + 2*abs(u)**2*u",
+        "u = a*sech(a*x)*exp(I*a**2*t)*sign(exp(I*x))**2",
+        "a: a>0",
+        "",
+    ),
+]
+TRUE = [
+    ("abs(u)**2*sign(u)**2 - u**2", "u = x + I", "", ""),
+    ("u[n-2] - abs(n-2)", "u[n] = abs(n)", "", "n > 0"),
+    ("u_x - 2*x*sign(u)", "u = sqrt(x**4)", "", "x > 0"),
+]
+
+
+@pytest.mark.parametrize("texts", FALSE)
+def test_what_sympy_reads_as_a_solution_is_refuted_as_it_was_typed(
+    texts: tuple[str, str, str, str],
+) -> None:
+    equation, solution, parameters, domain = texts
+    found = prove(equation, solution, parameters=parameters, domain=domain)
+    assert found.outcome is Outcome.REFUTED
+    statement = read_statement(equation, solution, parameters, domain)
+    assert statement.texts is not None
+    typed = TypedValues(statement.texts, statement.domains)
+    point = {name: Fraction(value) for name, value in (found.witness or {}).items()}
+    assert typed.fails_at(point)
+
+
+@pytest.mark.parametrize("texts", TRUE)
+def test_an_identity_is_not_refuted_at_a_point_of_something_else(
+    texts: tuple[str, str, str, str],
+) -> None:
+    equation, solution, parameters, domain = texts
+    found = prove(equation, solution, parameters=parameters, domain=domain)
+    assert found.outcome is not Outcome.REFUTED
+
+
+def test_a_case_of_the_constants_is_no_proof_of_what_was_not_typed() -> None:
+    found = prove("u_x + (b-1)*u", "u = sign(exp(I*x))**2", solve="b")
+    assert found.outcome is Outcome.UNDECIDED
+
+
+def test_texts_are_kept_as_they_were_typed_part_by_part() -> None:
+    statement = read_statement(
+        "u_t + c*u_x ;; v_x  - 1.50", "u = exp(d*(x - c*t)); ; v = 1.5*x".replace("; ;", ";;"),
+        "c: c>0; d = 2*c", "t>0",
+    )  # fmt: skip
+    assert statement.texts == StatementTexts(
+        ("x", "t"),
+        ("u_t + c*u_x", "v_x  - 1.50"),
+        ("u = exp(d*(x - c*t))", "v = 1.5*x"),
+        ("c: c>0", "d = 2*c"),
+        ("t>0",),
+    )
+
+
+def test_a_text_without_values_says_nothing() -> None:
+    statement = read_statement("u_x", "u = log(x)/log(x)*elliptic_k(2)", "", "")
+    assert statement.texts is not None
+    typed = TypedValues(statement.texts, {})
+    assert typed.fails_at({"x": Fraction(1, 2)}) is None
+    assert typed.failure() is None
+
+
+@pytest.mark.parametrize("formula", ["atan(I)", "x*atan(I) + 1"])
+def test_a_function_at_its_pole_is_refused_in_one_line(formula: str) -> None:
+    with pytest.raises(ValueError, match="values must be finite"):
+        prove("u_x", f"u = {formula}")

@@ -1,0 +1,44 @@
+"""``python -m verify.kernel FILE``: repeat the proofs in a file; the folder alone is enough."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any
+
+from .check import check_certificate
+from .limits import FILE_BYTES, CertificateError
+
+
+def main(arguments: list[str]) -> int:
+    """Print what every certificate of a file states, and "accepted"; 1 at the first that fails."""
+    if len(arguments) != 1:
+        print("usage: python -m verify.kernel FILE", file=sys.stderr)
+        return 2
+    try:
+        for certificate in certificates(arguments[0]):
+            print(check_certificate(certificate), "accepted", sep="\n")
+    except OSError as error:
+        print(f"FILE must be readable: {error.strerror}", file=sys.stderr)
+        return 2
+    except CertificateError as error:
+        print(f"rejected: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def certificates(path: str) -> list[Any]:
+    """The certificates of a file, one or a list of them."""
+    with open(path, "rb") as file:
+        text = file.read(FILE_BYTES + 1)
+    if len(text) > FILE_BYTES:
+        raise CertificateError(f"the file must have at most {FILE_BYTES} bytes")
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise CertificateError("the file is no JSON text") from error
+    return data if isinstance(data, list) and data else [data]
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,323 @@
+"""Formulas from text, as they stand: nothing is simplified but the arithmetic of numbers.
+
+    sum      product (+|- product)...        product  sign (*|/ sign)...
+    sign     -... power                      power    atom (** sign)?
+    atom     number, name, function(sum, ...), unknown[index, ...], #place, (sum)
+
+``a/b`` is ``a*b**(-1)`` and ``-a`` is ``(-1)*a``; brackets keep sums and products apart.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from flint import fmpq
+
+from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
+from .nodes import ARITY, Nodes
+
+TOKEN = re.compile(
+    r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
+    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]+)"
+    r"|(?P<sign>\*\*|<=|>=|!=|[-+*/()\[\]<>=,:])",
+    re.ASCII,
+)
+
+FUNCTIONS = {**{name: name for name in ARITY if name not in ("Abs", "parity", "power")}}
+FUNCTIONS["abs"] = "Abs"
+"""The name in a text and that of the node."""
+
+RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS}
+"""Names that mean something everywhere."""
+
+
+@dataclass
+class Scope:
+    """What names mean: variables and symbols, definitions (nodes) and unknowns.
+
+    A name that means nothing yet is a real parameter from then on.
+    """
+
+    nodes: Nodes
+    variables: list[int] = field(default_factory=list)
+    known: dict[str, int] = field(default_factory=dict)
+    unknowns: list[str] = field(default_factory=list)
+    pending: set[str] = field(default_factory=set)
+
+    def node(self, name: str) -> int:
+        """The node that a name means; raises CertificateError where it means none."""
+        if name in self.unknowns:
+            return self.unknown(name, (0,) * len(self.variables))
+        if name in self.known:
+            return self.known[name]
+        if name in RESERVED or name in self.pending:
+            raise CertificateError(f"the name {name} has no meaning at this place")
+        base, _, steps = name.partition("_")
+        if steps and base in self.unknowns:
+            return self._derivative(base, steps)
+        self._refuse_likeness(name)
+        return self.declare(name, "real")
+
+    def declare(self, name: str, kind: str) -> int:
+        """A new symbol."""
+        within("the length of a name", len(name), NAME)
+        self.define(name, self.nodes.made("symbol", name, kind))
+        return self.known[name]
+
+    def define(self, name: str, node: int) -> None:
+        """Let a new name mean ``node``."""
+        if name in self.known or name in RESERVED or name in self.unknowns:
+            raise CertificateError(f"the name {name[:40]} means two things (rename it)")
+        self.known[name] = node
+
+    def unknown(self, name: str, shifts: tuple[int, ...]) -> int:
+        """An unknown at shifted variables."""
+        return self.nodes.made("unknown", self.unknowns.index(name), shifts)
+
+    def check(self) -> None:
+        """Raise CertificateError if a symbol's name reads as a derivative of an unknown."""
+        for name in self.known:
+            self._refuse_likeness(name)
+
+    def letters(self) -> dict[str, int]:
+        """The variables by their names."""
+        return {self.nodes.all[variable][1]: variable for variable in self.variables}
+
+    def _derivative(self, base: str, steps: str) -> int:
+        letters = self.letters()
+        if not set(steps) <= letters.keys():
+            raise CertificateError(f"subscripts must be variables, got {base}_{steps[:40]}")
+        within("the order of a derivative", len(steps), ORDER)
+        variables = sorted(letters[step] for step in steps)
+        return self.nodes.made("diff", self.node(base), *variables)
+
+    def _refuse_likeness(self, name: str) -> None:
+        """``u_t``, ``ut`` and ``ubar`` beside the unknown u are no parameters."""
+        letters = "|".join(map(re.escape, self.letters()))
+        for unknown in self.unknowns:
+            rest = name.removeprefix(unknown)
+            like = rest.startswith("_") or rest in ("bar", "star", "conj", "dot", "prime")
+            if name != rest and (like or (letters and re.fullmatch(f"(?:{letters})+", rest))):
+                raise CertificateError(
+                    f"the name {name} reads as a derivative or conjugate of {unknown} (rename it)"
+                )
+
+
+def tokens(text: object) -> list[tuple[str, str]]:
+    """The words of a text, each with its kind; raises CertificateError for anything else."""
+    if not isinstance(text, str):
+        raise CertificateError(f"formulas must be text, got {type(text).__name__}")
+    found, place = [], 0
+    while place < len(text):
+        match = TOKEN.match(text, place)
+        if match is None:
+            raise CertificateError(
+                f"formulas must be of the grammar, got {text[place : place + 20]!a}"
+            )
+        if match.lastgroup is not None:
+            found.append((match.lastgroup, match[0]))
+        place = match.end()
+    return found
+
+
+def rational(text: str) -> fmpq:
+    """A decimal number, exactly.
+
+    >>> rational("0.25"), rational("3e-1")
+    (1/4, 3/10)
+    """
+    within("digits of a number", len(text), DIGITS)
+    mantissa, _, power = text.lower().partition("e")
+    whole, _, part = mantissa.partition(".")
+    value = fmpq(int(whole + part or "0"), 10 ** len(part))
+    return value * fmpq(10) ** int(power or "0")
+
+
+class TextReader:
+    """A reader of one text; ``places`` are the nodes that ``#0``, ``#1``, ... mean."""
+
+    def __init__(self, scope: Scope, text: object, places: Sequence[int] = ()) -> None:
+        self._scope, self._nodes, self._places = scope, scope.nodes, places
+        self._words = [*tokens(text), ("end", "the end")]
+        within("the words of a text", len(self._words), 10 * NODES)
+        self._at, self._nesting = 0, 0
+
+    @property
+    def next(self) -> str:
+        """The word that comes."""
+        return self._words[self._at][1]
+
+    @property
+    def ended(self) -> bool:
+        """Whether all words were read."""
+        return self._words[self._at][0] == "end"
+
+    def take(self, *signs: str) -> str:
+        """The word that comes if it is one of ``signs``, and go on behind it; else nothing."""
+        kind, word = self._words[self._at]
+        if kind == "end" or word not in signs:
+            return ""
+        self._at += 1
+        return word
+
+    def expect(self, *signs: str) -> str:
+        """The word that comes, which must be one of ``signs``."""
+        found = self.take(*signs)
+        if not found:
+            raise CertificateError(f"expected {' or '.join(signs)}, got {self.next[:40]!a}")
+        return found
+
+    def name(self) -> str:
+        """The name that comes."""
+        kind, word = self._words[self._at]
+        if kind != "name":
+            raise CertificateError(f"expected a name, got {word[:40]!a}")
+        self._at += 1
+        return word
+
+    def end(self) -> None:
+        """Raise CertificateError if words are left."""
+        if not self.ended:
+            raise CertificateError(f"expected the end of the formula, got {self.next[:40]!a}")
+
+    def sum(self) -> int:
+        """A sum of one or more terms."""
+        self._nesting = within("brackets in brackets", self._nesting + 1, NESTING)
+        terms = [self._product(fmpq(1))]
+        while sign := self.take("+", "-"):
+            terms.append(self._product(fmpq(1 if sign == "+" else -1)))
+        self._nesting -= 1
+        return terms[0] if len(terms) == 1 else self._nodes.made("Add", *terms)
+
+    def _product(self, number: fmpq) -> int:
+        """A product with a number before it; numbers in it are one."""
+        factors: list[int] = []
+        sign = "*"
+        while sign:
+            while self.take("-"):
+                number = -number
+            factor = self._power()
+            value = self._nodes.value(factor)
+            if value is not None and (sign == "*" or value != 0):
+                number = number * value if sign == "*" else number / value
+                within("the bits of a number", number.height_bits(), 4 * DIGITS)
+            else:
+                factors.append(factor if sign == "*" else self.power(factor, fmpq(-1)))
+            sign = self.take("*", "/")
+        if number != 1 or not factors:
+            factors.insert(0, self._nodes.made("number", number))
+        return factors[0] if len(factors) == 1 else self._nodes.made("Mul", *factors)
+
+    def _power(self) -> int:
+        base = self.atom()
+        if not self.take("**"):
+            return base
+        negative = fmpq(1)
+        while self.take("-"):
+            negative = -negative
+        exponent = self._power()
+        value = self._nodes.value(exponent)
+        if value is not None:
+            return self.power(base, negative * value)
+        if negative != 1:
+            minus = self._nodes.made("number", negative)
+            exponent = self._nodes.made("Mul", minus, exponent)
+        return self._power_of(base, exponent)
+
+    def power(self, base: int, exponent: fmpq) -> int:
+        """A node to a rational power, the principal one."""
+        for part, what in ((exponent.p, "exponents"), (exponent.q, "the degree of a root")):
+            within(what, abs(int(part)), EXPONENT)
+        return base if exponent == 1 else self._nodes.made("Pow", base, exponent)
+
+    def _power_of(self, base: int, exponent: int) -> int:
+        """A node to a power that is no number: by the logarithm, or of -1 to an integer."""
+        value, made = self._nodes.value(base), self._nodes.made
+        if value == 0:
+            raise CertificateError("0 must not be raised to a symbol")
+        if value is None or value > 0 or not self._nodes.is_integer(exponent):
+            return made("power", base, exponent)
+        size = made("number", -value)
+        turn = made("parity", exponent)
+        return turn if value == -1 else made("Mul", turn, made("power", size, exponent))
+
+    def atom(self) -> int:
+        """A formula that binds its parts together."""
+        kind, word = self._words[self._at]
+        self._at += kind != "end"
+        match kind:
+            case "number":
+                return self._nodes.made("number", rational(word))
+            case "place" if int(word[1:8]) < len(self._places) and len(word) <= 8:
+                return self._places[int(word[1:])]
+            case "sign" if word == "(":
+                found = self.sum()
+                self.expect(")")
+                return found
+            case "name" if self.next == "(":
+                return self._function(word)
+            case "name" if self.next == "[" and word in self._scope.unknowns:
+                return self._unknown(word)
+            case "name" if word in ("I", "pi"):
+                return self._nodes.made(word)
+            case "name":
+                return self._scope.node(word)
+        raise CertificateError(f"expected a formula, got {word[:40]!a}")
+
+    def _listed(self, closing: str) -> list[int]:
+        self._at += 1
+        found = [self.sum()]
+        while self.take(","):
+            found.append(self.sum())
+        self.expect(closing)
+        return found
+
+    def _function(self, name: str) -> int:
+        arguments = self._listed(")")
+        if name == "diff" and 1 < len(arguments) <= ORDER + 1:
+            inner, *variables = arguments
+            if not set(variables) <= set(self._scope.variables):
+                raise CertificateError("derivatives must be in the statement's variables")
+            return self._nodes.made("diff", inner, *sorted(variables))
+        if name == "sqrt" and len(arguments) == 1:
+            return self.power(arguments[0], fmpq(1, 2))
+        if name not in FUNCTIONS or ARITY[FUNCTIONS[name]] != len(arguments):
+            raise CertificateError(
+                f"no function of {len(arguments)} arguments is called {name[:40]}"
+            )
+        return self._nodes.made(FUNCTIONS[name], *arguments)
+
+    def _unknown(self, name: str) -> int:
+        """``u[n+1]``: an index for each integer variable, or for each variable."""
+        indices, variables = self._listed("]"), self._scope.variables
+        whole = [v for v in variables if self._nodes.all[v][2] == "integer"]
+        shifts = dict.fromkeys(variables, 0)
+        along = whole if len(indices) == len(whole) else variables
+        if len(indices) != len(along):
+            raise CertificateError(f"the unknown {name} must have an index for each site")
+        for variable, index in zip(along, indices, strict=True):
+            shifts[variable] = self._shift(variable, index)
+        return self._scope.unknown(name, tuple(shifts.values()))
+
+    def _shift(self, variable: int, index: int) -> int:
+        """The integer k where an index is ``variable + k``."""
+        if index == variable:
+            return 0
+        match self._nodes.all[index]:
+            case ("Add", *terms) if variable in terms and len(terms) == 2:
+                (other,) = (term for term in terms if term != variable)
+                value = self._nodes.value(other)
+                if value is not None and value.q == 1:
+                    within("a shift", abs(int(value.p)), SHIFT)
+                    return int(value.p)
+        raise CertificateError("an index must be a variable plus an integer")
+
+
+def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
+    """The node of a whole text."""
+    parser = TextReader(scope, text, places)
+    found = parser.sum()
+    parser.end()
+    return found

@@ -1,0 +1,293 @@
+"""What a certificate states: the texts as they were typed, and the nodes that they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from flint import fmpq
+
+from .limits import JETS, TERMS, CertificateError
+from .nodes import KINDS, Nodes, children, listed
+from .reading import RESERVED, Scope, TextReader, tokens
+
+Jet = tuple[int, tuple[int, ...]]
+"""The place of an unknown and its order in each variable."""
+
+Term = tuple[fmpq, tuple[int, ...], tuple[Jet, ...]]
+"""A number, known factors (nodes), and jets."""
+
+Equation = tuple[Term, ...] | int
+"""A polynomial in jets, or the node of any left-hand side."""
+
+PARTS = ("variables", "equations", "solutions", "parameters", "domain")
+
+INTEGERS = ("n",)
+"""Variables that are integers where nothing else is said."""
+
+SIGNED = {"positive": (0, 1), "negative": (1, 0)}
+"""Words for 0 < name and name < 0."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """``equations`` (left-hand sides, "= 0") hold if ``formulas`` are put for ``unknowns``.
+
+    ``domain`` are pairs of nodes, ``left < right``, or ``left <= right`` where ``weak``.
+    """
+
+    nodes: Nodes
+    variables: tuple[int, ...]
+    unknowns: tuple[str, ...]
+    formulas: tuple[int, ...]
+    equations: tuple[Equation, ...]
+    domain: tuple[tuple[bool, int, int], ...]
+
+    @property
+    def polynomials(self) -> list[tuple[Term, ...]]:
+        """The equations that are polynomials in jets."""
+        return [equation for equation in self.equations if not isinstance(equation, int)]
+
+    @property
+    def roots(self) -> list[int]:
+        """The nodes that the statement is made of, but for those of left-hand sides."""
+        known = [node for terms in self.polynomials for _, factors, _ in terms for node in factors]
+        return [*self.formulas, *known]
+
+
+def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
+    """The statement of a certificate; raises CertificateError if it does not state anything."""
+    if not isinstance(data, Mapping) or set(data) != set(PARTS):
+        raise CertificateError(f"the statement must have the parts {', '.join(PARTS)}")
+    texts = {name: listed(data[name], 400, name) for name in PARTS}
+    scope = _declared(nodes, texts)
+    domain: list[tuple[bool, int, int]] = []
+    for text in texts["parameters"]:
+        domain += _parameter(scope, text)
+    for text in texts["domain"]:
+        domain += _conditions(scope, TextReader(scope, text), "")
+    solutions = [_solution(scope, text) for text in texts["solutions"]]
+    left_sides = [_equation(scope, text) for text in texts["equations"]]
+    scope.check()
+    found = Statement(
+        nodes,
+        tuple(scope.variables),
+        tuple(scope.unknowns),
+        tuple(solutions),
+        tuple(_terms(nodes, scope.variables, left) for left in left_sides),
+        tuple(domain),
+    )
+    _check(found, left_sides)
+    return found, scope
+
+
+def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
+    """The names that are declared: variables, unknowns, and parameters with their kinds."""
+    scope, kinds = Scope(nodes), dict[str, str]()
+    for text in texts["parameters"]:
+        words = [word for _, word in tokens(text)]
+        if len(words) < 3 or words[1] not in (":", "=") or words[0] in scope.pending:
+            raise CertificateError(f"expected name: domain or name = formula, got {text[:40]!a}")
+        if words[1] == "=":
+            scope.pending.add(words[0])
+        elif kinds.setdefault(words[0], kind := _kind(words[2:])) != kind:
+            raise CertificateError(f"the name {words[0][:40]} has two kinds")
+    for text in texts["variables"]:
+        name = TextReader(scope, text).name()
+        if len(tokens(text)) > 1:
+            raise CertificateError("variables must be names")
+        kind = kinds.pop(name, "integer" if name in INTEGERS else "real")
+        if kind == "complex":
+            raise CertificateError("variables must be real or integers")
+        scope.variables.append(scope.declare(name, kind))
+    if not 0 < len(scope.variables) <= 8:
+        raise CertificateError("a statement must have 1 to 8 variables")
+    for text in texts["solutions"]:
+        name = TextReader(scope, text).name()
+        if name in scope.unknowns:
+            raise CertificateError(f"the unknown {name[:40]} has two solutions")
+        scope.unknowns.append(name)
+    for name, kind in kinds.items():
+        scope.declare(name, kind)
+    for name in scope.unknowns:
+        if name in (*scope.known, *scope.pending, *RESERVED) or "_" in name.rstrip("_"):
+            raise CertificateError(f"the name {name[:40]} means two things (rename the unknown)")
+    return scope
+
+
+def _kind(words: Sequence[str]) -> str:
+    named = [word for word in words if word in KINDS]
+    if len(named) > 1:
+        raise CertificateError("a parameter must be of one kind")
+    return named[0] if named else "real"
+
+
+def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
+    """The inequalities of ``name: domain``; none for ``name = formula``, which is put down."""
+    parser = TextReader(scope, text)
+    name = parser.name()
+    if parser.take(":"):
+        return _conditions(scope, parser, name)
+    parser.expect("=")
+    node = parser.sum()
+    parser.end()
+    scope.pending.discard(name)
+    scope.define(name, node)
+    return []
+
+
+def _conditions(scope: Scope, parser: TextReader, name: str) -> list[tuple[bool, int, int]]:
+    """The inequalities between the commas: a chain, or a word for a domain of ``name``."""
+    found = []
+    while True:
+        if name and parser.next in (*KINDS, "nonzero", *SIGNED):
+            word = parser.name()
+            if word in SIGNED:
+                ends = [scope.nodes.rational(0), scope.node(name)]
+                left, right = SIGNED[word]
+                found.append((False, ends[left], ends[right]))
+        else:
+            found += _chain(parser)
+        if parser.ended:
+            return found
+        parser.expect(",")
+
+
+def _chain(parser: TextReader) -> Iterator[tuple[bool, int, int]]:
+    """``a < b <= c``; what says ``a != 0`` restricts nothing, so that more is proved."""
+    left, some = parser.sum(), False
+    while sign := parser.take("<", "<=", ">", ">=", "!="):
+        right, some = parser.sum(), True
+        if sign != "!=":
+            ends = (left, right) if sign[0] == "<" else (right, left)
+            yield ("=" in sign, *ends)
+        left = right
+    if not some:
+        raise CertificateError(f"expected an inequality, got {parser.next[:40]!a}")
+
+
+def _solution(scope: Scope, text: str) -> int:
+    """The formula of ``u = formula`` or ``u[n] = formula``."""
+    parser = TextReader(scope, text)
+    if parser.atom() != scope.node(tokens(text)[0][1]):
+        raise CertificateError("a solution must be of the unknown at its own variables")
+    parser.expect("=")
+    found = parser.sum()
+    parser.end()
+    return found
+
+
+def _equation(scope: Scope, text: object) -> int:
+    """The left-hand side, less the right-hand side if there is one."""
+    parser = TextReader(scope, text)
+    found = parser.sum()
+    if parser.take("="):
+        minus = scope.nodes.made("Mul", scope.nodes.rational(-1), parser.sum())
+        found = scope.nodes.made("Add", found, minus)
+    parser.end()
+    return found
+
+
+Monomials = dict[tuple[tuple[int, ...], tuple[Jet, ...]], fmpq]
+
+
+def _terms(nodes: Nodes, variables: Sequence[int], left: int) -> Equation:
+    """The equation as a polynomial in derivatives of the unknowns, or its node if it is none."""
+    shown = _with_unknowns(nodes, left)
+    found = _expanded(nodes, variables, shown, left)
+    if found is None:
+        return left
+    return tuple((value, *key) for key, value in found.items() if value != 0)
+
+
+def _with_unknowns(nodes: Nodes, left: int) -> set[int]:
+    found: set[int] = set()
+    for node in nodes.below([left]):
+        if nodes.all[node][0] == "unknown" or any(c in found for c in children(nodes.all[node])):
+            found.add(node)
+    return found
+
+
+def _expanded(
+    nodes: Nodes, variables: Sequence[int], shown: set[int], node: int
+) -> Monomials | None:
+    value = nodes.value(node)
+    if node not in shown:
+        return {((), ()): value} if value is not None else {((node,), ()): fmpq(1)}
+    match nodes.all[node]:
+        case ("unknown", place, shifts) if not any(shifts):
+            return {((), ((place, shifts),)): fmpq(1)}
+        case ("diff", inner, *steps) if nodes.all[inner][0] == "unknown":
+            _, place, shifts = nodes.all[inner]
+            orders = tuple(steps.count(variable) for variable in variables)
+            return None if any(shifts) else {((), ((place, orders),)): fmpq(1)}
+        case ("Add", *terms):
+            total: Monomials = {}
+            for term in terms:
+                part = _expanded(nodes, variables, shown, term)
+                if part is None:
+                    return None
+                for key, value in part.items():
+                    total[key] = total.get(key, fmpq(0)) + value
+            return total
+        case ("Mul", *factors):
+            return _multiplied([_expanded(nodes, variables, shown, f) for f in factors])
+        case ("Pow", base, exponent) if exponent.q == 1 and 0 < exponent <= JETS:
+            return _multiplied([_expanded(nodes, variables, shown, base)] * int(exponent.p))
+    return None
+
+
+def _multiplied(parts: Sequence[Monomials | None]) -> Monomials | None:
+    total: Monomials = {((), ()): fmpq(1)}
+    for part in parts:
+        if part is None or len(total) * len(part) > TERMS:
+            return None
+        found: Monomials = {}
+        for (left, own), (right, other) in product(total, part):
+            key = (tuple(sorted(left + right)), tuple(sorted(own + other)))
+            found[key] = found.get(key, fmpq(0)) + total[left, own] * part[right, other]
+        if any(len(jets) > JETS for _, jets in found):
+            return None
+        total = found
+    return total
+
+
+def _check(statement: Statement, left_sides: Sequence[int]) -> None:
+    """Every equation has an unknown; equations alone have derivatives, in real variables."""
+    nodes = statement.nodes
+    if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
+        raise CertificateError("a statement must have 1 to 8 equations and solutions")
+    for left in left_sides:
+        if all(nodes.all[node][0] != "unknown" for node in nodes.below([left])):
+            raise CertificateError("an equation does not contain the unknown")
+    ends = [end for _, *both in statement.domain for end in both]
+    for node in nodes.below([*statement.formulas, *ends]):
+        if nodes.all[node][0] in ("diff", "unknown"):
+            raise CertificateError("formulas must be without derivatives and unknowns")
+    for node in nodes.below(left_sides):
+        along = nodes.all[node][2:] if nodes.all[node][0] == "diff" else ()
+        if any(nodes.all[v][2] == "integer" for v in along):
+            raise CertificateError("derivatives must be in the statement's real variables")
+
+
+def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> str:
+    """The statement as it was typed, and for which symbols it was proved."""
+    nodes = statement.nodes
+    kinds = {
+        kind: sorted(node[1] for node in nodes.all if node[0] == "symbol" and node[2] == kind)
+        for kind in KINDS
+    }
+    symbols = [f"{kind} {', '.join(names)}" for kind, names in kinds.items() if names]
+    limits = [text for text in texts["parameters"] if ":" in text] + list(texts["domain"])
+    where = [text for text in texts["parameters"] if ":" not in text]
+    lines = [
+        f"equation: {'; '.join(texts['equations'])}",
+        f"solution: {'; '.join(texts['solutions'])}",
+        *([f"where {'; '.join(where)}"] if where else []),
+        f"for all {'; '.join(symbols)}"
+        + (f" with {'; '.join(limits)}" if limits else "")
+        + ", wherever the formulas are smooth",
+    ]
+    return "\n".join(line.replace("\n", " ") for line in lines)

@@ -1,0 +1,287 @@
+"""The premises of a proof: what its axioms need that no algebra shows, noted as the checker asks.
+
+The signs here are the checker's; each question that is answered with yes is noted for whoever asked
+it: the formula whose image rests on it, a generator, or a denominator.  What an answer rests on
+within the rules of signs is not noted: it is the checker's to show, or the reader's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+
+from flint import fmpq
+
+from verify.kernel.images import Images
+from verify.kernel.nodes import Nodes
+from verify.kernel.signs import Signs
+
+from .terms import Term
+
+
+@dataclass(frozen=True)
+class Question:
+    """Whether a ``relation`` of formulas, a key of `RELATIONS`, holds on the domain."""
+
+    relation: str
+    nodes: tuple[int, ...] = ()
+
+
+RELATIONS: Mapping[str, str] = {
+    "less": "{} < {}",
+    "at_most": "{} <= {}",
+    "real": "{} is real",
+    "is_integer": "{} is an integer",
+    "analytic": "{} is analytic but for isolated poles",
+    "connected": "the domain is connected",
+    "not_zero": "{} is not 0",
+}
+"""How relations are told in words."""
+
+PURPOSES: Mapping[str, str] = {
+    **dict.fromkeys(("Pow", "log"), "the branch of"),
+    **dict.fromkeys(("asin", "acos", "atan", "asinh", "acosh", "atanh"), "the branch of"),
+    "Abs": "the value of",
+    **dict.fromkeys(("elliptic_k", "elliptic_e"), "the parameter of"),
+    **{f"jacobi_{name}": "the parameter of" for name in ("zeta", "theta", "eta")},
+}
+"""What the premises are for that the image of a function rests on."""
+
+
+@dataclass
+class Asker:
+    """Whoever asks; ``depth`` counts the rules of signs that are at work, ``noted`` what holds."""
+
+    depth: int = 0
+    noted: dict[Question, None] = field(default_factory=dict)
+
+
+class TracedSigns(Signs):
+    """The checker's signs, which note what was asked and holds."""
+
+    def __init__(self, images: Images, positive: Mapping[int, bool]) -> None:
+        super().__init__(images.nodes, images.image, positive, images.hints.signs)
+        self.askers = [Asker()]
+        self.kept: dict[Question, str] = {}
+
+    def keep(self, asked: Iterable[Question], comment: str) -> None:
+        """Keep what no definition rests on but all of the proof, with what it is for."""
+        for question in asked:
+            self.kept.setdefault(question, comment)
+
+    @contextmanager
+    def asked(self) -> Iterator[dict[Question, None]]:
+        """Note apart what is asked meanwhile."""
+        self.askers.append(Asker())
+        try:
+            yield self.askers[-1].noted
+        finally:
+            self.askers.pop()
+
+    def note(self, question: Question) -> None:
+        """Note a premise, but for plain ones: of numbers, or that a fraction is analytic."""
+        if question.relation == "analytic" and all(map(self._is_fraction, question.nodes)):
+            return
+        values = [self._nodes.value(node) for node in question.nodes]
+        known = [value for value in values if value is not None]
+        if values and len(known) == len(values) and _holds(question.relation, known):
+            return
+        self.askers[-1].noted[question] = None
+
+    def _is_fraction(self, node: int) -> bool:
+        """Whether a node is made of symbols and numbers by sums, products and integer powers."""
+        inner = (self._nodes.all[place] for place in self._nodes.below([node]))
+        return all(n[0] in RATIONAL or (n[0] == "Pow" and n[2].q == 1) for n in inner)
+
+    def is_real(self, node: int) -> bool:
+        """Whether ``node`` is shown to be real."""
+        return self._ask(partial(super().is_real, node), Question("real", (node,)))
+
+    def positive(self, node: int) -> bool:
+        """Whether ``node`` is shown to be real and greater than 0."""
+        zero = self._nodes.rational(0)
+        return self._ask(partial(super().positive, node), Question("less", (zero, node)))
+
+    def not_negative(self, node: int) -> bool:
+        """Whether ``node`` is shown to be real and at least 0."""
+        zero = self._nodes.rational(0)
+        return self._ask(partial(super().not_negative, node), Question("at_most", (zero, node)))
+
+    def below_one(self, m: int) -> bool:
+        """Whether ``m`` is shown to be real and less than 1."""
+        one = self._nodes.rational(1)
+        return self._ask(partial(super().below_one, m), Question("less", (m, one)))
+
+    def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
+        ends = [
+            None if v is None else self._nodes.rational(int(v.p), int(v.q)) for v in (low, high)
+        ]
+        asked = [] if ends[0] is None else [Question("at_most", (ends[0], node))]
+        asked += [] if ends[1] is None else [Question("at_most", (node, ends[1]))]
+        asked = asked or [Question("real", (node,))]
+        return self._ask(partial(super().is_between, node, low, high), *asked)
+
+    def is_clean(self, node: int) -> bool:
+        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        return self._ask(partial(super().is_clean, node), Question("analytic", (node,)))
+
+    def _ask(self, answer: Callable[[], bool], *asked: Question) -> bool:
+        asker = self.askers[-1]
+        asker.depth += 1
+        try:
+            found = answer()
+        finally:
+            asker.depth -= 1
+        if found and not asker.depth:
+            for question in asked:
+                self.note(question)
+        return found
+
+
+def _holds(relation: str, values: list[fmpq]) -> bool:
+    match relation, values:
+        case "less", [left, right]:
+            return bool(left < right)
+        case "at_most", [left, right]:
+            return bool(left <= right)
+    return relation in ("real", "analytic")
+
+
+RATIONAL = ("number", "symbol", "pi", "I", "Add", "Mul", "poly")
+
+LONG = 60
+"""Characters from which a part of a formula is named where a premise is told."""
+
+
+class FormulaWords:
+    """Formulas in words, long parts by their names, which are told behind them."""
+
+    def __init__(self, nodes: Nodes) -> None:
+        self._nodes = nodes
+        self._known: dict[int, tuple[str, frozenset[int]]] = {}
+
+    def told(self, form: str, *nodes: int) -> str:
+        """A sentence about formulas, with what its names mean."""
+        found = [self._of(node) for node in nodes]
+        todo = sorted({name for _, names in found for name in names})
+        where: dict[int, str] = {}
+        while todo:
+            name = todo.pop()
+            text, names = self._of(name)
+            where[name] = f"n{name} = {_bare(text)}"
+            todo += sorted(names - where.keys())
+        rest = f" where {'; '.join(where.values())}" if where else ""
+        return form.format(*(_bare(text) for text, _ in found)) + rest
+
+    def _of(self, node: int) -> tuple[str, frozenset[int]]:
+        """The text of a node and the nodes that it names."""
+        if node not in self._known:
+            names: set[int] = set()
+            text = self._text(node, partial(self._part, names))
+            self._known[node] = text, frozenset(names)
+        return self._known[node]
+
+    def _part(self, names: set[int], node: int) -> str:
+        text, inner = self._of(node)
+        if len(text) > LONG:
+            names.add(node)
+            return f"n{node}"
+        names |= inner
+        return text
+
+    def _text(self, node: int, part: Callable[[int], str]) -> str:
+        match self._nodes.all[node]:
+            case ("number", value):
+                return _number(value)
+            case ("symbol", name, _) | (name,):
+                return str(name)
+            case ("Add", *terms):
+                return f"({written_sum([part(term) for term in self._parted(terms)[::-1]])})"
+            case ("Mul", *factors):
+                texts = [part(factor) for factor in self._parted(factors)]
+                negative = len(texts) > 1 and texts[0] == "(-1)"
+                return ("-" if negative else "") + "*".join(texts[negative:])
+            case ("Pow", base, exponent) if exponent == fmpq(1, 2):
+                return f"sqrt({_bare(part(base))})"
+            case ("Pow", base, exponent):
+                power = str(exponent) if exponent.q == 1 and exponent > 0 else f"({exponent})"
+                return f"{_atom(part(base))}^{power}"
+            case ("poly", monomials, *places):
+                texts = [_atom(part(place)) for place in places]
+                found = [_monomial(c, powers, texts) for c, powers in monomials]
+                return f"({written_sum(found)})"
+            case ("power", base, exponent):
+                return f"{_atom(part(base))}^({_bare(part(exponent))})"
+            case ("parity", inner):
+                return f"(-1)^({_bare(part(inner))})"
+            case (name, *inner):
+                return f"{name}({', '.join(_bare(part(place)) for place in inner)})"
+        raise AssertionError(node)
+
+    def _parted(self, parts: list[int]) -> list[int]:
+        """Numbers before all others."""
+        return sorted(parts, key=lambda part: self._nodes.value(part) is None)
+
+
+def written_sum(texts: Sequence[str]) -> str:
+    """A sum of terms, in which minus signs stand as such."""
+    whole = texts[0]
+    for text in texts[1:]:
+        negative = NEGATIVE.match(text)
+        whole += (
+            f" - {negative[1] or negative[2]}{text[negative.end() :]}" if negative else f" + {text}"
+        )
+    return whole
+
+
+NEGATIVE = re.compile(r"\(-([0-9/]+)\)|-([^ ])")
+"""A negative number, or a minus sign and what stands behind it."""
+
+
+def polynomial_words(term: Term, name: Callable[[int], str]) -> str:
+    """A polynomial in generators in words."""
+    match term:
+        case ("number", value):
+            return _number(value)
+        case ("generator", place):
+            return name(place)
+        case ("sum", *parts):
+            return written_sum([polynomial_words(part, name) for part in parts])
+        case ("product", *parts):
+            texts = [polynomial_words(part, name) for part in parts]
+            negative = texts[0] == "(-1)"
+            return ("-" if negative else "") + "*".join(texts[negative:])
+        case ("power", base, exponent):
+            return f"{_atom(polynomial_words(base, name))}^{exponent}"
+    raise AssertionError(term[0])
+
+
+def _monomial(coefficient: fmpq, powers: tuple[int, ...], texts: list[str]) -> str:
+    known = zip(texts, powers, strict=True)
+    factors = [text if n == 1 else f"{text}^{n}" for text, n in known if n]
+    if abs(coefficient) == 1 and factors:
+        return ("-" if coefficient < 0 else "") + "*".join(factors)
+    return "*".join([_number(coefficient), *factors])
+
+
+def _number(value: fmpq) -> str:
+    return str(value) if value.q == 1 and value >= 0 else f"({value})"
+
+
+def _bare(text: str) -> str:
+    """A text without the parentheses around all of it."""
+    depth = 0
+    for place, letter in enumerate(text):
+        depth += {"(": 1, ")": -1}.get(letter, 0)
+        if depth == 0 and place + 1 < len(text):
+            return text
+    return text[1:-1] if text.startswith("(") else text
+
+
+def _atom(text: str) -> str:
+    """A text in parentheses, unless it is a name, a number, or a function of something."""
+    return text if _bare(text) != text or text.replace("_", "").isalnum() else f"({text})"

@@ -1,0 +1,267 @@
+"""The checker's field, which notes every step, and the premises that its images rest on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+from verify.kernel.derivations import Slopes
+from verify.kernel.field import Field
+from verify.kernel.images import Hints
+from verify.kernel.nodes import Nodes
+from verify.kernel.ring import Element
+
+from . import terms
+from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
+from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
+from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
+
+
+class TracedSlopes(Slopes):
+    """Derivatives, in which those of formulas stand as such and are left to the script.
+
+    Where a formula's derivative would need the slope that is being stated (the argument of an
+    epsilon that is part of a linear form with its variable), the value that follows from the
+    formula's structure is stated, and checked when the slope is known.
+    """
+
+    def __init__(self, field: TracedField) -> None:
+        super().__init__(field)
+        self._field = field
+        self._noted: set[tuple[int, int]] = set()
+        self._wanted: set[tuple[int, int]] = set()
+        self._rates_noted: set[tuple[int, Term]] = set()
+
+    def slope(self, place: int, variable: int) -> Element:
+        """The derivative of a generator, noted when it is first asked for."""
+        self._field.trace.open.add((place, variable))
+        value = super().slope(place, variable)
+        self._field.trace.open.discard((place, variable))
+        if (place, variable) not in self._noted:
+            self._noted.add((place, variable))
+            axis = self._field.axis(variable)
+            self._field.note(SlopeAxiom(axis, place, term_of(value), None), value)
+        if not self._field.trace.open:
+            while missing := self._wanted - self._noted:
+                self.slope(*min(missing))
+            self._field.trace.settle()
+        return value
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of what is made of generators."""
+        return self._left(super().derivative(element, variable), element, variable)
+
+    def _rate(self, node: int, variable: int) -> Element:
+        return self._left(super()._rate(node, variable), self._field.image(node), variable)
+
+    def _left(self, value: Element, element: Element, variable: int) -> Element:
+        """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
+        if not element.places:
+            return self._field.zero
+        axis, term = self._field.axis(variable), term_of(element)
+        written: Term = ("slope", axis, term)
+        wanted = {(place, variable) for place in element.places}
+        if wanted & self._field.trace.open:
+            self._wanted |= wanted
+            gap = terms.added([written, terms.negated(term_of(value))])
+            self._field.trace.vanishing(gap, "a derivative that a slope contains")
+            return value
+        for place, _ in sorted(wanted - self._noted):
+            self.slope(place, variable)
+        if term[0] == "node" and (axis, term) not in self._rates_noted:
+            self._rates_noted.add((axis, term))
+            if term_of(value) != written:
+                self._field.note(Rate(axis, term, term_of(value), None), value)
+        return traced(plain(value), written)
+
+
+class TracedField(Field):
+    """The checker's field; what it computes is noted step by step."""
+
+    ring_type = TracedRing
+
+    def __init__(
+        self,
+        nodes: Nodes,
+        count: int,
+        variables: Sequence[int],
+        positive: Mapping[int, bool],
+        hints: Hints,
+    ) -> None:
+        super().__init__(nodes, count, variables, positive, hints)
+        self.signs: TracedSigns = TracedSigns(self, positive)
+        self.words = FormulaWords(nodes)
+        self.free: dict[int, str] = {}
+        self.guards: dict[int, list[Question]] = {}
+
+    @property
+    def trace(self) -> Trace:
+        """The steps."""
+        assert isinstance(self.ring, TracedRing)
+        return self.ring.trace
+
+    @cached_property
+    def _slopes(self) -> Slopes:
+        return TracedSlopes(self)
+
+    @cached_property
+    def _roots(self) -> list[tuple[int, int, TracedElement]]:
+        return []
+
+    @cached_property
+    def _defined(self) -> dict[int, TracedElement]:
+        return {}
+
+    def axis(self, variable: int) -> int:
+        """The place of a variable among those of the statement."""
+        return list(self.variables).index(variable)
+
+    def note(self, step: Step, value: Element) -> None:
+        """Another step, with what the checker has as its value."""
+        self.trace.steps.append((step, value))
+
+    def image(self, node: int) -> TracedElement:
+        """The image of a node, under a name if it is made of others."""
+        if node in self._defined:
+            return self._defined[node]
+        with self.signs.asked() as asked:
+            value = super().image(node)
+        if asked and self.nodes.all[node][0] != "exp":  # its axioms hold for any argument
+            self.guards[node] = list(asked)
+        self._defined[node] = self.define(value, self.written(node), node)
+        return self._defined[node]
+
+    def register(self, node: int) -> None:
+        """The next generator, and what it needs, with what for."""
+        with self.signs.asked() as asked:
+            super().register(node)
+            if self.nodes.all[node][0] == "parity":
+                self.signs.note(Question("is_integer", (self.nodes.all[node][1],)))
+        self.signs.keep(asked, self.purpose(node))
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, for the script to take."""
+        value = super().derivative(plain(element), variable)
+        return traced(plain(value), ("slope", self.axis(variable), term_of(element)))
+
+    def define(self, value: Element, comment: str, node: int) -> TracedElement:
+        """Give a value a name, unless it has one that rests on nothing."""
+        term = term_of(value)
+        if term[0] in ("number", *terms.NAMES) and node not in self.guards:
+            return traced(plain(value), term)
+        self.note(Definition(terms.node(node), term, None, comment), value)
+        return traced(plain(value), terms.node(node))
+
+    def sum(self, parts: list[Element]) -> Element:
+        """The sum."""
+        whole = super().sum([plain(part) for part in parts])
+        return traced(plain(whole), terms.added([term_of(part) for part in parts]))
+
+    def purpose(self, node: int) -> str:
+        """What the premises are for that the image of a node rests on."""
+        match self.nodes.all[node]:
+            case ("Pow", _, exponent) if exponent.q == 1:
+                purpose = "for"
+            case (name, *_):
+                purpose = PURPOSES.get(name, "for")
+        return self.words.told(f"{purpose} {{}}", node)
+
+    def premise(self, question: Question, comment: str) -> Premise:
+        """A premise as a script has it."""
+        form, parts = RELATIONS[question.relation], question.nodes
+        if question.nodes and self.nodes.value(parts[0]) == 0 and len(parts) == 2:
+            form, parts = {"less": "{} > 0", "at_most": "{} >= 0"}[question.relation], parts[1:]
+        found = tuple(map(self.stated, question.nodes))
+        return Premise(question.relation, found, self.words.told(form, *parts), comment)
+
+    def stated(self, node: int) -> Term:
+        """The term of a formula of a premise; what has no image is an element that is free."""
+        if node in self._images:
+            return self.image(node).term
+        match self.nodes.all[node]:
+            case ("number", value):
+                return terms.number(value)
+            case ("Add", *parts):
+                return terms.added([self.stated(part) for part in parts])
+            case ("Mul", *parts):
+                return terms.multiplied([self.stated(part) for part in parts])
+            case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
+                return terms.raised(self.stated(base), int(exponent.p))
+        self.free[node] = self.words.told("{}", node)
+        return terms.free(node)
+
+    def generator_words(self, place: int) -> str:
+        """A generator as the function that it stands for, if it is one; its name otherwise."""
+        found = self.generators[place]
+        is_plain = not found.form and found.scale is None and found.below is None
+        return self.words.told("{}", found.node) if is_plain else f"g{place}"
+
+    def written(self, node: int) -> str:
+        """A function of named arguments in words; nothing for sums, products and powers."""
+        name, *arguments = self.nodes.all[node]
+        if name in ("symbol", "I", "pi"):
+            return str(arguments[0]) if arguments else str(name)
+        if name == "Pow":
+            base, exponent = arguments
+            return f"({self._short(base)})^({exponent})" if exponent.q > 1 else ""
+        if name in ("number", "Add", "Mul", "poly"):
+            return ""
+        return f"{name}({', '.join(map(self._short, arguments))})"
+
+    def meaning(self, place: int) -> str:
+        """What a generator stands for, in words."""
+        if place >= len(self.generators):
+            return "not used"
+        found = self.generators[place]
+        if found.form:
+            products = [f"{self._short(f)} * {self.written(n)}" for f, n in found.form]
+            return " + ".join([self._short(found.shift), *products])
+        text = self.written(found.node) or self._short(found.node)
+        text += "" if found.scale is None else f", times ({found.scale})"
+        return text + ("" if found.below is None else f", over {self._short(found.below)}")
+
+    def _short(self, node: int) -> str:
+        """The name of a node, or its text where it has none."""
+        if node in self._defined and self._defined[node].term[0] != "number":
+            kind, place = self._defined[node].term
+            return f"{kind[0]}{place}"
+        match self.nodes.all[node]:
+            case ("number", value):
+                return str(value)
+            case ("symbol", name, _) | (name,):
+                return str(name)
+            case (("Add" | "Mul") as name, *parts):
+                return f"({(' + ' if name == 'Add' else ' * ').join(map(self._short, parts))})"
+            case ("Pow", base, exponent):
+                return f"{self._short(base)}^({exponent})"
+        return self.written(node)
+
+    def _algebraic(
+        self, node: int, degree: int, value: Element, scale: Element | None = None
+    ) -> None:
+        place = len(self.generators)
+        super()._algebraic(node, degree, value, scale)
+        whole = value if scale is None else value * scale**degree
+        term, below = term_of(whole), whole.denominator()
+        if not below.is_one():
+            factor = terms.polynomial_term(below)
+            above = terms.polynomial_term(whole.numerator)
+            gap = [terms.multiplied([term, factor]), terms.negated(above)]
+            self.trace.vanishing(terms.added(gap), "a radicand times its denominator")
+            term = terms.multiplied([above, terms.raised(factor, degree - 1)])
+        self.note(Relation(place, degree, term, None), self.one)
+        power = plain(self.ring.generator(place)) ** degree
+        self._roots.append((place, degree, traced(power, term)))
+
+    def note_slopes_of_relations(self) -> None:
+        """Note that the slopes of roots are those which follow from their relations."""
+        stated = [s for s, _ in self.trace.steps if isinstance(s, SlopeAxiom)]
+        for place, degree, value in self._roots:
+            for axis in sorted({s.variable for s in stated if s.generator == place}):
+                for other in sorted(value.places):
+                    self.slope(other, self.variables[axis])
+                root = terms.generator(place)
+                outer = [terms.number(degree), terms.raised(root, degree - 1)]
+                own = terms.multiplied([*outer, ("slope", axis, root)])
+                gap = terms.added([own, terms.negated(("slope", axis, value.term))])
+                self.trace.vanishing(gap, "the derivative of a relation")

@@ -1,0 +1,151 @@
+"""The checker's ring with elements that remember how they were made, and the steps noted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from flint import fmpq
+
+from verify.kernel.ring import Element, Ring
+
+from . import terms
+from .terms import Step, Term, Vanishing
+
+
+@dataclass(frozen=True)
+class TracedElement(Element):
+    """A fraction of the checker's ring with the term that it was made by."""
+
+    term: Term = ("number", fmpq(0))
+
+    @property
+    def plain(self) -> Element:
+        """The fraction alone."""
+        return Element(self.ring, self.numerator, self.powers)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the normal form is 0; if it is, something may rest on it, and it is noted."""
+        found = self.plain.is_zero
+        if found and isinstance(self.ring, TracedRing):
+            self.ring.trace.vanishing(self.term, "a premise")
+        return found
+
+    def __add__(self, other: Element) -> TracedElement:
+        return traced(self.plain + plain(other), terms.added([self.term, term_of(other)]))
+
+    def __radd__(self, other: Element) -> TracedElement:
+        return traced(plain(other) + self.plain, terms.added([term_of(other), self.term]))
+
+    def __neg__(self) -> TracedElement:
+        return traced(-self.plain, terms.negated(self.term))
+
+    def __sub__(self, other: Element) -> TracedElement:
+        negative = terms.negated(term_of(other))
+        return traced(self.plain - plain(other), terms.added([self.term, negative]))
+
+    def __rsub__(self, other: Element) -> TracedElement:
+        negative = terms.negated(self.term)
+        return traced(plain(other) - self.plain, terms.added([term_of(other), negative]))
+
+    def __mul__(self, other: Element) -> TracedElement:
+        return traced(self.plain * plain(other), terms.multiplied([self.term, term_of(other)]))
+
+    def __rmul__(self, other: Element) -> TracedElement:
+        return traced(plain(other) * self.plain, terms.multiplied([term_of(other), self.term]))
+
+    def __truediv__(self, other: Element) -> TracedElement:
+        return self * _inverse(other)
+
+    def __rtruediv__(self, other: Element) -> TracedElement:
+        return _inverse(self) * other
+
+    def __pow__(self, exponent: int) -> TracedElement:
+        base = _inverse(self) if exponent < 0 else self
+        value = base.plain ** abs(exponent)
+        return traced(value, terms.raised(base.term, abs(exponent)))
+
+    def inverse(self) -> TracedElement:
+        """One over it."""
+        return _inverse(self)
+
+
+def traced(element: Element, term: Term) -> TracedElement:
+    """An element with its term."""
+    return TracedElement(element.ring, element.numerator, element.powers, term)
+
+
+def plain(element: Element) -> Element:
+    """An element without a term."""
+    return element.plain if isinstance(element, TracedElement) else element
+
+
+def term_of(element: Element) -> Term:
+    """How an element was made; one that was not followed is a fraction of polynomials."""
+    if isinstance(element, TracedElement):
+        return element.term
+    below = [
+        terms.raised(terms.inverted(terms.polynomial_term(element.ring.factors[place])), power)
+        for place, power in element.powers.items()
+    ]
+    _note_factors(element.ring, element.powers)
+    return terms.multiplied([terms.polynomial_term(element.numerator), *below])
+
+
+def _inverse(element: Element) -> TracedElement:
+    found = plain(element).inverse()
+    _note_factors(element.ring, element.ring.split(element.numerator)[1])
+    _note_factors(element.ring, found.powers)
+    return traced(found, terms.inverted(term_of(element)))
+
+
+def _note_factors(ring: Ring, powers: Mapping[int, int]) -> None:
+    if isinstance(ring, TracedRing):
+        ring.divisors.update(dict.fromkeys(powers))
+
+
+class Trace:
+    """The steps so far, each with the checker's value of it.
+
+    ``open`` are the slopes that are being stated; what vanishes waits until there is none.
+    """
+
+    def __init__(self) -> None:
+        self.steps: list[tuple[Step, Element | None]] = []
+        self.open: set[tuple[int, int]] = set()
+        self._vanishing: set[Term] = set()
+        self._waiting: list[Vanishing] = []
+
+    def vanishing(self, term: Term, comment: str) -> None:
+        """Note that a term is 0."""
+        if not terms.is_number(term, 0) and term not in self._vanishing:
+            self._vanishing.add(term)
+            self._waiting.append(Vanishing(term, comment))
+            self.settle()
+
+    def settle(self) -> None:
+        """Note what has waited for slopes that are known now."""
+        if not self.open:
+            self.steps += [(step, None) for step in self._waiting]
+            self._waiting.clear()
+
+
+class TracedRing(Ring):
+    """The checker's ring with elements that remember how they were made.
+
+    ``divisors`` are the places of the factors that something was divided by.
+    """
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self.trace = Trace()
+        self.divisors: dict[int, None] = {}
+
+    def number(self, value: fmpq | int) -> TracedElement:
+        """A rational number."""
+        return traced(super().number(value), terms.number(value))
+
+    def generator(self, place: int) -> TracedElement:
+        """A generator."""
+        return traced(super().generator(place), terms.generator(place))

@@ -1,0 +1,145 @@
+"""Nodes of a certificate as texts of the grammar, which the checker reads back node for node."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any
+
+Node = list[Any]
+
+SUM, PRODUCT, POWER, ATOM = range(4)
+"""How closely a text holds together."""
+
+Part = tuple[str, int]
+"""A text and how closely it holds together."""
+
+Meaning = Callable[[int], Part]
+"""What stands for the node at a place in the text of another."""
+
+LEAVES = ("number", "symbol", "constant")
+
+LONG = 40
+"""Characters from which a formula that occurs twice gets a name."""
+
+
+def node_text(
+    node: Node, meaning: Meaning, unknowns: Sequence[str], variables: Sequence[str]
+) -> Part:
+    """A node as text, such that it is read back as this node."""
+
+    def held(place: int, closely: int) -> str:
+        text, level = meaning(place)
+        return text if level >= closely else f"({text})"
+
+    match node:
+        case ["number", value]:
+            return str(value), ATOM if value.isdigit() else PRODUCT
+        case ["symbol", name, _] | ["constant", name]:
+            return str(name), ATOM
+        case ["Add", *parts]:
+            return _joined([held(part, PRODUCT) for part in parts]), SUM
+        case ["Mul", *parts]:
+            return _product([meaning(part) for part in parts]), PRODUCT
+        case ["Pow", base, exponent]:
+            power = exponent if exponent.isdigit() else f"({exponent})"
+            return f"{held(base, ATOM)}**{power}", POWER
+        case ["power", base, exponent]:
+            return f"{held(base, ATOM)}**{held(exponent, ATOM)}", POWER
+        case ["parity", exponent]:
+            return f"(-1)**{held(exponent, ATOM)}", POWER
+        case ["poly", terms, *parts]:
+            texts = [held(part, ATOM) for part in parts]
+            return _joined([_monomial(c, e, texts) for c, e in terms]), SUM
+        case ["unknown", place, shifts]:
+            moved = [f"{v}{n:+d}" if n else v for v, n in zip(variables, shifts, strict=True)]
+            return unknowns[place] + (f"[{', '.join(moved)}]" if any(shifts) else ""), ATOM
+    name, *parts = node
+    texts = [held(part, SUM) for part in parts]
+    return f"{'abs' if name == 'Abs' else name}({', '.join(texts)})", ATOM
+
+
+def _joined(terms: Sequence[str]) -> str:
+    """A sum, with the minus signs that its terms begin with; of no terms 0."""
+    first, *rest = terms or ["0"]
+    return first + "".join(f" - {t[1:]}" if t[0] == "-" else f" + {t}" for t in rest)
+
+
+def _product(parts: Sequence[Part]) -> str:
+    """A product; a number is at its head, and -1 a sign."""
+    (head, level), *rest = parts
+    texts = [head if level >= POWER or (head[-1].isdigit() and level) else f"({head})"]
+    texts += [text if level >= POWER else f"({text})" for text, level in rest]
+    if texts[0] == "-1" and rest:
+        return "-" + "*".join(texts[1:])
+    return "*".join(texts)
+
+
+def _monomial(coefficient: str, exponents: Sequence[int], texts: Sequence[str]) -> str:
+    powers = [f"{t}**{n}" if n > 1 else t for t, n in zip(texts, exponents, strict=True) if n]
+    if coefficient in ("1", "-1") and powers:
+        return ("-" if coefficient == "-1" else "") + "*".join(powers)
+    return "*".join([coefficient, *powers])
+
+
+def numbered(nodes: Sequence[Node]) -> list[str]:
+    """A text for every node, in the numbers of those before it: ``#3*#7``."""
+
+    def meaning(place: int) -> Part:
+        leaf = nodes[place][0] in LEAVES
+        return node_text(nodes[place], meaning, (), ()) if leaf else (f"#{place}", ATOM)
+
+    return [node_text(node, meaning, (), ())[0] for node in nodes]
+
+
+class Written:
+    """Formulas in full; what occurs twice and is long gets a name, once."""
+
+    def __init__(
+        self,
+        nodes: Sequence[Node],
+        roots: Sequence[int],
+        unknowns: Sequence[str],
+        variables: Sequence[str],
+    ) -> None:
+        self.named: dict[str, str] = {}
+        self._texts: dict[int, Part] = {}
+        taken = {*unknowns, *(node[1] for node in nodes if node[0] == "symbol")}
+        uses = Counter(place for node in nodes for place in set(_children(node)))
+        uses.update(roots)
+        for node in nodes:
+            if node[0] == "poly":
+                uses.update(dict.fromkeys(node[2:], LONG))
+        hidden = _with_unknowns(nodes)
+        for place, node in enumerate(nodes):
+            text, level = node_text(node, self._texts.__getitem__, unknowns, variables)
+            often = uses[place] > 1 and len(text) > 8 and uses[place] * len(text) > 2 * LONG
+            if place not in hidden and (often or len(text) > 100 * LONG):
+                name = f"f{len(self.named) + 1}"
+                while name in taken:
+                    name += "_"
+                self.named[name], text, level = text, name, ATOM
+            self._texts[place] = text, level
+
+    def text(self, place: int) -> str:
+        """The text of the node at a place."""
+        return self._texts[place][0]
+
+
+def _children(node: Node) -> list[int]:
+    match node:
+        case [("number" | "symbol" | "constant" | "unknown"), *_]:
+            return []
+        case ["Pow", base, _]:
+            return [base]
+        case ["poly", _, *parts]:
+            return parts
+    return node[1:]
+
+
+def _with_unknowns(nodes: Sequence[Node]) -> set[int]:
+    found: set[int] = set()
+    for place, node in enumerate(nodes):
+        if node[0] == "unknown" or not found.isdisjoint(_children(node)):
+            found.add(place)
+    return found
