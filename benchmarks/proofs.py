@@ -44,8 +44,8 @@ from derive.algebra.formula_printing import formula_as_text
 from verify.cli.problem_file import ProblemText
 from verify.cli.published import published
 from verify.proof.statement_problem import residual_of
-from verify.proof.statement_text import Statement
 from verify.proof.statement_verdict import decide_statement
+from verify.proof.typed_statement import Statement
 from verify.verdict import Outcome
 
 HOLDS, FAILS, SILENT, NOT_TAKEN = "holds", "fails", "no answer", "not taken"

@@ -2,27 +2,66 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
+Replacement = str | Callable[[re.Match[str]], str]
+Rule = tuple[str, Replacement]
+"""A pattern and what stands in its place. In patterns ``<U>`` is an unknown, with derivatives
+and a site ``<D>``, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
+what stands in brackets, with these, ``<e>`` and ``<i>`` constants unless declared as names."""
+
 ALIASES = {
-    **{"ln": "log", "Ln": "log", "Exp": "exp", "Sqrt": "sqrt", "root": "sqrt"},
+    "ln": "log",
+    "Ln": "log",
+    "Exp": "exp",
+    "Sqrt": "sqrt",
+    "root": "sqrt",
     **{f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
     **{f"Arc{name}": f"a{name.lower()}" for name in ("Sin", "Cos", "Tan", "Sinh", "Cosh", "Tanh")},
     **{f"ar{name}": f"a{name}" for name in ("sinh", "cosh", "tanh")},
     **{f"arg{name}": f"a{name}" for name in ("sh", "ch", "th")},
-    **{"arctg": "atan", "tg": "tan", "ctg": "cot", "cotg": "cot", "cosec": "csc"},
-    **{"sh": "sinh", "ch": "cosh", "th": "tanh", "cth": "coth"},
-    **{"arsh": "asinh", "arch": "acosh", "arth": "atanh"},
-    **{"argsh": "asinh", "argch": "acosh", "argth": "atanh"},
-    **{"Abs": "abs", "fabs": "abs", "norm": "abs", "modulus": "abs", "mod": "abs"},
-    **{"sgn": "sign", "signum": "sign", "Sign": "sign"},
-    **{"conj": "conjugate", "Conj": "conjugate", "cc": "conjugate"},
-    **{"Re": "re", "real": "re", "Im": "im", "imag": "im"},
-    **{"ellipk": "elliptic_k", "ellipticK": "elliptic_k", "elliptic_K": "elliptic_k"},
-    **{"ellipe": "elliptic_e", "ellipticE": "elliptic_e", "elliptic_E": "elliptic_e"},
+    "arctg": "atan",
+    "tg": "tan",
+    "ctg": "cot",
+    "cotg": "cot",
+    "cosec": "csc",
+    "sh": "sinh",
+    "ch": "cosh",
+    "th": "tanh",
+    "cth": "coth",
+    "arsh": "asinh",
+    "arch": "acosh",
+    "arth": "atanh",
+    "argsh": "asinh",
+    "argch": "acosh",
+    "argth": "atanh",
+    "Abs": "abs",
+    "fabs": "abs",
+    "norm": "abs",
+    "modulus": "abs",
+    "mod": "abs",
+    "sgn": "sign",
+    "signum": "sign",
+    "Sign": "sign",
+    "conj": "conjugate",
+    "Conj": "conjugate",
+    "cc": "conjugate",
+    "Re": "re",
+    "real": "re",
+    "Im": "im",
+    "imag": "im",
+    "ellipk": "elliptic_k",
+    "ellipticK": "elliptic_k",
+    "elliptic_K": "elliptic_k",
+    "ellipe": "elliptic_e",
+    "ellipticE": "elliptic_e",
+    "elliptic_E": "elliptic_e",
     **{f"jacobi{name}": f"jacobi_{name}" for name in ("sn", "cn", "dn")},
 }
 """Names of functions; those that differ by capital letters alone need no line."""
 
-CALLS = (
+CALLS: tuple[Rule, ...] = (
     *(
         (rf"(?<![\w.])Jacobi{name.upper()}\s*\[\s*(<A>),\s*(<A>)\]", rf"jacobi_{name}(\1, \2)")
         for name in ("sn", "cn", "dn")

@@ -7,7 +7,6 @@ and names that its texts may hold.  Numbers are exact (``0.1`` is 1/10), ``**`` 
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,6 +24,7 @@ from derive.algebra.bounded_building import (
     product,
     total,
 )
+from derive.algebra.typing_mistakes import similar
 
 LONGEST = 20_000
 """Characters of a text."""
@@ -399,6 +399,5 @@ class Parser:
     def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
         words = self.vocabulary
         known = [*words.functions, *words.names, *words.fields] if among is None else [*among]
-        swapped = [other for other in known if sorted(other) == sorted(name.lower())]
-        close = swapped or difflib.get_close_matches(name[:NAME_LENGTH].lower(), known, 1)
-        return f" (did you mean {close[0]}?)" if close else ""
+        close = similar(name, known)
+        return f" (did you mean {close}?)" if close else ""

@@ -8,26 +8,28 @@ shows it only if it is of the grammar.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from derive.algebra.foreign_characters import GREEK, ascii_text
-from derive.algebra.foreign_functions import ALIASES, CALLS
+from derive.algebra.foreign_functions import ALIASES, CALLS, Rule
+from derive.algebra.typing_rules import (
+    BRACES,
+    DERIVATIVES,
+    END,
+    LATEX,
+    SITE,
+    SPELLED_NUMBERS,
+    TIDY,
+    VARIABLES,
+)
 
 LONGEST_CORRECTED = 400
 """Characters of a text that is rewritten, and of what comes out: an error is one line."""
 
 ROUNDS = 40
 """Most applications of a stage: each moves one sign further in."""
-
-VARIABLES = "xyzt"
-SITE = "n"
-
-Replacement = str | Callable[[re.Match[str]], str]
-Rule = tuple[str, Replacement]
-"""A pattern and what stands in its place. In patterns ``<U>`` is an unknown, with derivatives
-and a site ``<D>``, ``<F>`` a function of the grammar, ``<A>`` an argument, ``<()>`` and ``<[]>``
-what stands in brackets, with these, ``<e>`` and ``<i>`` constants unless declared as names."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,13 @@ def corrected(text: str, spelling: Spelling) -> str:
             if text == before or len(text) > 4 * LONGEST_CORRECTED:
                 break
     return balanced(text)
+
+
+def similar(name: str, known: Iterable[str]) -> str | None:
+    """The known name that a misspelled one is nearest to, or None."""
+    known = [*known]
+    swapped = [other for other in known if sorted(other) == sorted(name.lower())]
+    return next(iter(swapped or get_close_matches(name[:40].lower(), known, 1)), None)
 
 
 def balanced(text: str) -> str:
@@ -141,7 +150,8 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
         return None
     factors = {*spelling.declared, *spelling.variables, *GREEK}
     is_product = len(match[1]) == 1 or match[1] in factors
-    return f"{match[1]}*{match[2]}" if is_product else None
+    factor = "I" if match[1] in set("ij") - {*spelling.declared} else match[1]
+    return f"{factor}*{match[2]}" if is_product else None
 
 
 _READINGS: tuple[tuple[str, str], ...] = (
@@ -173,10 +183,10 @@ def _free_name(digits: str, spelling: Spelling, base: str) -> str:
 def _stages(spelling: Spelling) -> Iterator[tuple[Rule, ...]]:
     yield LATEX
     yield BRACES
-    yield _SPELLED_NUMBERS
-    yield (*CALLS, *_calls(spelling), *_DERIVATIVES, (_DIFF, _differentiated(spelling)))
-    yield (*_products(spelling), *_TIDY)
-    yield (*_TIDY, *_END)
+    yield SPELLED_NUMBERS
+    yield (*CALLS, *_calls(spelling), *DERIVATIVES, (_DIFF, _differentiated(spelling)))
+    yield (*_products(spelling), *TIDY)
+    yield (*TIDY, *END)
 
 
 def _differentiated(spelling: Spelling) -> Callable[[re.Match[str]], str]:
@@ -234,9 +244,12 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
         return other if other in spelling.functions and not taken else name
 
     continuous = [letter for letter in spelling.variables if letter in VARIABLES]
-    primes = {True: lambda m: f"{m[1]}_{continuous[0] * len(m[2])}"}.get(len(continuous) == 1, r"\g<0>")
+
+    def primed(found: re.Match[str]) -> str:
+        return f"{found[1]}_{continuous[0] * len(found[2])}" if len(continuous) == 1 else found[0]
+
     return (
-        (r"(?<![\w.])(<U>)('+)", primes),
+        (r"(?<![\w.])(<U>)('+)", primed),
         (r"(?<![\w.])[A-Za-z]\w*(?=\s*(?:[\[(]|\*\*|\s[\w(-]))", named),
         (r"(?<![\w.])(<F>)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
         (r"(?<!\w)\[((?:[^\[\]]|<[]>)*)\]", r"(\1)"),
@@ -254,10 +267,16 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
         return misread(name, spelling) or name
 
     def multiplied(found: re.Match[str]) -> str:
-        return found[0] if found[1] in {*spelling.functions, "diff"} else f"{found[1]}*"
+        name = found[1]
+        if name in {*spelling.functions, "diff"}:
+            return found[0]
+        free = len(name) > 2 and name not in {*spelling.declared, *GREEK}
+        meant = similar(name, spelling.functions) if free else None
+        return found[0].replace(name, meant) if meant else f"{name}*"
 
     atom = r"(?:\d+(?:\.\d+)?|(?!<F>\b)(?<![A-Za-z_])[A-Za-z]\w*|<()>)(?:\*\*(?:\w+|<()>))?"
     return (
+        (r"(<F>)\*\*(-\d+)", r"\1**(\2)"),
         (r"(?<![\w.])(<F>)\s*\*\*\s*(\w+|<()>)\s*(<()>)", lambda m: _function_power(*m.groups())),
         (
             rf"(?<![\w.])(<F>)\s*\*\*\s*(\d+|\(-?\d+\))\s+((?!\(){atom}(?:\s*{atom})*)",
@@ -273,167 +292,8 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
     )
 
 
-def _decimal(found: re.Match[str]) -> str:
-    """``0,5`` as ``0.5``, unless the comma parts arguments."""
-    calls = re.findall(r"(\w*)\s*[\[(]|([\])])", found.string[: found.start()])
-    opened: list[str] = []
-    for name, closing in calls:
-        if closing:
-            del opened[-1:]
-        else:
-            opened.append(name)
-    parts = opened and re.search(r"(?:[scd]n|zeta|epsilon|diff|D|[Pp]ow\w*|Rational)$", opened[-1], re.I)
-    return found[0] if parts else f"{found[1]}.{found[2]}"
-
-
 def _function_power(function: str, exponent: str, argument: str) -> str:
     inverse = exponent.replace(" ", "") == "(-1)"
     if inverse and function in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):
         return f"a{function}{argument}"
     return f"{function}{argument}**{exponent}"
-
-
-def _repeated(found: re.Match[str]) -> str:
-    """A subscript ``3x`` or ``x,x`` as ``xxx`` or ``xx``."""
-    inside = re.sub(r"(\d)([xyzt])", lambda m: m[2] * int(m[1]), found[1])
-    return "_" + re.sub(r"[\s,]", "", inside)
-
-
-def _quotient(found: re.Match[str]) -> str:
-    """``du/dt``, ``d^2u/dx^2`` as ``u_t``, ``u_xx``; at a site with diff."""
-    steps = re.findall(r"([xyzt])[\s*(]*(\d?)", found["steps"])
-    letters = "".join(letter * int(order or 1) for letter, order in steps)
-    return _derived(found["of"], letters)
-
-
-def _partial(found: re.Match[str]) -> str:
-    """``D_x u``, with a power, as ``u_x``."""
-    order = int(found["order"] or found["within"] or 1)
-    return _derived(found["of"], (found["many"] or found["one"]) * order)
-
-
-def _derived(expression: str, letters: str) -> str:
-    if re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", expression):
-        return f"{expression}_{letters}"
-    if expression.startswith("("):
-        expression = expression[1:-1]
-    return f"diff({expression}, {', '.join(letters)})"
-
-
-# the rules, by stages
-
-LATEX: tuple[Rule, ...] = (
-    (r"\\(?:operatorname|math(?:rm|it|bf|cal|bb)|text(?:rm|it)?)\*?\s*\{([^{}]*)\}", r" \1 "),
-    (r"\\(?:left|right|[bB]igg?[lr]?|displaystyle|limits|rm)(?![A-Za-z])", ""),
-    (r"\\[,;:! ]|\\q?quad\b|~|\$|\\\\|(?<!&)&(?!&)", " "),
-    (r"\\(?:cdot|times|ast)\b(?!\s*\})", "*"),
-    (r"\\leq?(?:slant)?\b", "<="),
-    (r"\\geq?(?:slant)?\b", ">="),
-    (r"\\(?:neq?)\b", "!="),
-    (r"\\lvert|\\rvert|\\vert|\\mid", "|"),
-    (r"\\[dt]?frac\s*(\d)\s*(\d)", r"(\1/\2)"),
-    (r"\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"((\1)/(\2))"),
-    (r"\\sqrt\s*\[([^\[\]]*)\]\s*\{([^{}]*)\}", r"(\2)**(1/(\1))"),
-    (r"\\sqrt\s*\{([^{}]*)\}", r"sqrt(\1)"),
-    (r"\\sqrt\s*(\w)", r"sqrt(\1)"),
-    (r"\\dot\s*\{?\s*(<U>)\b\s*\}?", r"\1_t"),
-    (r"\\ddot\s*\{?\s*(<U>)\b\s*\}?", r"\1_tt"),
-    (r"\\(?:bar|overline)\s*(?:\{([^{}]*)\}|(\w))", r"conjugate(\1\2)"),
-    (r"(<D>)\s*\^\s*(?:\{\s*)?(?:\*(?!\w)|\\ast\b|\\star\b|\\dagger\b|†)(?:\s*\})?", r"conjugate(\1)"),
-    (r"(<D>)\s*†", r"conjugate(\1)"),
-    (
-        r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}",
-        r"\1[\2]",
-    ),
-    (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_(n(?:[+-]\d+)?)(?!\w)", r"\1[\2]"),
-    (r"(?<![\w.])([A-Za-z]+)_\{?(\d+)\}?(?![A-Za-z])", r"\1\2"),
-    (r"\\partial\s*_\s*(?:\{\s*([xyzt]+)\s*\}|([xyzt]+(?![A-Za-z])|[xyzt]))", r" D_(\1\2) "),
-    (r"_\{\s*((?:\d?\s*[xyzt][\s,]*)+)\}", _repeated),
-    (r"(?<=[A-Za-z0-9])_\{\s*(\w+)\s*\}", r"\1"),
-    (r"\^\s*\{([^{}]*)\}", r"**(\1)"),
-    (r"\\partial\s*", " \\\\partial"),
-)
-"""LaTeX, innermost braces first."""
-
-BRACES: tuple[Rule, ...] = (
-    (r"\{", "("),
-    (r"\}", ")"),
-    (r"\^", "**"),
-    (r"\\partial\s*", " d "),
-    (r"\\([A-Za-z]+)", r" \1 "),
-    (r"^\s*[\"`]+|[\"`]+\s*$", ""),
-)
-
-_SPELLED_NUMBERS: tuple[Rule, ...] = (
-    (r"(?<![\w.])(?:np|sp|numpy|sympy|math|cmath|mp|mpmath|scipy|torch)\.(?=[A-Za-z])", ""),
-    (r"(?<=[\w)\]])\.(?=[*/])", ""),
-    (r"\*\s+\*", "**"),
-    (r"(?<![\w.,])(\d+),(\d+)(?![\w.,])", _decimal),
-    (r"(?<![\w.])(\d+)(?=<e>(?![\w+-]))", r"\1*"),
-    (r"(?<![\w.])(?:Pi|PI)\b", "pi"),
-    (r"(?<![\w.])exp\s*\*\*\s*(?=\()", "exp"),
-    (r"(?<![\w.])exp\s*\*\*\s*(\w+)", r"exp(\1)"),
-    (r"(?<![\w.])<e>\s*\*\*\s*(?=<()>(?!\s*\*\*))", "exp"),
-    (
-        r"(?<![\w.])<e>\s*\*\*\s*(-?(?:\w+(?:\.\d+)?(?:<()>)?|<()>)(?:\s*\*\*\s*(?:\w+|<()>))*)",
-        r"exp(\1)",
-    ),
-    (r"(?<![\w.])<e>(?![\w(\[]|\s*\*\*)", "exp(1)"),
-    (r"(?<![\w.])(\d+)<i>\b", r"\1*I"),
-    (r"(?<![\w.])<i>\b(?!\s*[\[(])", "I"),
-    (r"(?<![\w.])<i>\b(?=\s*\()", "I*"),
-)
-
-_ORDER = r"(?:\s*\*\*\s*(?:\d|\(\s*\d\s*\))|\d)?"
-_STEP = rf"d\s*[xyzt]{_ORDER}"
-
-_DERIVATIVES: tuple[Rule, ...] = (
-    (
-        rf"(?<![\w.])(<U>(?:_[{VARIABLES}]+)?)\s*[\[(]\s*(?:[{VARIABLES}]_?\s*,\s*)*"
-        rf"[{VARIABLES}]_?\s*[\])]",
-        r"\1",
-    ),
-    (
-        r"(?<![\w.])(<U>(?:_[xyzt]+)?)\s*[\[(]\s*(n)_?(\s*[+-]\s*\d+)?\s*(?:,\s*t_?\s*)?[\])]"
-        r"(?:\s*[\[(]\s*t_?\s*[\])])?",
-        r"\1[\2\3]",
-    ),
-    (
-        rf"(?<![\w.])(?P<open>\(\s*)?d\s*{_ORDER}\s*(?P<of><U>(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?)"
-        rf"(?(open)\s*\))\s*/\s*(?P<below>\(\s*)?(?P<steps>{_STEP}(?:\s*\*?\s*{_STEP})*)"
-        r"(?(below)\s*\))",
-        _quotient,
-    ),
-    (
-        rf"\(\s*\(?\s*d\s*\)?\s*/\s*\(?\s*(?P<steps>{_STEP})\s*\)?\s*\)\s*(?P<of><D>|<()>)",
-        _quotient,
-    ),
-    (rf"(?<![\w.])d\s*/\s*(?P<steps>{_STEP})\s*(?P<of><D>|<()>)", _quotient),
-    (
-        r"(?<![\w.])D_(?:\((?P<many>[xyzt]+)\)|(?P<one>[xyzt]+(?![A-Za-z])))"
-        r"(?:\s*\*\*\s*(?:(?P<order>\d)|\((?P<within>\d)\)))?\s*(?P<of><U>(?![A-Za-z0-9_])"
-        r"(?:\[[^\[\]]*\])?|<()>|<F><()>)",
-        _partial,
-    ),
-    (rf"(?<![\w.])(<U>)_([{VARIABLES}]+)_([{VARIABLES}]+)", r"\1_\2\3"),
-    (rf"(?<![\w.])(<U>)_(\d)([{VARIABLES}])\b", lambda m: f"{m[1]}_{m[3] * int(m[2])}"),
-    (rf"(?<![\w.])(<U>)_([{VARIABLES}])(\d)\b", lambda m: f"{m[1]}_{m[2] * int(m[3])}"),
-    (r"(<D>)\s*\.\s*conj(?:ugate)?\s*\(\s*\)", r"conjugate(\1)"),
-    (r"\|([^|]+)\|", r"abs(\1)"),
-    (r"(<D>)\s*\*(?=\s*(?:$|[)=,;]|\s[+-]\s))", r"conjugate(\1)"),
-)
-
-_TIDY: tuple[Rule, ...] = (
-    (r"(?<![\w\])])\(\s*(\w+|\d+\.\d+)\s*\)", r"\1"),
-    (r"(?<!\w)\(\(([^()]*)\)\)", r"(\1)"),
-    (r"\s*(\*\*?|/)\s*", r"\1"),
-    (r"\(\s+", "("),
-    (r"\s+([),])", r"\1"),
-    (r"\s+", " "),
-    (r"^\s+|\s+$", ""),
-)
-
-_END: tuple[Rule, ...] = (
-    (r"\s*[.,;]+$", ""),
-    (r"=\s*$", "= 0"),
-)

@@ -16,8 +16,8 @@ from pathlib import Path
 from solutions.run.source_digest import all_sources, text_digest
 from verify.cli.problem_file import StatedProblem
 from verify.dask_cluster import connect
-from verify.proof.statement_text import Statement
 from verify.proof.statement_verdict import StatementVerdict, undecided
+from verify.proof.typed_statement import Statement
 
 BEGINNING = 60.0
 """Seconds for the interpreter to begin and to end, beyond the limit of its statement."""

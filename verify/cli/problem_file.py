@@ -28,7 +28,8 @@ from typing import Any
 from derive.algebra.exact_numbers import shown
 from derive.algebra.formula_text import FormulaError
 from derive.user_files import file_stem, read_toml, shown_path
-from verify.proof.statement_text import Statement, read_statement
+from verify.proof.statement_text import read_statement
+from verify.proof.typed_statement import Statement
 from verify.verdict import Outcome
 
 FILE_BYTES, PROBLEMS = 5_000_000, 10_000

@@ -33,7 +33,7 @@ from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_lim
 from verify.proof.conditions import ConditionalVerdict, conditional_sentence
 from verify.proof.near_misses import SECONDS as HINT_SECONDS
 from verify.proof.near_misses import with_hint
-from verify.proof.statement_text import Statement, read_statement
+from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import (
     NOTE,
     StatementVerdict,
@@ -41,6 +41,7 @@ from verify.proof.statement_verdict import (
     verified_sentence,
 )
 from verify.proof.text_prover import answer
+from verify.proof.typed_statement import Statement
 from verify.verdict import Outcome
 
 LIMIT = 60.0

@@ -37,8 +37,7 @@ from .problem import Problem, equality_problem, solution_problem
 from .prover import decide
 from .rational_proofs import prove_rational, rational_texts
 from .statement_problem import statement_problem
-from .statement_text import Statement
-from .statement_texts import StatementTexts
+from .typed_statement import Statement, StatementTexts
 
 
 def prove_form(form: ClosedForm) -> ProofVerdict:

@@ -35,8 +35,8 @@ from .linear_forms import BITS
 from .problem import Problem
 from .simplification import Rewriting
 from .statement_problem import StatementProblem
-from .statement_texts import StatementTexts
 from .text_writer import Written
+from .typed_statement import StatementTexts
 
 LEMMA_BITS = 320
 

@@ -21,8 +21,8 @@ from verify.kernel.limits import FORMAT, digest
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .domains import Point
-from .statement_texts import StatementTexts
 from .text_writer import Node, numbered
+from .typed_statement import StatementTexts
 
 FUNCTIONS: dict[str, type] = {
     function.__name__: function

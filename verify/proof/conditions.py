@@ -28,7 +28,6 @@ from .phase_variable import with_phase
 from .problem import equality_problem
 from .residual_system import ResidualSystem
 from .statement_problem import residual_of, with_exponentials
-from .statement_text import Statement
 from .statement_verdict import (
     NO_VERDICT,
     StatementVerdict,
@@ -37,6 +36,7 @@ from .statement_verdict import (
     statement_latex,
     verified_sentence,
 )
+from .typed_statement import Statement
 
 Progress = Callable[[str], None]
 

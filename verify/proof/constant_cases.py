@@ -14,8 +14,8 @@ from verify.verdict import Outcome
 from .domain_signs import DomainSigns
 from .domains import REAL, Domain, settled_domains
 from .explicit_values import Explicit, Values, put_in, tidy
-from .statement_text import Statement
 from .statement_verdict import StatementVerdict, decide_statement
+from .typed_statement import Statement
 
 ALL = "all values"
 """The case without conditions."""

@@ -6,17 +6,18 @@ of a statement. What is shown has been read without an error.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
+from derive.algebra.foreign_characters import ascii_text
 from derive.algebra.formula_text import FormulaError
 from derive.algebra.typing_mistakes import (
     LONGEST_CORRECTED,
-    SITE,
-    VARIABLES,
     Spelling,
     corrected,
 )
+from derive.algebra.typing_rules import SITE, VARIABLES
 
 from .text_domains import WORDS
 
@@ -65,7 +66,8 @@ def _readable(parts: Parts, read: Callable[[Parts], object]) -> Parts | None:
             meant = re.search(r"\(did you mean (\w+)\?\)", error.words)
             if meant is None:
                 return None
-            parts = {**parts, error.name: [_respelled(t, error, meant[1]) for t in parts[error.name]]}
+            respelled = [_respelled(text, error, meant[1]) for text in parts[error.name]]
+            parts = {**parts, error.name: respelled}
         else:
             return parts
     return None
@@ -139,15 +141,16 @@ def _equation(text: str, spelling: Spelling) -> str:
     parts = []
     for part in _separated(corrected(_equals(text), spelling)):
         sides = [side.strip() for side in part.split("=")]
-        pairs = zip(sides, sides[1:], strict=False)
+        pairs = [(a, b) for a, b in itertools.pairwise(sides) if a != b]
         parts += [" = ".join(pair) for pair in pairs] if len(sides) > 2 else [part]
     return " ;; ".join(parts)
 
 
 def _solution(text: str, spelling: Spelling) -> str:
     parts = _separated(corrected(_equals(text), spelling))
-    lone = len(spelling.unknowns) == 1 and len(parts) == 1 and "=" not in text
-    return f"{spelling.unknowns[0]} = {parts[0]}" if lone else " ;; ".join(parts)
+    unknowns = list(spelling.unknowns)
+    lone = len(unknowns) == 1 and len(parts) == 1 and "=" not in text
+    return f"{unknowns[0]} = {parts[0]}" if lone else " ;; ".join(parts)
 
 
 def _equals(text: str) -> str:
@@ -196,8 +199,8 @@ def _conditions(given: Parts, spelling: Spelling) -> tuple[list[str], list[str]]
 
 
 def _chunks(text: str) -> list[str]:
-    text = re.sub(r"=<", "<=", re.sub(r"=>", ">=", re.sub(r"<>|=/=|/=|~=", "!=", text)))
-    text = re.sub(r"(?<![\w.,])(\d+),(\d+)(?![\w.,])", r"\1.\2", text)
+    text = re.sub(r"=<", "<=", re.sub(r"=>", ">=", re.sub(r"<>|=/=|/=|~=", "!=", ascii_text(text))))
+    text = re.sub(r"(?<![\w.,(\[])(\d+),(\d+)(?![\w.,)\]])", r"\1.\2", text)
     parts = _split(text, r";|\n|&&?|\band\b|,")
     return [part.strip().rstrip(".") for part in parts if part.strip()]
 
@@ -222,7 +225,7 @@ def _place(
     if named and not _COMPARED.match(named[2]):
         name = _renamed(named[1], spelling)
         conditions = _domain_of(name, named[2], spelling)
-        if not conditions and re.match(rf"[A-Za-z]\w*\s*:?=(?!=)", chunk):
+        if not conditions and re.match(r"[A-Za-z]\w*\s*:?=(?!=)", chunk):
             values[name] = corrected(named[2], spelling)
             return name
     if not conditions:
@@ -253,7 +256,7 @@ def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
         first, low, high, final = interval.groups()
         left = "<=" if first == "[" else "<"
         right = "<=" if final == "]" else "<"
-        return [f"{low.strip()}{left}{name}{right}{high.strip()}"]
+        return _inequality(f"{low.strip()}{left}{name}{right}{high.strip()}", name, spelling)[1]
     return []
 
 
@@ -265,11 +268,15 @@ def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str
         return last, []
     if not sides[0] and last:
         sides[0] = last
-    names = [side for side in sides if _NAME.fullmatch(side) and side not in ("pi", "oo", "Infinity")]
+    names = [
+        side for side in sides if _NAME.fullmatch(side) and side not in ("pi", "oo", "Infinity")
+    ]
     name = last if last in names else next(iter(names), last)
     for place in (0, -1):
-        if len(sides) > 2 and sides[place] in ("oo", "-oo", "Infinity", "-Infinity", "inf", "-inf"):
+        if len(sides) > 1 and re.fullmatch(r"[+-]?(oo|inf|[Ii]nfinity)", sides[place]):
             del sides[place], signs[place]
+    if not signs:
+        return name, ["real"]
     written = sides[0] + "".join(sign + side for sign, side in zip(signs, sides[1:], strict=True))
     spaced = " " in text.strip()
     return name, [_COMPARED.sub(r" \g<0> ", written) if spaced else written]

@@ -18,8 +18,8 @@ from solutions.functions.jacobi import JacobiFunction
 from verify.subexpressions import distinct_nodes, replaced
 from verify.verdict import Outcome
 
-from .statement_text import Statement
 from .statement_verdict import StatementVerdict, decide_statement
+from .typed_statement import Statement
 
 SECONDS = 5.0
 """Longest search unless told."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .statement_text import Statement
+from .typed_statement import Statement
 
 
 @dataclass(frozen=True)

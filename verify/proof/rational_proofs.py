@@ -41,8 +41,8 @@ from verify.kernel import CertificateError, check_certificate
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate_writer import Certificate, NodeTable, ProofWriter
-from .statement_texts import StatementTexts
 from .text_writer import Written
+from .typed_statement import StatementTexts
 
 METHOD = "exact at more points than the degree"
 BILINEAR_METHOD = "bilinear identities"

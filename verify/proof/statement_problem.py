@@ -24,7 +24,7 @@ from .domain_signs import DomainSigns
 from .domains import Domains, Point, settled_domains
 from .problem import POINTS, Problem, problem_points
 from .samples import sample
-from .statement_text import Statement
+from .typed_statement import Statement
 
 DIVISOR_BITS = (160, 1280)
 

@@ -24,70 +24,13 @@ from derive.algebra.formula_text import (
     Vocabulary,
 )
 from derive.algebra.typing_mistakes import Spelling, misread
-from solutions import functions
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
 from .samples import sample
-from .statement_texts import StatementTexts
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
-
-CONTINUOUS, SITE = "xyzt", "n"
-
-PARTS = 50
-"""Most equations, solutions or parameters of a statement."""
-
-MISREAD = {
-    "i": "write I for the imaginary unit",
-    "j": "write I for the imaginary unit",
-    "e": "write exp(1)",
-    "E": "write exp(1)",
-    "Pi": "write pi",
-    "PI": "write pi",
-    "oo": "leave the bound out",
-    "inf": "leave the bound out",
-    "nan": "formulas have values",
-    "zoo": "formulas have values",
-}
-"""Names that are taken for constants elsewhere, and must be declared here."""
-
-_ONE = (
-    *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
-    *(sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch),
-    *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
-    *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
-)
-FUNCTIONS = {
-    "abs": (sp.Abs, 1),
-    **{function.__name__: (function, 1) for function in _ONE},
-    **{name: (getattr(functions, name), 2) for name in functions.__all__},
-}
-"""The functions of the grammar, each with the number of its arguments."""
-
-
-@dataclass(frozen=True)
-class Statement:
-    """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
-
-    ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
-    its formula.  ``domains`` has every variable and parameter that is not all real numbers;
-    ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
-    which the values are asked for, rather than taken as any.  ``texts`` are what was typed.
-    """
-
-    name: str
-    equations: tuple[sp.Expr, ...]
-    solutions: Mapping[AppliedUndef, sp.Expr]
-    domains: Mapping[sp.Symbol, Domain]
-    divisors: tuple[sp.Expr, ...] = ()
-    wanted: tuple[sp.Symbol, ...] = ()
-    texts: StatementTexts | None = field(default=None, compare=False)
-
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        """The independent variables."""
-        return tuple(next(iter(self.solutions)).args)
-
+from .text_names import CONTINUOUS, FUNCTIONS, MISREAD, PARTS, SITE
+from .typed_statement import Statement, StatementTexts
 
 Texts = str | Sequence[str]
 
@@ -127,12 +70,12 @@ def read_statement(
 
 
 def _read(given: Parts, name: str = "statement") -> Statement:
-    separators = {"parameters": ";", "domain": ";,", "solve": ","}
-    parts = {
-        label: [p for text in texts for p in text_parts(text, label, *separators.get(label, ""))]
-        for label, texts in given.items()
-    }
-    return _Reading(name, *parts.values()).statement()
+    def parts(label: str, *separators: str) -> list[TextPart]:
+        return [part for text in given[label] for part in text_parts(text, label, *separators)]
+
+    entries, limits = parts("parameters", ";"), parts("domain", ";", ",")
+    wanted = parts("solve", ",")
+    return _Reading(name, parts("equation"), parts("solution"), entries, limits, wanted).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:

@@ -36,7 +36,7 @@ from .statement_problem import (
     undefined,
     with_exponentials,
 )
-from .statement_text import Statement
+from .typed_statement import Statement
 from .typed_values import TypedValues
 
 Progress = Callable[[str], None]

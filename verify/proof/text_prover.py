@@ -8,8 +8,9 @@ from verify.verdict import ProofVerdict
 
 from . import prover
 from .conditions import solve_statement
-from .statement_text import Statement, read_statement
+from .statement_text import read_statement
 from .statement_verdict import Progress, StatementVerdict, decide_statement
+from .typed_statement import Statement
 
 
 def prove(

@@ -19,7 +19,7 @@ from verify.studies.texts.text_statement import Letter, TextPoint, TextStatement
 
 from .domains import Domain, Domains
 from .samples import sample
-from .statement_texts import StatementTexts
+from .typed_statement import StatementTexts
 
 POINTS = 4
 """Points of the domain that are drawn."""

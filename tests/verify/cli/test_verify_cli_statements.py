@@ -181,7 +181,8 @@ def test_a_wrong_formula_is_a_line_and_a_picture(capsys: Output) -> None:
     output = capsys.readouterr()
     assert output.out == ""
     assert output.err.splitlines() == [
-        "error: solution: expected a known function, got 'sehc' (did you mean sech?) (column 12)",
+        "error: solution: expected a known function, got 'sehc' (did you mean sech?);"
+        " write 'u = 2*k**2*sech(k*x)' (column 12)",
         "    u = 2*k**2*sehc(k*x)",
         "               ^",
     ]

@@ -16,7 +16,8 @@ from verify.proof.conditions import ConditionalVerdict, solve_statement
 from verify.proof.constant_cases import ConstantCase, symbols_of
 from verify.proof.domains import settled_domains
 from verify.proof.statement_problem import residual_of
-from verify.proof.statement_text import Statement, read_statement
+from verify.proof.statement_text import read_statement
+from verify.proof.typed_statement import Statement
 
 ELLIPTIC = {
     "jacobi_sn": lambda z, m: ellipj(np.real(z), m)[0],

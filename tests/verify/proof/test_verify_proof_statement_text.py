@@ -5,7 +5,10 @@ import sympy as sp
 
 from derive.algebra.formula_printing import formula_as_text
 from derive.algebra.formula_text import FormulaError
-from verify.proof.statement_text import FUNCTIONS, WORDS, Statement, read_statement
+from verify.proof.statement_text import read_statement
+from verify.proof.text_domains import WORDS
+from verify.proof.text_names import FUNCTIONS
+from verify.proof.typed_statement import Statement
 
 LINEAR, WAVE = "u_t + c*u_x", "u = sin(x - c*t)"
 

@@ -5,8 +5,8 @@ from fractions import Fraction
 import pytest
 
 from verify.proof.statement_text import read_statement
-from verify.proof.statement_texts import StatementTexts
 from verify.proof.text_prover import prove
+from verify.proof.typed_statement import StatementTexts
 from verify.proof.typed_values import TypedValues
 from verify.verdict import Outcome
 

@@ -1,0 +1,172 @@
+"""Rules that rewrite formulas of other systems and of papers, by stages: tables of patterns."""
+
+from __future__ import annotations
+
+import re
+
+from derive.algebra.foreign_functions import Rule
+
+VARIABLES = "xyzt"
+SITE = "n"
+
+
+def _decimal(found: re.Match[str]) -> str:
+    """``0,5`` as ``0.5``, unless the comma parts arguments."""
+    calls = re.findall(r"(\w*)\s*[\[(]|([\])])", found.string[: found.start()])
+    opened: list[str] = []
+    for name, closing in calls:
+        if closing:
+            del opened[-1:]
+        else:
+            opened.append(name)
+    of_two = r"(?:[scd]n|zeta|epsilon|diff|D|pow\w*|Rational)$"
+    parts = opened and re.search(of_two, opened[-1], re.I)
+    return found[0] if parts else f"{found[1]}.{found[2]}"
+
+
+def _repeated(found: re.Match[str]) -> str:
+    """A subscript ``3x`` or ``x,x`` as ``xxx`` or ``xx``."""
+    inside = re.sub(r"(\d)([xyzt])", lambda m: m[2] * int(m[1]), found[1])
+    return "_" + re.sub(r"[\s,]", "", inside)
+
+
+def _quotient(found: re.Match[str]) -> str:
+    """``du/dt``, ``d^2u/dx^2`` as ``u_t``, ``u_xx``; at a site with diff."""
+    steps = re.findall(r"([xyzt])[\s*(]*(\d?)", found["steps"])
+    letters = "".join(letter * int(order or 1) for letter, order in steps)
+    return _derived(found["of"], letters)
+
+
+def _partial(found: re.Match[str]) -> str:
+    """``D_x u``, with a power, as ``u_x``."""
+    order = int(found["order"] or found["within"] or 1)
+    return _derived(found["of"], (found["many"] or found["one"]) * order)
+
+
+def _derived(expression: str, letters: str) -> str:
+    if re.fullmatch(r"[A-Za-z][A-Za-z0-9]*", expression):
+        return f"{expression}_{letters}"
+    if expression.startswith("("):
+        expression = expression[1:-1]
+    return f"diff({expression}, {', '.join(letters)})"
+
+
+LATEX: tuple[Rule, ...] = (
+    (r"\\(?:operatorname|math(?:rm|it|bf|cal|bb)|text(?:rm|it)?)\*?\s*\{([^{}]*)\}", r" \1 "),
+    (r"\\(?:left|right|[bB]igg?[lr]?|displaystyle|limits|rm)(?![A-Za-z])", ""),
+    (r"\\[,;:! ]|\\q?quad\b|~|\$|\\\\|(?<!&)&(?!&)", " "),
+    (r"\\(?:cdot|times|ast)\b(?!\s*\})", "*"),
+    (r"\\leq?(?:slant)?\b", "<="),
+    (r"\\geq?(?:slant)?\b", ">="),
+    (r"\\(?:neq?)\b", "!="),
+    (r"\\lvert|\\rvert|\\vert|\\mid", "|"),
+    (r"\\[dt]?frac\s*(\d)\s*(\d)", r"(\1/\2)"),
+    (r"\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"((\1)/(\2))"),
+    (r"\\sqrt\s*\[([^\[\]]*)\]\s*\{([^{}]*)\}", r"(\2)**(1/(\1))"),
+    (r"\\sqrt\s*\{([^{}]*)\}", r"sqrt(\1)"),
+    (r"\\sqrt\s*(\w)", r"sqrt(\1)"),
+    (r"\\dot\s*\{?\s*(<U>)\b\s*\}?", r"\1_t"),
+    (r"\\ddot\s*\{?\s*(<U>)\b\s*\}?", r"\1_tt"),
+    (r"\\(?:bar|overline)\s*(?:\{([^{}]*)\}|(\w))", r"conjugate(\1\2)"),
+    (
+        r"(<D>)\s*\^\s*(?:\{\s*)?(?:\*(?!\w)|\\ast\b|\\star\b|\\dagger\b|†)(?:\s*\})?",
+        r"conjugate(\1)",
+    ),
+    (r"(<D>)\s*†", r"conjugate(\1)"),
+    (
+        r"(?<![\w.])(<U>(?:_[xyzt]+)?)_\{\s*(n\s*(?:[+-]\s*\d+)?)\s*(?:,\s*t\s*)?\}",
+        r"\1[\2]",
+    ),
+    (r"(?<![\w.])(<U>(?:_[xyzt]+)?)_(n(?:[+-]\d+)?)(?!\w)", r"\1[\2]"),
+    (r"(?<![\w.])([A-Za-z]+)_\{?(\d+)\}?(?![A-Za-z])", r"\1\2"),
+    (r"\\partial\s*_\s*(?:\{\s*([xyzt]+)\s*\}|([xyzt]+(?![A-Za-z])|[xyzt]))", r" D_(\1\2) "),
+    (r"_\{\s*((?:\d?\s*[xyzt][\s,]*)+)\}", _repeated),
+    (r"(?<=[A-Za-z0-9])_\{\s*(\w+)\s*\}", r"\1"),
+    (r"\^\s*\{([^{}]*)\}", r"**(\1)"),
+    (r"\\partial\s*", " \\\\partial"),
+)
+"""LaTeX, innermost braces first."""
+
+BRACES: tuple[Rule, ...] = (
+    (r"\{", "("),
+    (r"\}", ")"),
+    (r"\^", "**"),
+    (r"\\partial\s*", " d "),
+    (r"\\([A-Za-z]+)", r" \1 "),
+    (r"^\s*[\"`]+|[\"`]+\s*$", ""),
+)
+
+SPELLED_NUMBERS: tuple[Rule, ...] = (
+    (r"(?<![\w.])(?:np|sp|numpy|sympy|math|cmath|mp|mpmath|scipy|torch)\.(?=[A-Za-z])", ""),
+    (r"(?<=[\w)\]])\.(?=[*/])", ""),
+    (r"\*\s+\*", "**"),
+    (r"(?<![\w.,])(\d+),(\d+)(?![\w.,])", _decimal),
+    (r"(?<![\w.])(\d+)(?=<e>(?![\w+-]))", r"\1*"),
+    (r"(?<![\w.])(?:Pi|PI)\b", "pi"),
+    (r"(?<![\w.])exp\s*\*\*\s*(?=\()", "exp"),
+    (r"(?<![\w.])exp\s*\*\*\s*(\w+)", r"exp(\1)"),
+    (r"(?<![\w.])<e>\s*\*\*\s*(?=<()>(?!\s*\*\*))", "exp"),
+    (
+        r"(?<![\w.])<e>\s*\*\*\s*(-?(?:\w+(?:\.\d+)?(?:<()>)?|<()>)(?:\s*\*\*\s*(?:\w+|<()>))*)",
+        r"exp(\1)",
+    ),
+    (r"(?<![\w.])<e>(?![\w(\[]|\s*\*\*)", "exp(1)"),
+    (r"(?<![\w.])1<i>\b", "I"),
+    (r"(?<![\w.])(\d+)<i>\b", r"\1*I"),
+    (r"(?<![\w.])<i>\b(?!\s*[\[(])", "I"),
+    (r"(?<![\w.])<i>\b(?=\s*\()", "I*"),
+)
+
+_ORDER = r"(?:\s*\*\*\s*(?:\d|\(\s*\d\s*\))|\d)?"
+_STEP = rf"d\s*[xyzt]{_ORDER}"
+
+DERIVATIVES: tuple[Rule, ...] = (
+    (
+        rf"(?<![\w.])(<U>(?:_[{VARIABLES}]+)?)\s*[\[(]\s*(?:[{VARIABLES}]_?\s*,\s*)*"
+        rf"[{VARIABLES}]_?\s*[\])]",
+        r"\1",
+    ),
+    (
+        r"(?<![\w.])(<U>(?:_[xyzt]+)?)\s*[\[(]\s*(n)_?(\s*[+-]\s*\d+)?\s*(?:,\s*t_?\s*)?[\])]"
+        r"(?:\s*[\[(]\s*t_?\s*[\])])?",
+        r"\1[\2\3]",
+    ),
+    (
+        rf"(?<![\w.])(?P<open>\(\s*)?d\s*{_ORDER}\s*(?P<of><U>(?![A-Za-z0-9_])(?:\[[^\[\]]*\])?)"
+        rf"(?(open)\s*\))\s*/\s*(?P<below>\(\s*)?(?P<steps>{_STEP}(?:\s*\*?\s*{_STEP})*)"
+        r"(?(below)\s*\))",
+        _quotient,
+    ),
+    (
+        rf"\(\s*\(?\s*d\s*\)?\s*/\s*\(?\s*(?P<steps>{_STEP})\s*\)?\s*\)\s*(?P<of><D>|<()>)",
+        _quotient,
+    ),
+    (rf"(?<![\w.])d\s*/\s*(?P<steps>{_STEP})\s*(?P<of><D>|<()>)", _quotient),
+    (
+        r"(?<![\w.])D_(?:\((?P<many>[xyzt]+)\)|(?P<one>[xyzt]+(?![A-Za-z])))"
+        r"(?:\s*\*\*\s*(?:(?P<order>\d)|\((?P<within>\d)\)))?\s*(?P<of><U>(?![A-Za-z0-9_])"
+        r"(?:\[[^\[\]]*\])?|<()>|<F><()>)",
+        _partial,
+    ),
+    (rf"(?<![\w.])(<U>)_([{VARIABLES}]+)_([{VARIABLES}]+)", r"\1_\2\3"),
+    (rf"(?<![\w.])(<U>)_(\d)([{VARIABLES}])\b", lambda m: f"{m[1]}_{m[3] * int(m[2])}"),
+    (rf"(?<![\w.])(<U>)_([{VARIABLES}])(\d)\b", lambda m: f"{m[1]}_{m[2] * int(m[3])}"),
+    (r"(<D>)\s*\.\s*conj(?:ugate)?\s*\(\s*\)", r"conjugate(\1)"),
+    (r"\|([^|]+)\|", r"abs(\1)"),
+    (r"(<D>)\s*\*(?=\s*(?:$|[)=,;]|\s[+-]\s))", r"conjugate(\1)"),
+)
+
+TIDY: tuple[Rule, ...] = (
+    (r"(?<![\w\])])\(\s*(\w+|\d+\.\d+)\s*\)", r"\1"),
+    (r"(?<!\w)\(\(([^()]*)\)\)", r"(\1)"),
+    (r"\s*(\*\*?|/)\s*", r"\1"),
+    (r"\(\s+", "("),
+    (r"\s+([),])", r"\1"),
+    (r"\s+", " "),
+    (r"^\s+|\s+$", ""),
+)
+
+END: tuple[Rule, ...] = (
+    (r"\s*[.,;]+$", ""),
+    (r"=\s*$", "= 0"),
+)

@@ -1,0 +1,39 @@
+"""Names that have a meaning in statements: variables, functions, and constants of other systems."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from solutions import functions
+
+CONTINUOUS, SITE = "xyzt", "n"
+
+PARTS = 50
+"""Most equations, solutions or parameters of a statement."""
+
+MISREAD = {
+    "i": "write I for the imaginary unit",
+    "j": "write I for the imaginary unit",
+    "e": "write exp(1)",
+    "E": "write exp(1)",
+    "Pi": "write pi",
+    "PI": "write pi",
+    "oo": "leave the bound out",
+    "inf": "leave the bound out",
+    "nan": "formulas have values",
+    "zoo": "formulas have values",
+}
+"""Names that are taken for constants elsewhere, and must be declared here."""
+
+_ONE = (
+    *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
+    *(sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch),
+    *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
+    *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
+)
+FUNCTIONS = {
+    "abs": (sp.Abs, 1),
+    **{function.__name__: (function, 1) for function in _ONE},
+    **{name: (getattr(functions, name), 2) for name in functions.__all__},
+}
+"""The functions of the grammar, each with the number of its arguments."""
