@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 
-from sympy import Expr, I, Rational, Symbol, cancel, cos, limit, pi, sin, sqrt, symbols
+from sympy import Expr, I, Rational, cancel, cos, limit, pi, sin, sqrt, symbols
 
 from derive import LATTICES, envelope
 from derive.algebra.rational_functions import RationalFunctions
+from derive.carrier import w, z
 from derive.carrier_envelope import Envelope
 from derive.models.lattices import g2, g3
 from derive.sines import omega
@@ -68,7 +69,7 @@ def third_order() -> Iterator[str]:
     A, B, A_X, B_X = (0, 0), (0, 1), (1, 0), (1, 1)
     field, mean = part.parts[0].parts[3], part.means[1]
     wanted = K3 / STIFFNESS * C / s**3
-    turn = {Symbol("z"): (C + I * s) ** 2, Symbol("w"): I * omega}
+    turn = {z: (C + I * s) ** 2, w: I * omega}
     for name, element, known in (
         ("A A_1", field.coefficient(A, A_X), I * wanted),
         ("A_1 conj A", mean.coefficient(B, A_X), -I * wanted),

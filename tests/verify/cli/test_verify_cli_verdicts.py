@@ -33,14 +33,6 @@ def test_by_default_every_form_is_proved(capsys: Output) -> None:
         assert any("bytes" in row for row in rows if form.name in row)
 
 
-@pytest.mark.slow
-def test_no_proof_takes_more_than_3_seconds_and_all_take_no_more_than_10(capsys: Output) -> None:
-    assert main(["--json"]) == 0
-    seconds = [record["seconds"] for record in json.loads(capsys.readouterr().out)]
-    assert max(seconds) < 3
-    assert sum(seconds) < 10
-
-
 @pytest.mark.parametrize("options", [QUICK, ["--method", "residual", *QUICK]])
 def test_the_residual_is_evidence_and_says_so(options: list[str], capsys: Output) -> None:
     assert main([*options, "--only", "kink", "--only", "rational_4"]) == 0
