@@ -29,10 +29,11 @@ def convergence_figure(study: SceneConvergence) -> Figure:
     own = np.array([point.discretisation for point in study.points])
     figure = Figure((0.7 * TEXT_WIDTH, 3.0), layout="constrained")
     ax = figure.subplots()
-    power = np.exp(np.mean(np.log(errors) - study.rate * np.log(eps))) * eps**study.rate
+    rate = study.rate.value
+    power = np.exp(np.mean(np.log(errors) - rate * np.log(eps))) * eps**rate
     ax.loglog(eps, errors, label="sup error", **(CURVES[0] | {"linestyle": ""}))
-    label = rf"$\epsilon^{{{study.rate:.2f} \pm {study.uncertainty:.2f}}}$"
-    ax.loglog(eps, power, color="black", linewidth=0.8, label=label)
+    theory = "" if study.theory is None else f", theory {study.theory}"
+    ax.loglog(eps, power, color="black", linewidth=0.8, label=f"rate {study.rate}{theory}")
     ax.loglog(eps, own, label="discretisation", **(CURVES[1] | {"linestyle": ""}))
     ax.set_xlabel(r"$\epsilon$")
     ax.set_xticks(eps, [f"{value:g}" for value in eps], minor=False)

@@ -93,7 +93,7 @@ def rate_table(rates: Iterable[MeasuredRate]) -> str:
         if words != last:
             lines.append([rf"\multicolumn{{5}}{{L{{160mm}}}}{{\rule{{0pt}}{{3.5ex}}{words}}}"])
             last = words
-        rate = rf"${found.study.rate:.2f} \pm {found.study.uncertainty:.2f}$"
+        rate = str(found.study.rate).replace("..", "to")
         errors = ", ".join(
             f"{measured(point.error, point.discretisation)} at ${point.eps:g}$"
             for point in found.study.errors
@@ -103,7 +103,7 @@ def rate_table(rates: Iterable[MeasuredRate]) -> str:
                 rf"\nopagebreak {escape(found.kind)}",
                 escape(found.wave),
                 found.order,
-                f"${found.expected:g}$",
+                f"${found.expected}$",
                 rate + ("" if found.reached else " (NOT REACHED)"),
             ],
             [rf"\nopagebreak\multicolumn{{5}}{{L{{160mm}}}}{{errors {errors}}}"],

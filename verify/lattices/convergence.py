@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,24 +45,45 @@ class ErrorAt:
 
 
 @dataclass(frozen=True)
+class Rate:
+    """The power of eps that fits errors, and an interval for its limit at small eps.
+
+    >>> print(Rate(5.82, 5.81, 6.04))
+    5.8 (5.8 .. 6.1)
+    """
+
+    value: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.value:.1f} ({floor(10 * self.low) / 10:.1f} .. {ceil(10 * self.high) / 10:.1f})"
+        )
+
+    def holds(self, power: float) -> bool:
+        """Whether the interval, with its ends as they are printed, holds that power."""
+        return floor(10 * self.low) <= 10 * power <= ceil(10 * self.high)
+
+
+@dataclass(frozen=True)
 class ConvergenceStudy:
-    """Errors at a fixed slow time and the power of eps that fits them, with its uncertainty."""
+    """Errors at a fixed slow time and the power of eps that fits them."""
 
     errors: tuple[ErrorAt, ...]
-    rate: float
-    uncertainty: float
+    rate: Rate
 
 
-def fitted_rate(
-    eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()
-) -> tuple[float, float]:
-    """The least-squares slope of ``log error`` by ``log eps``, and its uncertainty.
+def fitted_rate(eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()) -> Rate:
+    """The least-squares slope of ``log error`` by ``log eps``, and where its limit may lie.
 
-    That is the largest difference between it and the slope of two neighbours, with what the errors
-    ``own`` of the runs may change: the slope itself drifts with eps, so that a standard error would
-    promise too much.  Raises ValueError for fewer than three errors, and for what has no logarithm.
+    The slope drifts with eps. Between two neighbours it is told at their geometric mean, and what
+    is held is the slope at all eps, that of the two least, and what lines through the slopes by eps
+    and by its square have at eps = 0; beyond that, what slopes miss of these lines, and what the
+    errors ``own`` of the runs may change.  Raises ValueError for fewer than three errors, and for
+    what has no logarithm.
 
-    >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16])[0]
+    >>> fitted_rate([0.1, 0.2, 0.4], [0.01, 0.04, 0.16]).value
     2.0
     """
     if len(eps) != len(errors) or len(errors) < FEWEST or len({*eps}) < len(eps):
@@ -76,11 +98,18 @@ def fitted_rate(
         )
     places = np.argsort(eps)
     logs = np.log(np.array([eps, errors], dtype=np.float64)[:, places])
-    slope = float(np.polyfit(logs[0], logs[1], 1)[0])
+    value = round(float(np.polyfit(logs[0], logs[1], 1)[0]), 12)
     widths, heights = np.diff(logs, axis=1)
+    slopes, middles = heights / widths, np.exp((logs[0, 1:] + logs[0, :-1]) / 2)
+    lines = [np.polyfit(middles**power, slopes, 1) for power in (1, 2)]
+    missed = min(
+        float(np.max(np.abs(np.polyval(line, middles**power) - slopes)))
+        for power, line in zip((1, 2), lines, strict=True)
+    )
     shares = np.array(own or np.zeros(len(errors)))[places] / np.exp(logs[1])
-    blur = (shares[1:] + shares[:-1]) / widths
-    return round(slope, 12), float(np.max(np.abs(heights / widths - slope) + blur))
+    beyond = missed + float(np.max((shares[1:] + shares[:-1]) / widths))
+    held = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
+    return Rate(value, min(held) - beyond, max(held) + beyond)
 
 
 def convergence_study(
@@ -98,8 +127,7 @@ def convergence_study(
     """
     errors = tuple(error_at(make(eps), slow_times, within, causal) for eps in eps_values)
     own = [found.discretisation for found in errors]
-    rate, uncertainty = fitted_rate(eps_values, [found.error for found in errors], own)
-    return ConvergenceStudy(errors, rate, uncertainty)
+    return ConvergenceStudy(errors, fitted_rate(eps_values, [found.error for found in errors], own))
 
 
 def error_at(

@@ -75,8 +75,7 @@ def envelope_study(case: EnvelopeCase, order: str, eps_values: Sequence[float]) 
     found = case.envelope()
     errors = tuple(_error(case, found, order, eps) for eps in eps_values)
     own = [error.discretisation for error in errors]
-    rate, uncertainty = fitted_rate(eps_values, [error.error for error in errors], own)
-    return ConvergenceStudy(errors, rate, uncertainty)
+    return ConvergenceStudy(errors, fitted_rate(eps_values, [e.error for e in errors], own))
 
 
 def _error(case: EnvelopeCase, found: Envelope, order: str, eps: float) -> ErrorAt:

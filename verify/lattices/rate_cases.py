@@ -1,8 +1,6 @@
 """Lattices, their long waves and the rates at which they must come together, as data.
 
-The ansatz leaves out what is ``eps**2`` smaller, in most cases: at fixed slow time the strain's
-error is then of that power beyond the wave's own, and with the first correction of the next one.
-Where quadratic forces cancel in a cell without vanishing the correction comes a power earlier.
+What they must fall with is in no table: it follows from the expansion (`theory_rate`).
 """
 
 from __future__ import annotations
@@ -20,8 +18,10 @@ from derive.symbols import c, eps
 from solutions import Wave, closed_form
 from verify.lattices.computed_soliton import ComputedSoliton
 from verify.lattices.convergence import ConvergenceStudy, convergence_study
+from verify.lattices.lattice_wave import ORDERS
 from verify.lattices.line_chain import lattice_along
 from verify.lattices.long_wave_data import JetWave, LongWaveData
+from verify.lattices.theory_rate import long_wave_rate
 
 Value: TypeAlias = int | str | Expr
 
@@ -31,7 +31,7 @@ class RateCase:
     """A lattice with numbers, an ansatz, a wave of its reduced equation, and the rates to expect.
 
     ``wave`` names a closed form, or "" is the computed soliton of the ``speed`` in ``parameters``.
-    ``rates``: the power of eps that the strain's error falls with, for each order of the data.
+    ``orders``: those of the data with which its errors are measured.
     ``within``: of X, where the wave does not end.  ``steps``: of `lattice_along`, for waves along a
     line of a lattice of two axes.
     """
@@ -42,7 +42,7 @@ class RateCase:
     scaling: Scaling
     wave: str
     parameters: Mapping[str, Value]
-    rates: Mapping[str, float]
+    orders: tuple[str, ...]
     eps: tuple[float, ...] = (0.2, 0.14, 0.1, 0.07)
     slow_times: tuple[float, float] = (0.0, 2.0)
     within: float | None = None
@@ -75,6 +75,13 @@ class RateCase:
             self.reduction, {}, self.solution, at, order, self.numeric, self.interval
         )
 
+    def rate(self, order: str) -> int:
+        """The power of eps that the strain's error must fall with; ValueError for none."""
+        found = long_wave_rate(self.reduction, self.numeric, order)
+        if found is None:
+            raise ValueError(f"order must be one with a rate, got {order} (slaved has one)")
+        return found
+
     def study(self, order: str, values: tuple[float, ...] = ()) -> ConvergenceStudy:
         """Its errors over eps."""
         chosen = values or self.eps
@@ -102,16 +109,9 @@ DEGENERATE = {"K2": "4/3", "K4": 0, "L2": "-1/12", "L4": 0}
 NEARLY = {"K2": (4 - eps**2) / 3, "L2": (eps**2 - 1) / 12}
 """``K2 + 4 L2 = 1`` and ``K2 + 16 L2 = eps^2``."""
 
-THIRD = {"leading": 3.0, "slaved": 3.0, "corrected": 5.0}
-FOURTH = {"leading": 4.0, "slaved": 4.0, "corrected": 6.0}
-SIXTH = {"leading": 6.0, "slaved": 6.0, "corrected": 8.0}
-OF_CELLS = {"slaved": 3.0, "corrected": 5.0}
-OF_CELLS_QUADRATIC = {"slaved": 4.0, "corrected": 6.0}
-BETWEEN, BETWEEN_QUADRATIC = {"slaved": 3.0}, {"slaved": 4.0}
-"""Without a rate for data of the next order: what is left out then is an odd power with so small a
-coefficient that a fit lies between two powers (6d: 5.73 at eps = 0.2, 5.39 at 0.035)."""
+ALL, OF_CELLS, SLAVED = ORDERS, ORDERS[1:], ORDERS[1:2]
+"""Data of a cell of two fields hold what follows the wave."""
 
-ROGUE = {"slaved": 3.0}
 OBLIQUE = (SlowVariable("X", 1, (Rational(1, 5),), c),)
 """Along (3, 4)/5 of the square lattice, k = 3 n + 4 m."""
 
@@ -122,10 +122,10 @@ LARGER = (0.4, 0.3, 0.25, 0.2)
 RATE_CASES = {
     case.name: case
     for case in (
-        RateCase("1", "fput_strain", CUBIC, Scaling(), MKDV, {"A": HALF}, THIRD),
-        RateCase("2", "fput_strain", FULL, Scaling(2), KDV, {"kappa": 1}, FOURTH),
+        RateCase("1", "fput_strain", CUBIC, Scaling(), MKDV, {"A": HALF}, ALL),
+        RateCase("2", "fput_strain", FULL, Scaling(2), KDV, {"kappa": 1}, ALL),
         RateCase(
-            "3", "fput_strain", {**CUBIC, "K3": eps / 2}, Scaling(), GARDNER, {"kappa": 2}, THIRD
+            "3", "fput_strain", {**CUBIC, "K3": eps / 2}, Scaling(), GARDNER, {"kappa": 2}, ALL
         ),
         RateCase(
             "4a",
@@ -134,7 +134,7 @@ RATE_CASES = {
             Scaling(2, background=((0, Rational(1, 5)),)),
             KDV,
             {"kappa": 1},
-            FOURTH,
+            ALL,
         ),
         RateCase(
             "4b",
@@ -143,7 +143,7 @@ RATE_CASES = {
             Scaling(background=((0, -Rational(1, 3)),)),
             MKDV,
             {"A": HALF},
-            THIRD,
+            ALL,
         ),
         RateCase(
             "4c",
@@ -152,7 +152,7 @@ RATE_CASES = {
             Scaling(background=((1, HALF),)),
             GARDNER,
             {"kappa": 1},
-            THIRD,
+            ALL,
         ),
         RateCase(
             "5a",
@@ -161,9 +161,9 @@ RATE_CASES = {
             Scaling(2),
             KDV,
             {"kappa": 1},
-            FOURTH,
+            ALL,
         ),
-        RateCase("5b", "next_nearest", {**CUBIC, **FURTHER}, Scaling(), MKDV, {"A": HALF}, THIRD),
+        RateCase("5b", "next_nearest", {**CUBIC, **FURTHER}, Scaling(), MKDV, {"A": HALF}, ALL),
         RateCase(
             "5c",
             "next_nearest",
@@ -171,7 +171,7 @@ RATE_CASES = {
             Scaling(4, time=5),
             "",
             {"speed": 1},
-            SIXTH,
+            ALL,
             LARGER,
         ),
         RateCase(
@@ -181,7 +181,7 @@ RATE_CASES = {
             Scaling(2, time=5),
             "",
             {"speed": 1},
-            FOURTH,
+            ALL,
             LARGER,
         ),
         RateCase(
@@ -191,7 +191,7 @@ RATE_CASES = {
             Scaling(4, time=5),
             "kawahara_soliton",
             {},
-            SIXTH,
+            ALL,
             LARGER,
         ),
         RateCase(
@@ -201,7 +201,7 @@ RATE_CASES = {
             Scaling(2, time=5),
             "modified_kawahara_soliton",
             {},
-            FOURTH,
+            ALL,
             LARGER,
         ),
         RateCase("6a", "mass_dimer", {**CUBIC, **MASSES}, Scaling(0), MKDV, {"A": HALF}, OF_CELLS),
@@ -212,7 +212,7 @@ RATE_CASES = {
             Scaling(1),
             KDV,
             {"kappa": 1},
-            OF_CELLS_QUADRATIC,
+            OF_CELLS,
         ),
         RateCase(
             "6c",
@@ -221,7 +221,7 @@ RATE_CASES = {
             Scaling(0),
             MKDV,
             {"A": HALF},
-            BETWEEN,
+            SLAVED,
         ),
         RateCase(
             "6d",
@@ -230,7 +230,7 @@ RATE_CASES = {
             Scaling(1),
             KDV,
             {"kappa": 1},
-            BETWEEN_QUADRATIC,
+            SLAVED,
         ),
         RateCase(
             "6e",
@@ -239,7 +239,7 @@ RATE_CASES = {
             Scaling(0),
             MKDV,
             {"A": HALF},
-            {"slaved": 2.0, "corrected": 3.0},
+            OF_CELLS,
             (0.06, 0.045, 0.035, 0.025),
             (0.0, 1.0),
         ),
@@ -250,7 +250,7 @@ RATE_CASES = {
             Scaling(1, OBLIQUE),
             KDV,
             {"kappa": 1},
-            FOURTH,
+            ALL,
             steps=(3, 4),
         ),
         RateCase(
@@ -260,7 +260,7 @@ RATE_CASES = {
             Scaling(0, OBLIQUE),
             MKDV,
             {"A": HALF},
-            THIRD,
+            ALL,
             steps=(3, 4),
         ),
         RateCase(
@@ -270,7 +270,7 @@ RATE_CASES = {
             Scaling(1, OBLIQUE),
             KDV,
             {"kappa": 1},
-            FOURTH,
+            ALL,
             steps=(3, 4),
         ),
         RateCase(
@@ -280,7 +280,7 @@ RATE_CASES = {
             Scaling(background=((0, -Rational(1, 3)),)),
             "rational_2",
             {},
-            ROGUE,
+            SLAVED,
             (0.03, 0.026, 0.022, 0.018),
             (-0.08, 0.08),
             2.0,
@@ -292,7 +292,7 @@ RATE_CASES = {
             Scaling(background=((0, -Rational(1, 3)),)),
             "rogue_cn",
             {"k": HALF},
-            ROGUE,
+            SLAVED,
             (0.1, 0.07, 0.05, 0.035),
             (-0.3, 0.3),
             3.0,
@@ -304,7 +304,7 @@ RATE_CASES = {
             Scaling(0),
             "rational_2",
             {},
-            ROGUE,
+            SLAVED,
             (0.07, 0.05, 0.04, 0.03),
             (-0.6, 0.6),
             2.0,
@@ -316,7 +316,7 @@ RATE_CASES = {
             Scaling(0),
             "rogue_cn",
             {"k": HALF},
-            ROGUE,
+            SLAVED,
             (0.14, 0.1, 0.08, 0.06),
             (-3.0, 3.0),
             3.0,

@@ -8,10 +8,11 @@ from typing import Any
 
 from lattice.refine import Announce
 from verify.comparison.scene_fields import finite, positive, shown
-from verify.lattices.convergence import FEWEST, fitted_rate
+from verify.lattices.convergence import FEWEST, Rate, fitted_rate
 from verify.lattices.lattice_derivation import derivation
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
+from verify.lattices.theory_rate import scene_rate
 
 MOST = 20
 """Values of eps."""
@@ -44,14 +45,15 @@ class SceneConvergence:
     """The errors of a scene at several eps, and the power of eps that fits them.
 
     Errors are of what is compared, as it stands; ``power`` is that of eps with which it is small.
+    ``theory`` is the power that the expansion has for the errors, None where it names none.
     """
 
     scene: LatticeScene
     equation: str
     power: int
     points: tuple[ConvergencePoint, ...]
-    rate: float
-    uncertainty: float
+    rate: Rate
+    theory: int | None
 
     def data(self) -> dict[str, Any]:
         """All of it as numbers, text and lists."""
@@ -61,8 +63,9 @@ class SceneConvergence:
             "equation": self.equation,
             "order": self.scene.order,
             "power": self.power,
-            "rate": self.rate,
-            "uncertainty": self.uncertainty,
+            "rate": self.rate.value,
+            "interval": [self.rate.low, self.rate.high],
+            "theory": self.theory,
             "points": [vars(point) for point in self.points],
         }
 
@@ -91,9 +94,8 @@ def scene_convergence(
         power = run.power
         points.append(_point(run))
     errors, own = [p.error for p in points], [p.discretisation for p in points]
-    rate, uncertainty = fitted_rate(values, errors, own)
-    equation = derivation(scene).equation
-    return SceneConvergence(scene, equation, power, tuple(points), rate, uncertainty)
+    rate, equation = fitted_rate(values, errors, own), derivation(scene).equation
+    return SceneConvergence(scene, equation, power, tuple(points), rate, scene_rate(scene))
 
 
 def _checked(scene: LatticeScene, given: Sequence[float]) -> list[float]:
