@@ -194,8 +194,8 @@ Definition cut (a : frac) (keep : list nat) : frac :=
 (* An inverse is guessed, the root g_i in it as g_i^k over its power, and multiplied out. *)
 Fixpoint find_rule (f : poly) (rs : list rule) : option rule :=
   match rs, f with
-  | (i, k, v) :: rs, H j (C _) (C _) =>
-      if Pos.eqb i j then Some (i, k, v) else find_rule f rs
+  | (i, k, v) :: rs, H j p (C _) =>
+      if andb (Pos.eqb i j) (is_zero p) then Some (i, k, v) else find_rule f rs
   | _, _ => None
   end.
 Fixpoint inverse (fuel : nat) (n : poly) : frac :=
