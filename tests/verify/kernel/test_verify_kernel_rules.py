@@ -55,6 +55,23 @@ RULES = [
     ("u - v", "u = exp(2*I*atan(x)) ;; v = (1 + I*x)/(1 - I*x)", "", ""),
     ("u - v", "u = log(exp(I*x)) ;; v = I*x", "", "-1 < x < 1"),
     ("u - v", "u = cos(pi/6)*x ;; v = sqrt(3)*x/2", "", ""),
+    ("u[n] + v[n]", "u[n] = (-1)**(n + 1) ;; v[n] = (-1)**n", "", ""),
+    ("u[n] - v[n]", "u[n] = (-1)**(3*n) ;; v[n] = (-1)**n", "", ""),
+    ("u - x*elliptic_k(m)", "u = sqrt(elliptic_k(m)**2)*x", "m: 0<m<1", ""),
+    ("u - acos(x)", "u = sqrt(acos(x)**2)", "", "-1 < x < 1"),
+    ("u - log(x)", "u = conjugate(log(x))", "", "x > 0"),
+    ("u - x**a", "u = conjugate(x**a)", "a: real", "x > 0"),
+    ("u - x*elliptic_e(m)", "u = conjugate(elliptic_e(m))*x", "m: 0<m<1", ""),
+    ("u - exp(I*x)", "u = conjugate(conjugate(exp(I*x)))", "", ""),
+    ("u - acosh(x)", "u = conjugate(acosh(x))", "", "x > 1"),
+    ("u - atan(x)", "u = conjugate(atan(x))", "", ""),
+    ("u*conjugate(u) - abs(u)**2", "u = jacobi_sn(x + I*t, m)", "m: 0<m<1", ""),
+    ("u - v", "u = jacobi_zeta(x + elliptic_k(m), m) ;; v = jacobi_zeta(x, m)"
+     " - m*jacobi_sn(x, m)*jacobi_cn(x, m)/jacobi_dn(x, m)", "m: 0<m<1", ""),
+    ("re(u)**2 + im(u)**2 - abs(u)**2", "u = exp(I*x)*sqrt(x)", "", "x > 0"),
+    ("u - v", "u = jacobi_zeta(x, m) ;; v = jacobi_epsilon(x, m) - x*elliptic_e(m)/elliptic_k(m)",
+     "m: 0<m<1", ""),
+    ("u[n+4] - u[n]", "u[n] = cos(pi*n/2)", "", ""),
 ]  # fmt: skip
 
 
