@@ -42,6 +42,9 @@ ERRORS = (CertificateError, LookupError, TypeError, ValueError, ArithmeticError)
 
 HINTLESS = Hints({}, {}, {}, {})
 ATOMS = ("symbol", "I", "pi", "exp", "log", "atan", "Pow", "Abs", "parity", "elliptic_k")
+MOST = 60
+"""Generators of a field."""
+
 LIKENESSES = ("ux", "u_t", "ubar", "u_bar", "uxx", "ustar", "u_x", "\u0443")
 
 
@@ -50,30 +53,41 @@ def field_of(
 ) -> Field:
     """A field with a generator for whatever may be one below ``wanted``."""
     positive = {_difference(nodes, a, b): weak for weak, a, b in statement.domain}
-    field = Field(nodes, 60, statement.variables, positive, hints)
-    imaginary = nodes.made("I")
-    for node in [imaginary, *nodes.below([*wanted, *statement.variables])]:
-        name, *inner = nodes.all[node]
-        if name in axioms.HYPERBOLIC:
-            node = nodes.made("exp", inner[0])
-        elif name in axioms.TRIGONOMETRIC:
-            node = nodes.made("exp", nodes.made("Mul", imaginary, inner[0]))
-        elif name == "Pow" and inner[1].q > 1:
-            node = nodes.made("Pow", inner[0], fmpq(1, inner[1].q))
-        elif name not in ATOMS and not name.startswith("jacobi_"):
-            continue
-        if len(field.generators) < 59 and node not in hints.values:
+    field = Field(nodes, MOST, statement.variables, positive, hints)
+    taken = []
+    for node in list(atoms(nodes, [*wanted, *statement.variables])):
+        if len(field.generators) < MOST and node not in hints.values:
             try:
                 field.register(node)
+                taken.append(node)
             except ERRORS:
                 continue
-    return field
+    exact = Field(nodes, len(taken), statement.variables, positive, hints)
+    for node in taken:
+        exact.register(node)
+    return exact
+
+
+def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
+    """The functions below ``wanted`` that may be generators, and those that they are made of."""
+    imaginary = nodes.made("I")
+    for node in [imaginary, *nodes.below(wanted)]:
+        name, *inner = nodes.all[node]
+        if name in axioms.HYPERBOLIC:
+            yield nodes.made("exp", inner[0])
+        elif name in axioms.TRIGONOMETRIC:
+            yield nodes.made("exp", nodes.made("Mul", imaginary, inner[0]))
+        elif name == "Pow" and inner[1].q > 1:
+            yield nodes.made("Pow", inner[0], fmpq(1, inner[1].q))
+        elif name == "sign":
+            yield nodes.made("Abs", inner[0])
+        elif name in ATOMS or name.startswith("jacobi_"):
+            yield node
 
 
 def element_ball(field: Field, element: Element, balls: Balls) -> acb:
     """The value of an image at a point."""
     values = field.balls(balls)
-    values += [acb(0)] * (len(field.ring.names) - len(values))
     found = value_at(element.numerator, values)
     for place, power in element.powers.items():
         found /= value_at(field.ring.factors[place], values) ** power
@@ -325,7 +339,7 @@ def denominators(
     f, g = rng.choice(parts), rng.choice(parts)
     below = rng.choice(
         (f"({f} - abs({f}))", f"({f} - ({f}**2)**(1/2))", f"({f} - {g})", "(1 + (-1)**(n*1))",
-         f"(1 - sign({f}))", f"(abs({f}*{g}) + {f}*{g})", f"(log({f}**2) - 2*log({f}))",
+         f"(1 - sign({f}))", f"(abs({f}*{g}) + {f}*{g})", f"(log({f}**2) - 2*log({f}) + abs({f}) - {f})",
          f"(({f})**(1/2) + abs({f})**(1/2))", f"({f} - {f}*(-1)**n)", f"(re({f}) - abs(re({f})))")
     )  # fmt: skip
     balls, points_inside = inside

@@ -133,7 +133,7 @@ def points(
     letters = {w for w in symbols(texts) - known if w.split("_")[0] not in balls.solutions}
     letters |= set(balls.variables)
     chains = [text for text in found if set("<>!") & set("".join(words(text)))]
-    for _ in range(count * 30):
+    for _ in range(count * 6):
         point = {name: drawn(rng, kinds.get(name, "real")) for name in sorted(letters)}
         try:
             if all(balls.holds(text, point) for text in chains):

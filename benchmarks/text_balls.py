@@ -37,6 +37,14 @@ def words(text: str) -> tuple[str, ...]:
     return tuple(WORD.findall(text))
 
 
+@cache
+def number(word: str) -> acb:
+    """A decimal number."""
+    found = Fraction(word if word[0] != "." else f"0{word}")
+    with ctx.workprec(BITS):
+        return acb(arb(fmpq(found.numerator, found.denominator)))
+
+
 class TextBalls:
     """The texts of a statement as functions of its symbols."""
 
@@ -123,8 +131,7 @@ class Walk:
             self._take(")")
             return found
         if word[0].isdigit() or word[0] == ".":
-            number = Fraction(word if word[0] != "." else f"0{word}")
-            return acb(arb(fmpq(number.numerator, number.denominator)))
+            return number(word)
         if self._words[self._at] == "(":
             return self._function(word, self._arguments(")"))
         if self._words[self._at] == "[":
