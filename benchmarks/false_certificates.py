@@ -180,6 +180,8 @@ PAIRS = {
     "atan({f}) + atan(1/{f})": ("pi/2", "(-1)*pi/2"),
     "conjugate({f}**(1/2))": ("{f}**(1/2)", "(-1)*{f}**(1/2)"),
     "4**(1/2)*{f}": ("2*{f}", "(-2)*{f}", "2*(-1)**(2 - 1)*{f}", "2*(-1)**3*{f}", "2*(-1)**n*{f}"),
+    "4**(1/2)": ("2", "-2", "2*(-1)**(2 - 1)", "2*(-1)**3", "2*(-1)**n"),
+    "{f} + 1": ("{f} + 2", "{f} + 0", "{f}", "2*{f} + 1"),
     "(-1)**(n + 1)*{f}": ("(-1)**n*{f}", "{f}", "-1*{f}", "cos(pi*n)*{f}"),
     "(-2)**n": ("2**n", "(-1)**n*2**n", "(-1)*2**n*(-1)**n"),
     "{f}": ("{f} + 1", "{g}", "{f}*{g}/{g} + 1", "-1*{f}", "2*{f}"),
@@ -226,12 +228,12 @@ def forged(rng: Random) -> Data:
         point["n"] = "1/3"
     proof = Proof()
     place, whole, part = proof.place, proof.place("1"), proof.place(value)
-    more: list[Any] = [["part", 0, place(rng.choice(("1", f)))]] if rng.random() < 0.1 else []
+    more: list[Any] = [["part", 0, place(rng.choice(("1", f)))]] if rng.random() < 0.3 else []
     same = proof.data(atoms[:6] + kept, point)
     logs = {f"log({f}*{g})": {f: "1", g: "1"}, f"log({f}**2)": {f: "2"}}
     logs |= {f"log(exp({f}))": {f"exp({f})": "1"}, f"log(exp(I*{f}))": {f"exp(I*{f})": "1"}}
     data = proof.data(
-        [*atoms[:6], *kept, *([rng.choice(("2", "0", "pi/2"))] if more else [])],
+        [*atoms[:6], *kept, *([rng.choice(("2", "0"))] if more else [])],
         point,
         more=more,
         parts=[[whole, whole, same], [part, part, same]][: 1 + rng.randrange(2)] if more else [],
@@ -262,7 +264,7 @@ def false_certificates(rng: Random, whole: bool = True) -> Iterator[tuple[str, D
     """A few certificates of false statements, each with its kind."""
     yield "void", void(rng)
     for kind in ("forged", "forged", "forged", "changed", "changed"):
-        true = rng.choice(true_certificates(whole))
+        true = rng.choice(true_certificates(whole and rng.random() < 0.15))
         make = forged(rng) if kind == "forged" else changed(rng, true)
         try:
             if shown_false(rng, make["statement"]):

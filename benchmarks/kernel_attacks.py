@@ -339,7 +339,8 @@ def denominators(
     f, g = rng.choice(parts), rng.choice(parts)
     below = rng.choice(
         (f"({f} - abs({f}))", f"({f} - ({f}**2)**(1/2))", f"({f} - {g})", "(1 + (-1)**(n*1))",
-         f"(1 - sign({f}))", f"(abs({f}*{g}) + {f}*{g})", f"(log({f}**2) - 2*log({f}) + abs({f}) - {f})",
+         f"(1 - sign({f}))", f"(abs({f}*{g}) + {f}*{g})",
+         f"(log({f}**2) - 2*log({f}) + abs({f}) - {f})",
          f"(({f})**(1/2) + abs({f})**(1/2))", f"({f} - {f}*(-1)**n)", f"(re({f}) - abs(re({f})))")
     )  # fmt: skip
     balls, points_inside = inside

@@ -43,6 +43,8 @@ class RandomText:
             left, middle, right = (self.formula(depth - 1) for _ in range(3))
             end = f" {signs[1]} {right}" if rng.random() < 0.4 else ""
             return f"({'-' if rng.random() < 0.2 else ''}{left} {signs[0]} {middle}{end})"
+        if kind < 0.5:
+            return f"({rng.choice(('sign', 'abs', 'sqrt', 'log'))}({self.formula(depth - 1)})**2)"
         if kind < 0.6:
             return f"({self.formula(depth - 1)}**{self._power()})"
         if kind < 0.66 and "n" in self._names:

@@ -351,4 +351,9 @@ def jacobi(name: str, z: Value, m: Value) -> Value:
 def symbols(texts: Sequence[str]) -> set[str]:
     """The names in texts that are no functions."""
     found = reduce(add, map(words, texts), ())
-    return {w for w in found if w[0].isalpha()} - {*FUNCTIONS, "I", "pi", "diff"}
+    return {w for w in found if w[0].isalpha() and not w.startswith("jacobi_")} - {
+        *FUNCTIONS,
+        "I",
+        "pi",
+        "diff",
+    }
