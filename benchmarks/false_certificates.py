@@ -51,7 +51,7 @@ PROVED = [
 @cache
 def true_certificates(whole: bool) -> list[Data]:
     """Certificates of the catalogue and of library statements, those that are not long."""
-    found: list[Data] = []
+    found: list[Mapping[str, Any]] = []
     for equation, solution, parameters, domain in PROVED:
         verdict = prove(equation, solution, parameters=parameters, domain=domain)
         found += getattr(verdict, "certificates", ())
@@ -77,9 +77,9 @@ def shown_false(rng: Random, texts: Texts) -> bool:
     return False
 
 
-def library_certificates() -> list[Data]:
+def library_certificates() -> list[Mapping[str, Any]]:
     """Every sixteenth statement of the library."""
-    found: list[Data] = []
+    found: list[Mapping[str, Any]] = []
     for text in published()[::16]:
         found += decide_statement(text.problem().statement).certificates
     return found

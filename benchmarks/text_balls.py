@@ -13,7 +13,6 @@ from fractions import Fraction
 from functools import cache, reduce
 from itertools import combinations
 from math import factorial
-from operator import add
 from typing import Any
 
 from flint import acb, acb_series, arb, ctx, fmpq
@@ -350,10 +349,6 @@ def jacobi(name: str, z: Value, m: Value) -> Value:
 
 def symbols(texts: Sequence[str]) -> set[str]:
     """The names in texts that are no functions."""
-    found = reduce(add, map(words, texts), ())
-    return {w for w in found if w[0].isalpha() and not w.startswith("jacobi_")} - {
-        *FUNCTIONS,
-        "I",
-        "pi",
-        "diff",
-    }
+    found = (word for text in texts for word in words(text))
+    names = {w for w in found if w[0].isalpha() and not w.startswith("jacobi_")}
+    return names - {*FUNCTIONS, "I", "pi", "diff"}
