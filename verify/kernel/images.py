@@ -150,7 +150,7 @@ class Images(ABC):
     def known(self, node: int) -> Element | None:
         """The image of the same function of equal arguments, if that is a generator."""
         name, *arguments = self.nodes.all[node]
-        if not arguments or name == "symbol":
+        if not children(self.nodes.all[node]) or name == "diff":
             return None
         for atom in self._atoms.get(name, []):
             others = self.nodes.all[atom][1:]

@@ -59,6 +59,9 @@ UNBOUNDED = (
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
+WITH_POLES = ("tanh", "sech", "atan")
+"""Functions that have poles or jumps at complex arguments alone, besides those of Jacobi."""
+
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elliptic_e")
 """Analytic functions, besides those of Jacobi."""
 
@@ -230,8 +233,8 @@ class Signs:
                 name, *arguments = self._nodes.all[inner]
                 if name == "Pow" and arguments[1] < 0 and 0 in self.sign(arguments[0]):
                     return False
-                complex_jacobi = name.startswith("jacobi_") and not self.is_real(inner)
-                if complex_jacobi or name in UNBOUNDED:
+                tame = name not in WITH_POLES and not name.startswith("jacobi_")
+                if name in UNBOUNDED or not (tame or self.is_real(inner)):
                     return False
                 if inner in self._witnesses:
                     todo.append(self._witnesses[inner])

@@ -290,4 +290,4 @@ def statement_text(statement: Statement, texts: Mapping[str, Sequence[str]]) -> 
         + (f" with {'; '.join(limits)}" if limits else "")
         + ", wherever the formulas are smooth",
     ]
-    return "\n".join(line.replace("\n", " ") for line in lines)
+    return "\n".join(" ".join(line.split()) for line in lines)

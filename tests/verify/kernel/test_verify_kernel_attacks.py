@@ -1,84 +1,14 @@
 """Hand-made certificates of false statements, and of statements that read as others."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import pytest
 import sympy as sp
 from flint import fmpq
 
+from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from verify.kernel import CertificateError, check_certificate, opened
 from verify.kernel.check import Branches, registered
-from verify.kernel.limits import digest
 from verify.proof import prove
 from verify.verdict import Outcome
-
-Data = dict[str, Any]
-Pairs = Mapping[str, str]
-Sums = Mapping[str, Mapping[str, str]]
-
-
-class Proof:
-    """The proof's part of a certificate, whose formulas are given as texts."""
-
-    def __init__(self) -> None:
-        self.formulas: list[str] = []
-
-    def place(self, text: str) -> int:
-        if text not in self.formulas:
-            self.formulas.append(text)
-        return self.formulas.index(text)
-
-    def pairs(self, hints: Pairs) -> list[list[int]]:
-        return [[self.place(left), self.place(right)] for left, right in hints.items()]
-
-    def sums(self, hints: Sums) -> list[list[Any]]:
-        return [
-            [self.place(z), [[number, self.place(u)] for u, number in terms.items()]]
-            for z, terms in hints.items()
-        ]
-
-    def data(
-        self,
-        atoms: Sequence[str],
-        point: Pairs,
-        *,
-        more: Sequence[Any] = (),
-        parts: Sequence[Any] = (),
-        values: Pairs | None = None,
-        signs: Pairs | None = None,
-        sums: Sums | None = None,
-        logs: Sums | None = None,
-    ) -> Data:
-        return {
-            "generators": [*more, *(["atom", self.place(atom)] for atom in atoms)],
-            "values": self.pairs(values or {}),
-            "signs": self.pairs(signs or {}),
-            "sums": self.sums(sums or {}),
-            "logs": self.sums(logs or {}),
-            "point": [[self.place(symbol), value] for symbol, value in point.items()],
-            "parts": list(parts),
-        }
-
-
-def signed(statement: Mapping[str, Sequence[str]], proof: Proof, data: Data) -> Data:
-    parts = {"variables": ["x"], "parameters": [], "domain": [], **statement}
-    body: Data = {"format": "longwave proof 3", "name": "attack", "statement": parts}
-    body["proof"] = {"formulas": proof.formulas, **data}
-    return body | {"digest": digest(body)}
-
-
-def certificate(
-    equation: str,
-    solution: str,
-    atoms: Sequence[str],
-    point: Pairs,
-    statement: Mapping[str, Sequence[str]] | None = None,
-    **hints: Any,
-) -> Data:
-    proof = Proof()
-    stated = {"equations": [equation], "solutions": [solution], **(statement or {})}
-    return signed(stated, proof, proof.data(atoms, point, **hints))
 
 
 def refused(data: Data, message: str) -> None:
