@@ -4,7 +4,7 @@ The fuzzer's bytes choose the changes that `fuzz_inputs.py` makes; a reader may 
 nothing else.  Of what it finds, atheris leaves the bytes in a file crash-...; given again, they
 repeat it.
 
-    python benchmarks/fuzz_readers.py [-max_total_time=60] [-runs=100000] [FILE]
+    python -m benchmarks.fuzz_readers [-max_total_time=60] [-runs=100000] [FILE]
 """
 
 from __future__ import annotations

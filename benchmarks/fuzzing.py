@@ -5,7 +5,7 @@ by Ctrl-C and must end within 2 s), 1 GB of memory beyond the start, write nothi
 told to, and end with status 0, 1, 2 or 130, an error in one line.  Faults are kept as files, with
 what was printed; the inputs of a range do not depend on others, so ranges can run anywhere.
 
-    python benchmarks/fuzzing.py [--kind scene] [--count 1000] [--start 0] [--seed 1] [--keep DIR]
+    python -m benchmarks.fuzzing [--kind scene] [--count 1000] [--start 0] [--seed 1] [--keep DIR]
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ derivatives, by the kernel's images; `TextBalls` evaluates the texts themselves.
 kernel says of signs, bounds, branches and denominators on a random domain is looked at at points of
 it.  certificates: forged proofs of statements that are false by balls, and mutated true ones.
 
-    python benchmarks/kernel_attacks.py reading|signs|certificates [--count 10000] [--seed 0]
+    python -m benchmarks.kernel_attacks reading|signs|certificates [--count 10000] [--seed 0]
 """
 
 from __future__ import annotations

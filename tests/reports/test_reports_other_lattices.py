@@ -37,7 +37,7 @@ from reports.sections.other_lattices import (
     shortest,
 )
 from solutions import CATALOGUE
-from verify.lattices.convergence import ConvergenceStudy, ErrorAt, Rate
+from verify.lattices.convergence import ConvergenceStudy, ErrorAt, FittedRate
 from verify.lattices.envelope_study import ENVELOPE_CASES
 from verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
 from verify.lattices.rate_cases import RATE_CASES
@@ -52,7 +52,7 @@ POINTS = tuple(ErrorAt(at, 100, 2.0 * at**3, 1e-3 * at**3) for at in (0.2, 0.1, 
 
 
 def measured_rate(rate: float = 2.98, case: str = "6a", order: str = "slaved") -> MeasuredRate:
-    study = ConvergenceStudy(POINTS, Rate(rate, rate - 0.05, rate + 0.05))
+    study = ConvergenceStudy(POINTS, FittedRate(rate, rate - 0.05, rate + 0.05))
     numbers = (("K2", Rational(4, 3)), ("K3", eps / 2))
     title = "strain y_n = u_{n+1} - u_n"
     return MeasuredRate(case, title, numbers, "mKdV", "sech soliton", order, 3, study)

@@ -45,10 +45,10 @@ class ErrorAt:
 
 
 @dataclass(frozen=True)
-class Rate:
+class FittedRate:
     """The power of eps that fits errors, and an interval for its limit at small eps.
 
-    >>> print(Rate(5.82, 5.81, 6.04))
+    >>> print(FittedRate(5.82, 5.81, 6.04))
     5.8 (5.8 .. 6.1)
     """
 
@@ -71,10 +71,12 @@ class ConvergenceStudy:
     """Errors at a fixed slow time and the power of eps that fits them."""
 
     errors: tuple[ErrorAt, ...]
-    rate: Rate
+    rate: FittedRate
 
 
-def fitted_rate(eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()) -> Rate:
+def fitted_rate(
+    eps: Sequence[float], errors: Sequence[float], own: Sequence[float] = ()
+) -> FittedRate:
     """The least-squares slope of ``log error`` by ``log eps``, and where its limit may lie.
 
     The slope drifts with eps. Between two neighbours it is told at their geometric mean, and what
@@ -109,7 +111,7 @@ def fitted_rate(eps: Sequence[float], errors: Sequence[float], own: Sequence[flo
     shares = np.array(own or np.zeros(len(errors)))[places] / np.exp(logs[1])
     beyond = missed + float(np.max((shares[1:] + shares[:-1]) / widths))
     held = [value, float(slopes[0]), *(float(line[1]) for line in lines)]
-    return Rate(value, min(held) - beyond, max(held) + beyond)
+    return FittedRate(value, min(held) - beyond, max(held) + beyond)
 
 
 def convergence_study(

@@ -110,8 +110,8 @@ NEARLY = {"K2": (4 - eps**2) / 3, "L2": (eps**2 - 1) / 12}
 """``K2 + 4 L2 = 1`` and ``K2 + 16 L2 = eps^2``."""
 
 ALL, OF_CELLS, UNCORRECTED, SLAVED = ORDERS, ORDERS[1:], ORDERS[:2], ORDERS[1:2]
-"""Data of a cell of two fields hold what follows the wave; a computed wave, whose jets are noisy, has
-no next order."""
+"""Data of a cell of two fields hold what follows the wave; a computed wave, whose jets are noisy,
+has no next order."""
 
 OBLIQUE = (SlowVariable("X", 1, (Rational(1, 5),), c),)
 """Along (3, 4)/5 of the square lattice, k = 3 n + 4 m."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from lattice.refine import Announce
 from verify.comparison.scene_fields import finite, positive, shown
-from verify.lattices.convergence import FEWEST, Rate, fitted_rate
+from verify.lattices.convergence import FEWEST, FittedRate, fitted_rate
 from verify.lattices.lattice_derivation import derivation
 from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
 from verify.lattices.lattice_scene import LatticeScene
@@ -52,7 +52,7 @@ class SceneConvergence:
     equation: str
     power: int
     points: tuple[ConvergencePoint, ...]
-    rate: Rate
+    rate: FittedRate
     theory: int | None
 
     def data(self) -> dict[str, Any]:
