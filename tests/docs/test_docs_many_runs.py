@@ -2,7 +2,6 @@
 
 import doctest
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -10,14 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from snippets import Command, commands, snippets
+from snippets import SLOW, Command, commands, snippets
 
 HOUSE = Path(__file__).parents[2]
 PAGE = HOUSE / "docs" / "many-runs.md"
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 MARK = "=== the next command"
-SLOW = re.compile(r"^longwave.*: takes more than some seconds .*\n", re.MULTILINE)
-"""What a loaded machine has to say."""
 
 
 def typed(session: list[Command], folder: Path) -> list[str]:
