@@ -186,37 +186,6 @@ class NumericLattice:
             total += float(np.sum(bond.force.potential(stretch)))
         return total
 
-    def energy_witness(self, before: tuple[Array, Array], after: tuple[Array, Array]) -> float:
-        """The least error of fields with which a ring's energy changes as it did; 0 if unknown.
-
-        States are pairs (f, v).  Errors e of every field, and omega e of its rate, change the
-        energy by at most ``e sum m (|f''| + omega |v|)``.
-
-        >>> from derive import LATTICES
-        >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 0})
-        >>> still, moved = np.zeros((1, 4)), np.array([[0.0, 0.1, 0.0, 0.0]])
-        >>> 0 < chain.energy_witness((moved, still), (1.01 * moved, still)) < 0.001
-        True
-        """
-        if not self.conserves_energy or self.cellwise[1] is not None:
-            return 0.0
-        f, v = after
-        masses = np.array(self.masses).reshape(-1, *(1,) * (f.ndim - 1))
-        with np.errstate(all="ignore"):
-            energies = self.energy(*before), self.energy(f, v)
-            rounding = ENERGY_ROUNDING * max(map(abs, energies))
-            slopes = [self.steepest(place, x) for place, x in enumerate(self.stretches(f))]
-            if not all(map(math.isfinite, slopes)):
-                return 0.0
-            rates = self.highest_frequency(slopes) * np.abs(v)
-            slope = float(np.sum(masses * (np.abs(self.acceleration(f)) + rates)))
-            changed = max(abs(energies[1] - energies[0]) - rounding, 0.0)
-        found = changed / slope if slope else 0.0
-        return found if math.isfinite(found) else 0.0
-
-
-ENERGY_ROUNDING = 64.0 * 2.0**-53
-"""Of an energy: sums in pairs over a few bonds of up to 10^9 cells."""
 
 WAVENUMBERS = {1: 257, 2: 33, 3: 9}
 """Of a grid over the zone: the largest frequency of a chain is found to 1e-4 of itself."""

@@ -10,9 +10,7 @@ before it, in each of the things that were varied.
 That is so only where the error of the step obeys its law, step^order. Near the longest stable step
 it does not: there the errors of two steps may agree, and so may the runs. So no run is judged by a
 step at which the law has not been seen: what a shorter step changes must have fallen from what it
-changed at a longer one as the order says, and is not believed to be much less than that. What the
-lattice conserves is a second witness: no error is told as less than that with which it could have
-changed as it did.
+changed at a longer one as the order says, and is not believed to be much less than that.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
@@ -147,8 +145,7 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
         change = max(difference(trial, control), scouting.lawful_change(choices) / DOUBT)
-        told = engine.safety * change + rounding + control.alike
-        error = max(told, control.witness, LEAST * tolerance)
+        error = max(engine.safety * change + rounding + control.alike, LEAST * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown

@@ -51,10 +51,9 @@ class Trial:
     """A finished run: ``values`` of y/eps on the compared sites at all times that are looked at.
 
     They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
-    bounds what a run with a shorter step would not show, for it does the same. ``witness`` is the
-    least error with which what the lattice conserves could have changed as it did. ``payload`` is
-    the engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the
-    times before it was stopped.
+    bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
+    engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
+    before it was stopped.
     """
 
     choices: Choices
@@ -65,7 +64,6 @@ class Trial:
     payload: Any
     shown: bool = True
     alike: float = 0.0
-    witness: float = 0.0
 
 
 class StoppedTrial(KeyboardInterrupt):

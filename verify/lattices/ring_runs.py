@@ -233,8 +233,6 @@ class RingRuns(StepSearch):
             perf_counter() - loop.begun,
             rounding_error(largest, evaluations),
             record,
-            witness=ring.lattice.energy_witness((ring.f, ring.v), (march.f, march.v))
-            / self.wave.scale,
         )
 
     def metered_before(self, record: RingRecord) -> Array:

@@ -9,9 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import lattice.refine
-from lattice.numeric_lattice import NumericLattice
-from lattice.refine import _Search, refine
+from lattice.refine import refine
 from verify.comparison import Scene, run
 from verify.lattices.lattice_derivation import lattice_wave
 from verify.lattices.lattice_run import compared_cells, lattice_times
@@ -87,23 +85,3 @@ def test_the_true_error_of_a_steep_breather_is_within_the_estimate() -> None:
     found = run(scene)
     true = np.max(np.abs(found.strain.values - exact)) / scene.eps
     assert true <= found.attrs["error_estimate"] <= 1e-3
-
-
-@pytest.mark.parametrize("heard", [True, False])
-def test_the_energy_is_a_second_witness(heard: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the law the energy alone tells that the first steps are wrong."""
-    monkeypatch.setattr(_Search, "has_seen_law", lambda *_: True)
-    monkeypatch.setattr(lattice.refine, "DOUBT", 1e300)
-    if not heard:
-        monkeypatch.setattr(NumericLattice, "energy_witness", lambda *_: 0.0)
-    scene = plane_wave(0.636, 0.3).changed(tolerance=2e-3)
-    wave = lattice_wave(scene)
-    times = lattice_times(scene, wave.slow)
-    wave.start(times[0])
-    engine = RingRuns(wave, compared_cells(scene, wave), times)
-    found = refine(engine, scene.tolerance)
-    exact = engine.run(replace(found.trial.choices, step=found.trial.choices.step / 4.0), False)
-    assert exact.values is not None
-    assert found.trial.values is not None
-    true = float(np.max(np.abs(found.trial.values - exact.values)))
-    assert (true <= found.error <= scene.tolerance) is heard
