@@ -39,6 +39,7 @@ class StatementProblem(Problem):
     """
 
     statement: Statement | None = None
+    also: tuple[sp.Expr, ...] = ()
 
     @property
     def solutions(self) -> dict[AppliedUndef, sp.Expr]:
@@ -55,7 +56,7 @@ class StatementProblem(Problem):
     @property
     def expressions(self) -> list[sp.Expr]:
         """The formulas and the functions in the equation, wherever they are taken."""
-        found = (with_exponentials(part) for part in self._parts(self.left))
+        found = (with_exponentials(part) for part in (*self._parts(self.left), *self.also))
         return list(dict.fromkeys(found))
 
     def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:

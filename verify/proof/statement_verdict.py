@@ -19,7 +19,6 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
 from verify.kernel.check import check_certificate
-from verify.kernel.limits import CertificateError
 from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 
@@ -36,6 +35,7 @@ from .statement_problem import (
     undefined,
     with_exponentials,
 )
+from .typed_hints import typed_certificate
 from .typed_statement import Statement
 from .typed_values import TypedValues
 
@@ -109,12 +109,13 @@ def _retyped(statement: Statement, number: int, verdict: ProofVerdict) -> ProofV
         return verdict
     if len(texts.equations) != len(statement.equations):
         return verdict  # a case of constants in which some equations hold by themselves
-    typed = certificate.restated(replace(texts, equations=texts.equations[number - 1 : number]))
-    try:
-        check_certificate(typed)
-    except CertificateError:
-        return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
-    return replace(verdict, certificate=typed)
+    one = replace(texts, equations=texts.equations[number - 1 : number])
+    for made in (lambda: certificate.restated(one), lambda: typed_certificate(statement, number)):
+        with suppress(*NO_VERDICT):
+            typed = made()
+            check_certificate(typed)
+            return replace(verdict, certificate=typed)
+    return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
 
 
 def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:

@@ -5,6 +5,7 @@ from fractions import Fraction
 import pytest
 
 from verify.proof.statement_text import read_statement
+from verify.proof.statement_verdict import NOTE, StatementVerdict
 from verify.proof.text_prover import prove
 from verify.proof.typed_statement import StatementTexts
 from verify.proof.typed_values import TypedValues
@@ -26,6 +27,38 @@ TRUE = [
     ("u[n-2] - abs(n-2)", "u[n] = abs(n)", "", "n > 0"),
     ("u_x - 2*x*sign(u)", "u = sqrt(x**4)", "", "x > 0"),
 ]
+
+SIMPLIFIED = [
+    ("u - pi*x", "u = sqrt(pi**2*x**2)", "", "x > 0"),
+    ("u - abs(x)", "u = sqrt(x**2)", "", ""),
+    ("u - x**a", "u = abs(x**a)", "a: real", "x > 0"),
+    ("u_x", "u = sign(x)", "", "x > 0"),
+    ("u_x + u/(2*abs(x))", "u = 1/sqrt(abs(x))", "", "x > 0"),
+    ("u - 1/x", "u = sqrt(1/x**2)", "", "x > 0"),
+    ("u - exp(x)", "u = sqrt(exp(2*x))", "", ""),
+    ("u - sech(x)", "u = sqrt(sech(x)**2)", "", ""),
+    ("u - jacobi_dn(x, m)", "u = sqrt(jacobi_dn(x, m)**2)", "m: 0<m<1", ""),
+    ("u - 2", "u = abs(2*exp(I*x))", "", ""),
+    ("u - (1 + x**2)", "u = abs(x + I)**2", "", ""),
+    ("u - x", "u = log(exp(x))", "", ""),
+    ("u - 1", "u = 1 + 0*tanh(k*(x - t))", "", ""),
+    ("sqrt(u**2) - u", "u = sqrt(x**2)", "", ""),
+    ("u[n+1] - abs(n+1)", "u[n] = sqrt(n**2)", "", ""),
+]
+
+
+@pytest.mark.parametrize("texts", SIMPLIFIED)
+def test_the_certificate_states_what_was_typed_where_sympy_simplifies_it(
+    texts: tuple[str, str, str, str],
+) -> None:
+    equation, solution, parameters, domain = texts
+    found = prove(equation, solution, parameters=parameters, domain=domain)
+    assert isinstance(found, StatementVerdict)
+    assert found.outcome is Outcome.PROVED
+    assert NOTE not in found.assumptions
+    (certificate,) = found.certificates
+    assert certificate["statement"]["solutions"] == [solution]
+    assert certificate["statement"]["equations"] == [equation]
 
 
 @pytest.mark.parametrize("texts", FALSE)
