@@ -166,7 +166,10 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
             search.check_rounding(choices)
         since = 0 if fell else since + 1
         best = min(best, error)
-        if PATIENCE in (since, scouting.stalled) and math.isfinite(best):
+        stuck = since == PATIENCE or (
+            scouting.stalled == PATIENCE and not _may_widen(engine, choices)
+        )
+        if stuck and math.isfinite(best):
             break
         choices = search.improved(choices, trial, error)
     raise ValueError(
@@ -174,6 +177,11 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
         "(finer steps and wider domains no longer help: rounding or an instability is what is "
         "left; raise it or shorten the run)"
     )
+
+
+def _may_widen(engine: Engine, choices: Choices) -> bool:
+    """Whether a wider domain may still help: what comes round a ring obeys no law of the step."""
+    return "domain" in engine.kinds and not choices.causal
 
 
 def _followed(search: "_Search", scouting: "_Search", choices: Choices) -> Choices:
@@ -225,7 +233,7 @@ class _Search:
 
     def with_step(self, choices: Choices) -> Choices:
         """Choices whose step keeps its share and was seen to obey its law, if there are any."""
-        unstable, last = 0, math.inf
+        unstable, last, self.stalled = 0, math.inf, 0
         for _ in range(ATTEMPTS):
             excess = self._excess(choices, "step")
             if self.wary is None and math.isfinite(excess):

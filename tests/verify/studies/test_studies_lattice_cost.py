@@ -87,3 +87,9 @@ def test_each_way_changes_one_thing() -> None:
     assert ratio == pytest.approx(wide / 2048, rel=0.01)
     assert 0.0 < found[TRUE_ERROR].value < 1e-3
     assert found[REDUCTION].value > 0.3
+
+
+def test_what_comes_round_a_small_ring_does_not_end_the_search() -> None:
+    """Its change obeys no law of the step: three shorter ones had not helped, a wider ring does."""
+    found = run(spectral(problem_scene("periodic"), 1e-6))
+    assert found.attrs["error_estimate"] <= 1e-6
