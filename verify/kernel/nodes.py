@@ -17,14 +17,8 @@ from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
-from .limits import (
-    DEPTH,
-    DIGITS,
-    NODES,
-    CertificateError,
-    within,
-)
-from .taylor import Elliptic
+from .jacobi_values import Jacobi
+from .limits import DEPTH, DIGITS, NODES, CertificateError, within
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex")
@@ -182,7 +176,7 @@ class Balls:
     def __init__(self, nodes: Nodes, point: Mapping[int, fmpq]) -> None:
         self._nodes = nodes
         self._found = {symbol: acb(arb(value)) for symbol, value in point.items()}
-        self._elliptic: dict[int, Elliptic] = {}
+        self._elliptic: dict[int, Jacobi] = {}
 
     def ball(self, node: int) -> acb:
         """The ball of a node; raises CertificateError where there is none."""
@@ -216,16 +210,16 @@ class Balls:
                     raise CertificateError("a power of -1 must be to an integer at the point")
                 return acb(-1 if int(whole) % 2 else 1)
             case (str(name), z, m) if name.startswith("jacobi_"):
-                return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z], 0)[0]
+                return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case ("sign", inner):
                 return known[inner] / acb(abs(known[inner]))
             case (str(name), inner) if name in BALL_FUNCTIONS:
                 return BALL_FUNCTIONS[name](known[inner])
         raise CertificateError("a node has no value")
 
-    def _parameter(self, m: int) -> Elliptic:
+    def _parameter(self, m: int) -> Jacobi:
         if m not in self._elliptic:
-            self._elliptic[m] = Elliptic(self._found[m])
+            self._elliptic[m] = Jacobi(self._found[m])
         return self._elliptic[m]
 
 
