@@ -83,20 +83,8 @@ class Slopes:
 
     def derivative(self, element: Element, variable: int) -> Element:
         """The chain rule, for the arguments of generators."""
-        images = self._images
-        result = images.zero
-        for place in sorted(element.places):
-            name = images.ring.names[place]
-            partial = element.numerator.derivative(name)
-            if not partial.is_zero():
-                part = Element(images.ring, partial, element.powers).cancelled()
-                result = result + part * self.slope(place, variable)
-            for factor, power in element.powers.items():
-                partial = images.ring.factors[factor].derivative(name)
-                if not partial.is_zero():
-                    rate = Element(images.ring, power * partial, {factor: 1}).cancelled()
-                    result = result - element * rate * self.slope(place, variable)
-        return result
+        slopes = {place: self.slope(place, variable) for place in sorted(element.places)}
+        return Derivation(self._images.ring, slopes)(element)
 
     def _slope(self, generator: Generator, variable: int) -> Element:
         images = self._images
