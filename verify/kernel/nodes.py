@@ -10,7 +10,7 @@ encloses their values at a rational point (FLINT's arb and acb).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add, mul
 from typing import Any
@@ -24,12 +24,14 @@ NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex")
 
 ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
+ANALYTIC = (
+    *("sinh", "cosh", "tanh", "coth", "sech", "csch", "sin", "cos", "tan", "cot", "sec", "csc"),
+    *("exp", "log", "atan", "asin", "acos", "asinh", "acosh", "atanh", "elliptic_k", "elliptic_e"),
+)
+"""Functions of FLINT's balls by the same name."""
+
 ARITY = {
-    **dict.fromkeys(("sinh", "cosh", "tanh", "coth", "sech", "csch"), 1),
-    **dict.fromkeys(("sin", "cos", "tan", "cot", "sec", "csc"), 1),
-    **dict.fromkeys(("exp", "log", "atan", "conjugate", "re", "im", "Abs", "sign"), 1),
-    **dict.fromkeys(("asin", "acos", "asinh", "acosh", "atanh"), 1),
-    **dict.fromkeys(("elliptic_k", "elliptic_e", "parity"), 1),
+    **dict.fromkeys((*ANALYTIC, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
     "power": 2,
     **{f"jacobi_{name}": 2 for name in ELLIPTIC},
 }
@@ -159,10 +161,7 @@ BITS = 320
 """Precision of balls: they only show that something is not 0."""
 
 BALL_FUNCTIONS: Mapping[str, Callable[[acb], acb]] = {
-    **{name: getattr(acb, name) for name in ("exp", "log", "atan", "sinh", "cosh", "tanh")},
-    **{name: getattr(acb, name) for name in ("coth", "sech", "csch", "sin", "cos", "tan", "cot")},
-    **{name: getattr(acb, name) for name in ("sec", "csc", "elliptic_k", "elliptic_e")},
-    **{name: getattr(acb, name) for name in ("asin", "acos", "asinh", "acosh", "atanh")},
+    **{name: getattr(acb, name) for name in ANALYTIC},
     "conjugate": lambda z: acb(z.real, -z.imag),
     "re": lambda z: acb(z.real),
     "im": lambda z: acb(z.imag),
@@ -223,18 +222,6 @@ class Balls:
         return self._elliptic[m]
 
 
-def polynomial(values: list[acb], terms: Iterable[tuple[fmpq, tuple[int, ...]]]) -> acb:
-    """The value of a polynomial given by its terms."""
-    total = acb(0)
-    for coefficient, exponents in terms:
-        term = acb(arb(coefficient))
-        for value, exponent in zip(values, exponents, strict=True):
-            if exponent:
-                term *= value ** int(exponent)
-        total += term
-    return total
-
-
 def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
     """Whether a polynomial in the generators, given by their balls, does not vanish."""
     with ctx.workprec(BITS):
@@ -244,4 +231,8 @@ def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
 
 def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
     """A polynomial of the ring at the values of its generators, the first one first."""
-    return polynomial(generators[::-1], ((c, exponents) for exponents, c in element.terms()))
+    total = acb(0)
+    for exponents, coefficient in element.terms():
+        powers = zip(generators[::-1], exponents, strict=True)
+        total += reduce(mul, (v ** int(n) for v, n in powers if n), acb(arb(coefficient)))
+    return total
