@@ -1,87 +1,115 @@
 """What is taken for granted of each function: definitions, derivatives, addition theorems.
 
-The arguments are fractions (`ring.Element`) or whatever has the same arithmetic; nothing here
-knows of certificates.  ``docs/trust.md`` states each axiom as a formula.
+The axioms are formulas, in the letters z, the first argument, and m, the second, and in the
+grammar of `reading`.  ``docs/trust.md`` says more of each.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from flint import fmpq
+from .nodes import Nodes
+from .reading import Scope, formula
+
+HYPERBOLIC: Mapping[str, str] = {
+    "cosh": "(exp(z) + 1/exp(z))/2",
+    "sinh": "(exp(z) - 1/exp(z))/2",
+    "tanh": "(exp(z)**2 - 1)/(exp(z)**2 + 1)",
+    "coth": "(exp(z)**2 + 1)/(exp(z)**2 - 1)",
+    "sech": "2*exp(z)/(exp(z)**2 + 1)",
+    "csch": "2*exp(z)/(exp(z)**2 - 1)",
+}
+
+TRIGONOMETRIC: Mapping[str, str] = {
+    "cos": "(exp(I*z) + 1/exp(I*z))/2",
+    "sin": "(exp(I*z) - 1/exp(I*z))/(2*I)",
+    "tan": "(exp(I*z)**2 - 1)/(I*(exp(I*z)**2 + 1))",
+    "cot": "I*(exp(I*z)**2 + 1)/(exp(I*z)**2 - 1)",
+    "sec": "2*exp(I*z)/(exp(I*z)**2 + 1)",
+    "csc": "2*I*exp(I*z)/(exp(I*z)**2 - 1)",
+}
+
+INVERSE: Mapping[str, str] = {
+    "asinh": "log(z + sqrt(1 + z**2))",
+    "acosh": "log(z + sqrt(z - 1)*sqrt(z + 1))",
+    "atanh": "(log(1 + z) - log(1 - z))/2",
+    "asin": "-I*log(I*z + sqrt(1 - z**2))",
+    "acos": "pi/2 - asin(z)",
+}
+"""All values are principal ones."""
+
+DEFINITIONS: Mapping[str, str] = {
+    **HYPERBOLIC,
+    **TRIGONOMETRIC,
+    **INVERSE,
+    "sign": "z/abs(z)",
+    "re": "(z + conjugate(z))/2",
+    "im": "(z - conjugate(z))/(2*I)",
+    "power": "exp(m*log(z))",
+    "jacobi_eta": "m**(1/4)*jacobi_sn(z, m)*jacobi_theta(z, m)",
+    "jacobi_zeta": "jacobi_epsilon(z, m) - z*elliptic_e(m)/elliptic_k(m)",
+}
+
+INVERSE_OF: Mapping[str, str] = {
+    **{f"a{name}": name for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")}
+}
+
+SLOPES: Mapping[str, str] = {
+    "exp": "exp(z)",
+    "log": "1/z",
+    "atan": "1/(1 + z**2)",
+    "jacobi_sn": "jacobi_cn(z, m)*jacobi_dn(z, m)",
+    "jacobi_cn": "-jacobi_sn(z, m)*jacobi_dn(z, m)",
+    "jacobi_dn": "-m*jacobi_sn(z, m)*jacobi_cn(z, m)",
+    "jacobi_epsilon": "jacobi_dn(z, m)**2",
+    "jacobi_zeta": "jacobi_dn(z, m)**2 - elliptic_e(m)/elliptic_k(m)",
+    "jacobi_theta": "jacobi_theta(z, m)*jacobi_zeta(z, m)",
+}
+"""Derivatives in z."""
+
+SQUARES: Mapping[tuple[str, str], str] = {
+    ("jacobi_sn", "jacobi_cn"): "1 - jacobi_cn(z, m)**2",
+    ("jacobi_sn", "jacobi_dn"): "(1 - jacobi_dn(z, m)**2)/m",
+    ("jacobi_cn", "jacobi_sn"): "1 - jacobi_sn(z, m)**2",
+    ("jacobi_cn", "jacobi_dn"): "1 - (1 - jacobi_dn(z, m)**2)/m",
+    ("jacobi_dn", "jacobi_sn"): "1 - m*jacobi_sn(z, m)**2",
+    ("jacobi_dn", "jacobi_cn"): "1 - m + m*jacobi_cn(z, m)**2",
+}
+"""The square of one Jacobi function in another of the same argument."""
+
+PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
+"""exp(2 i atan z) and exp(i atan z)."""
+
+UNITY: Mapping[int, str] = {
+    1: "-1",
+    2: "I",
+    3: "(1 + I*sqrt(3))/2",
+    4: "(1 + I)*sqrt(2)/2",
+    6: "(sqrt(3) + I)/2",
+}
+"""exp(i pi/n)."""
+
+BEHIND = (
+    "(jacobi_theta(d, m)*jacobi_theta(u, m)/jacobi_theta(0, m))**2"
+    "*(1 - m*jacobi_sn(u, m)**2*jacobi_sn(d, m)**2)/jacobi_theta(u + d, m)"
+)
+"""Theta(u - d)."""
+
+
+def read(nodes: Nodes, text: str, **letters: int) -> int:
+    """The node of an axiom, its letters standing for nodes."""
+    return formula(Scope(nodes, known=letters), text)
+
+
+def defined(nodes: Nodes, name: str, z: int, m: int = 0) -> int:
+    """The node that a function is by definition."""
+    return read(nodes, DEFINITIONS[name], z=z, m=m)
+
 
 Value = Any
 """An element of a field: + - * / with its own kind and ``**`` with integers."""
-
-HALF, TWO = fmpq(1, 2), 2
-
-HYPERBOLIC: Mapping[str, Callable[[Value, Value], Value]] = {
-    "cosh": lambda e, one: (e + one / e) / (one + one),
-    "sinh": lambda e, one: (e - one / e) / (one + one),
-    "tanh": lambda e, one: (e * e - one) / (e * e + one),
-    "coth": lambda e, one: (e * e + one) / (e * e - one),
-    "sech": lambda e, one: (e + e) / (e * e + one),
-    "csch": lambda e, one: (e + e) / (e * e - one),
-}
-"""In e = exp(z)."""
-
-TRIGONOMETRIC: Mapping[str, Callable[[Value, Value, Value], Value]] = {
-    "cos": lambda e, one, i: (e + one / e) / (one + one),
-    "sin": lambda e, one, i: (e - one / e) / (i + i),
-    "tan": lambda e, one, i: (e * e - one) / (i * (e * e + one)),
-    "cot": lambda e, one, i: i * (e * e + one) / (e * e - one),
-    "sec": lambda e, one, i: (e + e) / (e * e + one),
-    "csc": lambda e, one, i: i * (e + e) / (e * e - one),
-}
-"""In e = exp(i z)."""
-
-
-Make = Callable[..., int]
-"""`Nodes.made`."""
-
-
-def inverse(name: str, f: int, made: Make) -> int:
-    """The node that an inverse function of ``f`` is by definition; all values are principal ones.
-
-    asinh f = log(f + sqrt(1 + f**2)), acosh f = log(f + sqrt(f - 1) sqrt(f + 1)),
-    atanh f = (log(1 + f) - log(1 - f))/2, asin f = -i log(i f + sqrt(1 - f**2)),
-    acos f = pi/2 - asin f.
-    """
-    one, minus, i = made("number", fmpq(1)), made("number", fmpq(-1)), made("I")
-    square = made("Pow", f, fmpq(2))
-
-    def root(node: int) -> int:
-        return made("Pow", node, HALF)
-
-    match name:
-        case "asinh":
-            return made("log", made("Add", f, root(made("Add", one, square))))
-        case "acosh":
-            factors = (root(made("Add", f, each)) for each in (minus, one))
-            return made("log", made("Add", f, made("Mul", *factors)))
-        case "atanh":
-            negative = made("Mul", minus, f)
-            ahead, behind = (made("log", made("Add", one, each)) for each in (f, negative))
-            gap = made("Add", ahead, made("Mul", minus, behind))
-            return made("Mul", made("number", HALF), gap)
-        case "asin":
-            rest = root(made("Add", one, made("Mul", minus, square)))
-            turned = made("log", made("Add", made("Mul", i, f), rest))
-            return made("Mul", minus, i, turned)
-    quarter = made("Mul", made("number", HALF), made("pi"))
-    return made("Add", quarter, made("Mul", minus, made("asin", f)))
-
-
-INVERSE_OF: Mapping[str, str] = {
-    "asin": "sin",
-    "acos": "cos",
-    "atan": "tan",
-    "asinh": "sinh",
-    "acosh": "cosh",
-    "atanh": "tanh",
-}
 
 
 @dataclass(frozen=True)
@@ -119,30 +147,3 @@ class Station:
             return self
         half = self.times(factor // 2)
         return half + half + self if factor % 2 else half + half
-
-
-def behind(
-    m: Value, thetas: tuple[Value, Value, Value, Value], sines: tuple[Value, Value]
-) -> Value:
-    """Theta(u-d) from Theta(u+d), Theta(u), Theta(d), Theta(0) and sn u, sn d."""
-    ahead, here, shift, zero = thetas
-    one = m.ring.number(1)
-    return (shift * here / zero) ** 2 * (one - m * sines[0] ** 2 * sines[1] ** 2) / ahead
-
-
-SQUARES: Mapping[tuple[str, str], Callable[[Value, Value, Value], Value]] = {
-    ("sn", "cn"): lambda c, m, one: one - c * c,
-    ("sn", "dn"): lambda d, m, one: (one - d * d) / m,
-    ("cn", "sn"): lambda s, m, one: one - s * s,
-    ("cn", "dn"): lambda d, m, one: one - (one - d * d) / m,
-    ("dn", "sn"): lambda s, m, one: one - m * s * s,
-    ("dn", "cn"): lambda c, m, one: one - m + m * c * c,
-}
-"""The square of one Jacobi function in another of the same argument."""
-
-PRODUCTS: Mapping[str, tuple[int, bool, tuple[str, str]]] = {
-    "sn": (1, False, ("cn", "dn")),
-    "cn": (-1, False, ("sn", "dn")),
-    "dn": (-1, True, ("sn", "cn")),
-}
-"""The derivative in z: a sign, whether m is a factor, two functions."""

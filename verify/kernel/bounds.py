@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import reduce
 from operator import mul
 
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq
 
 from .nodes import Nodes
 
@@ -37,6 +37,11 @@ class Interval:
         """Whether all of it is at least 0."""
         return self.low is not None and self.low >= 0
 
+    @property
+    def is_below(self) -> bool:
+        """Whether all of it is at most 0, and some of it less."""
+        return self.high is not None and self.high <= 0 and not self.is_not_negative
+
     def __neg__(self) -> Interval:
         low = None if self.high is None else -self.high
         high = None if self.low is None else -self.low
@@ -53,6 +58,10 @@ class Interval:
             low, low_open = _product((self.low, self.low_open), (other.low, other.low_open))
             high, high_open = _product((self.high, self.high_open), (other.high, other.high_open))
             return Interval(low, high, low_open, high_open)
+        if self.is_below:
+            return -(-self * other)
+        if other.is_below:
+            return -(self * -other)
         pairs = [
             _product(left, right)
             for left in ((self.low, self.low_open), (self.high, self.high_open))
@@ -71,22 +80,20 @@ class Interval:
 
     def power(self, exponent: int) -> Interval:
         """An integer power."""
-        if exponent < 0:
-            return self.power(-exponent).inverse()
-        if exponent == 0 or exponent > LARGEST:
-            return Interval(fmpq(1), fmpq(1)) if exponent == 0 else Interval()
-        if exponent % 2 == 0:
+        if exponent <= 0:
+            return self.power(-exponent).inverse() if exponent else Interval(fmpq(1), fmpq(1))
+        if exponent % 2 == 0 or self.is_not_negative:
             size = self.absolute()
-            return reduce(lambda a, b: a * b, [size] * exponent)
-        if self.is_not_negative:
-            return reduce(lambda a, b: a * b, [self] * exponent)
-        return -(-self).power(exponent) if (-self).is_not_negative else Interval()
+            if exponent > LARGEST:
+                return Interval(fmpq(0), None, size.is_positive)
+            return reduce(mul, [size] * exponent)
+        return -(-self).power(exponent) if self.is_below else Interval()
 
     def absolute(self) -> Interval:
         """The absolute values."""
         if self.is_not_negative:
             return self
-        if (-self).is_not_negative:
+        if self.is_below:
             return -self
         if self.low is None or self.high is None:
             return Interval(fmpq(0))
@@ -95,14 +102,20 @@ class Interval:
         return Interval(fmpq(0), high, False, (high, False) not in ends)
 
     def inverse(self) -> Interval:
-        """1 over positive or negative numbers; anything if 0 is among them."""
-        if (-self).is_positive:
+        """1 over what is not 0."""
+        if self.is_below:
             return -(-self).inverse()
         if not self.is_positive:
-            return Interval()
+            return Interval(fmpq(0)) if self.is_not_negative else Interval()
         low = fmpq(0) if self.high is None else 1 / self.high
         high = None if self.low == 0 or self.low is None else 1 / self.low
         return Interval(low, high, self.high is None or self.high_open, self.low_open)
+
+    def side(self) -> Interval:
+        """The side of 0 that it is on."""
+        if self.is_below:
+            return -(-self).side()
+        return Interval(fmpq(0), None, self.is_positive) if self.is_not_negative else Interval()
 
     def root(self) -> Interval:
         """A real root: on the same side of 1."""
@@ -117,10 +130,9 @@ End = tuple[fmpq | None, bool]
 def _product(left: End, right: End) -> End:
     """The product of two ends, open unless it is taken."""
     (a, a_open), (b, b_open) = left, right
-    if a is None or b is None:
-        return None, False
-    taken = (not a_open and (a == 0 or not b_open)) or (not b_open and b == 0)
-    return a * b, not taken
+    if a == 0 or b == 0:
+        return fmpq(0), not ((a == 0 and not a_open) or (b == 0 and not b_open))
+    return (None, False) if a is None or b is None else (a * b, a_open or b_open)
 
 
 def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
@@ -132,14 +144,14 @@ def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
     return left if extreme(a, b) == a else right
 
 
-UNIT = Interval(fmpq(-1), fmpq(1))
+POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 OF_REAL = {
     **dict.fromkeys(("sin", "cos", "tanh", "jacobi_sn", "jacobi_cn"), UNIT),
-    "sech": Interval(fmpq(0), fmpq(1), True),
+    **dict.fromkeys(("exp", "sech", "jacobi_dn", "jacobi_theta"), POSITIVE),
     "cosh": Interval(fmpq(1)),
 }
-"""Where the values at real arguments lie."""
+"""Where the values at real arguments lie, for m < 1 where there is one."""
 
 
 def rational(nodes: Nodes, node: int) -> fmpq | None:
@@ -168,8 +180,9 @@ def stated(nodes: Nodes, node: int, weak: bool) -> tuple[int, Interval] | None:
 
 
 def of_constant(value: arb) -> Interval:
-    """Rational bounds of a ball."""
+    """Rational bounds of a ball, on the side of 0 that it is on."""
     low, high = ((value * MICRO).floor().unique_fmpz(), (value * MICRO).ceil().unique_fmpz())
-    if not isinstance(low, fmpz) or not isinstance(high, fmpz):
+    if low is None or high is None:
         return Interval()
-    return Interval(fmpq(int(low), MICRO), fmpq(int(high), MICRO))
+    ends = fmpq(int(low), MICRO), fmpq(int(high), MICRO)
+    return Interval(*ends, ends[0] == 0 and bool(value > 0), ends[1] == 0 and bool(value < 0))

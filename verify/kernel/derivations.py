@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from flint import fmpq_mpoly
 
 from . import axioms
+from .axioms import SLOPES
 from .images import Generator, Images
 from .limits import CertificateError
-from .nodes import ELLIPTIC
 from .ring import Element, Ring, common
 
 
@@ -67,10 +67,6 @@ class Derivation:
         return self._moved[place]
 
 
-AXIOMS = ("symbol", "exp", "log", "atan", *(f"jacobi_{name}" for name in ELLIPTIC if name != "eta"))
-"""Functions whose derivatives are taken from an axiom also where they are no generators."""
-
-
 class Slopes:
     """The derivatives of the generators of ``images``."""
 
@@ -87,20 +83,8 @@ class Slopes:
 
     def derivative(self, element: Element, variable: int) -> Element:
         """The chain rule, for the arguments of generators."""
-        images = self._images
-        result = images.zero
-        for place in sorted(element.places):
-            name = images.ring.names[place]
-            partial = element.numerator.derivative(name)
-            if not partial.is_zero():
-                part = Element(images.ring, partial, element.powers).cancelled()
-                result = result + part * self.slope(place, variable)
-            for factor, power in element.powers.items():
-                partial = images.ring.factors[factor].derivative(name)
-                if not partial.is_zero():
-                    rate = Element(images.ring, power * partial, {factor: 1}).cancelled()
-                    result = result - element * rate * self.slope(place, variable)
-        return result
+        slopes = {place: self.slope(place, variable) for place in sorted(element.places)}
+        return Derivation(self._images.ring, slopes)(element)
 
     def _slope(self, generator: Generator, variable: int) -> Element:
         images = self._images
@@ -131,12 +115,6 @@ class Slopes:
                 return images.zero
             case ("parity", _) if images.nodes.all[variable][2] != "integer":
                 return images.zero
-            case ("exp", z):
-                return image * self._rate(z, variable)
-            case ("log", f):
-                return self._rate(f, variable) / images.image(f)
-            case ("atan", f):
-                return self._rate(f, variable) / (images.one + images.image(f) ** 2)
             case ("Pow", *_) if node in self._images.circles.values():
                 return images.zero
             case ("Pow", base, exponent):
@@ -146,27 +124,13 @@ class Slopes:
             case ("Abs", f):
                 rate = self.derivative(images.squared(f), variable)
                 return images.zero if rate.is_zero else rate / (image + image)
-            case (str(name), z, m) if name.startswith("jacobi_"):
+            case (str(name), z, *m) if name in SLOPES:
                 rate = self._rate(z, variable)
                 if rate.is_zero:
                     return images.zero
-                return rate * self._jacobi_slope(name.removeprefix("jacobi_"), image, z, m)
+                letters = {"z": z, "m": m[0] if m else z}
+                return rate * images.image(axioms.read(images.nodes, SLOPES[name], **letters))
         raise CertificateError("the derivative of a generator does not follow from the axioms")
-
-    def _jacobi_slope(self, name: str, image: Element, z: int, m: int) -> Element:
-        """The derivative in z of a Jacobi function with this image."""
-        images = self._images
-        if name == "theta":
-            return image * images.made("jacobi_zeta", z, m)
-        if name in ("epsilon", "zeta"):
-            square = images.made("jacobi_dn", z, m) ** 2
-            if name == "epsilon":
-                return square
-            return square - images.made("elliptic_e", m) / images.made("elliptic_k", m)
-        sign, with_m, functions = axioms.PRODUCTS[name]
-        parts = [images.made(f"jacobi_{function}", z, m) for function in functions]
-        result = images.ring.number(sign) * parts[0] * parts[1]
-        return result * images.image(m) if with_m else result
 
     def _rate(self, node: int, variable: int) -> Element:
         """The derivative of a formula, by its structure."""
@@ -193,6 +157,6 @@ class Slopes:
                 power = images.image(base) ** (int(exponent.p) - 1)
                 outer = images.ring.number(exponent) * power
                 return outer * self._rate(base, variable)
-            case (name, *_) if name in AXIOMS:
+            case (name, *_) if name == "symbol" or name in SLOPES:
                 return self._atom_slope(node, variable)
         return self.derivative(images.image(node), variable)

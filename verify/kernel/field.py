@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 
-from flint import acb, fmpq, fmpq_mpoly
+from flint import acb, fmpq_mpoly
 
 from . import axioms
 from .derivations import Derivation, Slopes
@@ -104,10 +104,7 @@ class Field(Images):
 
     def register_circle(self, root: int, symbol: int) -> None:
         """The next generator stands for sqrt(1 - s**2); s itself is a root of it later."""
-        square = self.nodes.made("Pow", symbol, fmpq(2))
-        negative = self.nodes.made("Mul", self.nodes.rational(-1), square)
-        rest = self.nodes.made("Add", self.nodes.rational(1), negative)
-        if self.nodes.all[root] != ("Pow", rest, fmpq(1, 2)):
+        if root != axioms.read(self.nodes, "sqrt(1 - z**2)", z=symbol):
             raise CertificateError("a circle must be of a symbol s and sqrt(1 - s**2)")
         if self.nodes.all[symbol][0] != "symbol" or symbol in self.variables:
             raise CertificateError("a circle must be of a parameter")
@@ -223,11 +220,9 @@ class Field(Images):
 
     def _register_jacobi(self, node: int, z: int, m: int, scale: Element | None = None) -> None:
         self._functions.need_parameter(self.nodes.all[node][0], m)
-        name = self.nodes.all[node][0].removeprefix("jacobi_")
-        for other in ("sn", "cn", "dn"):
-            companion = self._images.get(self.nodes.made(f"jacobi_{other}", z, m))
-            if companion is not None and other != name:
-                square = axioms.SQUARES[name, other](companion, self.image(m), self.one)
+        for (name, other), text in axioms.SQUARES.items():
+            if name == self.nodes.all[node][0] and self.nodes.made(other, z, m) in self._images:
+                square = self.image(axioms.read(self.nodes, text, z=z, m=m))
                 self._algebraic(node, 2, square, scale)
                 return
         self._add_scaled(node, _whole(scale or self.one))

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from flint import fmpq
 
 from . import axioms
-from .axioms import Station
+from .axioms import DEFINITIONS, UNITY, Station
 from .images import Images, integer_of
 from .limits import CertificateError
 from .ring import Element
@@ -92,58 +92,23 @@ def angle_of(images: Images, z: int) -> int | None:
 
 def exponential(images: Images, z: int) -> Element:
     """exp(sum n u) = product of exp(u)**n, with exp(q log f) = f**q."""
-    result = images.one
-    for coefficient, u in images.sum_of(images.nodes.made("exp", z)):
-        inner = images.nodes.all[u]
+    nodes, result = images.nodes, images.one
+    for coefficient, u in images.sum_of(nodes.made("exp", z)):
+        inner = nodes.all[u]
         angle = angle_of(images, u)
         if inner[0] == "log":
-            power = images.nodes.made("Pow", inner[1], coefficient)
-            result = result * images.image(power)
-        elif angle is not None and images.nodes.all[angle] == ("pi",) and coefficient.q in UNITY:
-            result = result * _root_of_unity(images, coefficient)
-        elif angle is not None and images.nodes.all[angle][0] == "atan":
-            times, f = integer_of(coefficient), images.nodes.all[angle][1]
-            result = result * _phase(images, f) ** (times // 2)
+            result = result * images.made("Pow", inner[1], coefficient)
+        elif angle is not None and nodes.all[angle] == ("pi",) and int(coefficient.q) in UNITY:
+            first = images.image(axioms.read(nodes, UNITY[int(coefficient.q)]))
+            result = result * first ** (int(coefficient.p) % (2 * int(coefficient.q)))
+        elif angle is not None and nodes.all[angle][0] == "atan":
+            times, f = integer_of(coefficient), nodes.all[angle][1]
+            result = result * images.image(axioms.read(nodes, axioms.PHASE, z=f)) ** (times // 2)
             if times % 2:
-                result = result * _half_phase(images, f)
+                result = result * images.image(axioms.read(nodes, axioms.HALF_PHASE, z=f))
         else:
             result = result * images.made("exp", u) ** integer_of(coefficient)
     return result
-
-
-def _phase(images: Images, f: int) -> Element:
-    """exp(2 i atan f) = (1 + i f)/(1 - i f)."""
-    turned = images.image(images.nodes.made("I")) * images.image(f)
-    return (images.one + turned) / (images.one - turned)
-
-
-UNITY = (1, 2, 3, 4, 6)
-"""Denominators of the multiples of i pi whose exponentials are known."""
-
-
-def _root_of_unity(images: Images, q: fmpq) -> Element:
-    """exp(i pi q), by cos and sin of pi/2, pi/3, pi/4 and pi/6."""
-    i, half = images.image(images.nodes.made("I")), images.ring.number(fmpq(1, 2))
-
-    def root(n: int) -> Element:
-        return images.made("Pow", images.nodes.rational(n), fmpq(1, 2))
-
-    first = {
-        1: lambda: -images.one,
-        2: lambda: i,
-        3: lambda: (images.one + i * root(3)) * half,
-        4: lambda: (images.one + i) * root(2) * half,
-        6: lambda: (root(3) + i) * half,
-    }[int(q.q)]()
-    return first ** (int(q.p) % (2 * int(q.q)))
-
-
-def _half_phase(images: Images, f: int) -> Element:
-    """exp(i atan f) = (1 + i f)/sqrt(1 + f**2)."""
-    made = images.nodes.made
-    square = made("Add", images.nodes.rational(1), made("Pow", f, fmpq(2)))
-    turned = images.image(made("I")) * images.image(f)
-    return (images.one + turned) / images.image(made("Pow", square, fmpq(1, 2)))
 
 
 def logarithm(images: Images, node: int, inner: int) -> Element:
@@ -197,7 +162,7 @@ def inverse_function(images: Images, node: int, name: str, inner: int) -> Elemen
     """By definition, or the principal one of the numbers of which the function is ``inner``."""
     value = images.hinted(images.hints.values, node)
     if value is None and name != "atan":
-        return images.image(axioms.inverse(name, inner, images.nodes.made))
+        return images.image(axioms.defined(images.nodes, name, inner))
     value = images.named(node)
     if not images.signs.is_between(value, *PRINCIPAL[name]):
         raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
@@ -245,7 +210,6 @@ class Functions:
         known = images.known(node)
         if known is not None:
             return known
-        half = images.ring.number(fmpq(1, 2))
         match images.nodes.all[node]:
             case ("Pow", base, exponent):
                 return root(images, node, base, int(exponent.q))
@@ -257,32 +221,18 @@ class Functions:
                 return inverse_function(images, node, name, f)
             case ("Abs", f):
                 return absolute_value(images, node, f)
-            case ("sign", f):
-                return images.image(f) / images.made("Abs", f)
             case ("conjugate", f):
                 return images.image(images.signs.conjugate(f))
-            case ("re", f):
-                return (images.image(f) + images.image(images.signs.conjugate(f))) * half
-            case ("im", f):
-                other = images.image(images.signs.conjugate(f))
-                return (images.image(f) - other) / images.made("I") * half
             case ("diff", _, *variables):
                 inner = images.nodes.made("diff", *images.nodes.all[node][1:-1])
                 lower = images.image(inner if variables[1:] else images.nodes.all[node][1])
                 return images.derivative(lower, variables[-1])
-            case ("power", base, exponent):
-                total = images.nodes.made("Mul", exponent, images.nodes.made("log", base))
-                return images.made("exp", total)
             case ("parity", z):
                 return parity(images, z)
-            case (name, z) if name in axioms.HYPERBOLIC:
-                return axioms.HYPERBOLIC[name](images.made("exp", z), images.one)
-            case (name, z) if name in axioms.TRIGONOMETRIC:
-                i = images.nodes.made("I")
-                e = images.made("exp", images.nodes.made("Mul", i, z))
-                return axioms.TRIGONOMETRIC[name](e, images.one, images.image(i))
             case (name, z, m) if name.startswith("jacobi_"):
                 return self._jacobi(name.removeprefix("jacobi_"), z, m)
+            case (name, *arguments) if name in DEFINITIONS:
+                return images.image(axioms.defined(images.nodes, name, *arguments))
         raise CertificateError(f"there is no generator for a {images.nodes.all[node][0]}")
 
     def _jacobi(self, name: str, z: int, m: int) -> Element:
@@ -291,12 +241,8 @@ class Functions:
         self.need_parameter(f"jacobi_{name}", m)
         if name == "theta":
             return self._theta(z, m)
-        if name == "eta":
-            root = images.image(images.nodes.made("Pow", m, fmpq(1, 4)))
-            return root * images.made("jacobi_sn", z, m) * images.made("jacobi_theta", z, m)
-        if name == "zeta" and not images.atoms("jacobi_zeta"):
-            mean = images.made("elliptic_e", m) / images.made("elliptic_k", m)
-            return images.made("jacobi_epsilon", z, m) - images.image(z) * mean
+        if name == "eta" or (name == "zeta" and not images.atoms("jacobi_zeta")):
+            return images.image(axioms.defined(images.nodes, f"jacobi_{name}", z, m))
         station = self._station(z, m, name if name in ("epsilon", "zeta") else "")
         if name in ("epsilon", "zeta"):
             if station.second is None:
@@ -343,9 +289,5 @@ class Functions:
                 return images.image(atom)
         match images.sum_of(images.nodes.made("jacobi_theta", z, m)):
             case ((plus, u), (minus, d)) if plus == 1 and minus == -1:
-                arguments = (images.nodes.made("Add", u, d), u, d, images.nodes.rational(0))
-            case _:
-                raise CertificateError("theta's argument must be a difference of two")
-        ahead, here, shift, zero = (images.made("jacobi_theta", a, m) for a in arguments)
-        sines = (images.made("jacobi_sn", u, m), images.made("jacobi_sn", d, m))
-        return axioms.behind(images.image(m), (ahead, here, shift, zero), sines)
+                return images.image(axioms.read(images.nodes, axioms.BEHIND, u=u, d=d, m=m))
+        raise CertificateError("theta's argument must be a difference of two")

@@ -7,7 +7,8 @@ degree.  A derivative of order n has the numerator P over D**(n + 1), where
 
 If N and D have degree at most d in t, the residual times D**top has degree at most top d in t, so
 that it is 0 if it is the zero polynomial in x at top d + 1 values of t.  Exact, and far cheaper
-than to multiply out.
+than to multiply out.  If U(-x, -t) is U(x, t) and the terms' orders are all even or all odd, the
+residual at -t is 0 if that at t is.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class Quotient:
         self._ring, self._x, self._t = image.ring, x, t
         parts = (image.numerator, image.denominator())
         scale = lcm(*(int(c.q) for part in parts for c in part.coeffs()))
+        self._even = not any(sum(exponents) % 2 for part in parts for exponents in part.monoms())
         self._numerator, self._denominator = (self._rows(part, scale) for part in parts)
         rows = (self._numerator, self._denominator)
         self.degree = max(map(len, rows)) - 1
@@ -51,12 +53,12 @@ class Quotient:
         scale = lcm(*(int(value.q) for value, _, _ in terms))
         weighted = [(int((value * scale).p), jets) for value, _, jets in terms]
         top = max(sum(sum(orders) + 1 for _, orders in jets) for _, jets in weighted)
-        values = top * self.degree + 1
-        self._ring.spend(values * top * self.length * WORK_PER_TERM)
-        for t in range(-(values // 2), values - values // 2):
-            if self._residual(weighted, rates, top, t):
-                return False
-        return True
+        last = (top * self.degree + 1) // 2
+        orders = {sum(sum(orders) for _, orders in jets) % 2 for _, jets in weighted}
+        first = 0 if self._even and len(orders) == 1 else -last
+        self._ring.spend((last + 1 - first) * top * self.length * WORK_PER_TERM)
+        values = (self._residual(weighted, rates, top, t) for t in range(first, last + 1))
+        return not any(values)
 
     def _residual(
         self, terms: Sequence[tuple[int, Sequence[Jet]]], rates: Rates, top: int, t: int

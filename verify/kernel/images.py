@@ -149,17 +149,8 @@ class Images(ABC):
 
     def known(self, node: int) -> Element | None:
         """The image of the same function of equal arguments, if that is a generator."""
-        name, *arguments = self.nodes.all[node]
-        if not children(self.nodes.all[node]) or name == "diff":
-            return None
-        for atom in self._atoms.get(name, []):
-            others = self.nodes.all[atom][1:]
-            if name == "Pow" and arguments[1] != others[1]:
-                continue
-            inner = zip(children(self.nodes.all[node]), children(self.nodes.all[atom]), strict=True)
-            if all(self.equal(a, b) for a, b in inner):
-                return self._images[atom]
-        return None
+        alike = (atom for atom in self.atoms(self.nodes.all[node][0]) if self._alike(node, atom))
+        return next((self._images[atom] for atom in alike), None)
 
     def moves(self, node: int) -> bool:
         """Whether a formula contains a variable of the equation."""
@@ -194,19 +185,16 @@ class Images(ABC):
         """What a table of hints has of a node, or of the same function of equal arguments."""
         if node in table:
             return table[node]
-        name = self.nodes.all[node][0]
-        for other, found in table.items():
-            if self.nodes.all[other][0] == name and self._alike(node, other):
-                return found
-        return None
+        return next((table[other] for other in table if self._alike(node, other)), None)
 
     def _alike(self, node: int, other: int) -> bool:
-        """Whether two nodes of a name have the same exponent, and arguments of equal images."""
-        if self.nodes.all[node][0] == "Pow" and self.nodes.all[node][2] != self.nodes.all[other][2]:
+        """Whether two nodes are the same function of arguments of equal images."""
+        left, right = self.nodes.all[node], self.nodes.all[other]
+        inner, outer = children(left), children(right)
+        if left[0] != right[0] or left[len(inner) + 1 :] != right[len(outer) + 1 :]:
             return False
-        inner = (children(self.nodes.all[each]) for each in (node, other))
         try:
-            return all(self.equal(a, b) for a, b in zip(*inner, strict=True))
+            return all(self.equal(a, b) for a, b in zip(inner, outer, strict=True))
         except CertificateError:  # a hint for a node that the proof has no generator for
             return False
 

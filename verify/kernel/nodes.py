@@ -10,32 +10,28 @@ encloses their values at a rational point (FLINT's arb and acb).
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add, mul
 from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
-from .limits import (
-    DEPTH,
-    DIGITS,
-    NODES,
-    CertificateError,
-    within,
-)
-from .taylor import Elliptic
+from .jacobi_values import Jacobi
+from .limits import DEPTH, DIGITS, NODES, CertificateError, within
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex")
 
 ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
+ANALYTIC = (
+    *("sinh", "cosh", "tanh", "coth", "sech", "csch", "sin", "cos", "tan", "cot", "sec", "csc"),
+    *("exp", "log", "atan", "asin", "acos", "asinh", "acosh", "atanh", "elliptic_k", "elliptic_e"),
+)
+"""Functions of FLINT's balls by the same name."""
+
 ARITY = {
-    **dict.fromkeys(("sinh", "cosh", "tanh", "coth", "sech", "csch"), 1),
-    **dict.fromkeys(("sin", "cos", "tan", "cot", "sec", "csc"), 1),
-    **dict.fromkeys(("exp", "log", "atan", "conjugate", "re", "im", "Abs", "sign"), 1),
-    **dict.fromkeys(("asin", "acos", "asinh", "acosh", "atanh"), 1),
-    **dict.fromkeys(("elliptic_k", "elliptic_e", "parity"), 1),
+    **dict.fromkeys((*ANALYTIC, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
     "power": 2,
     **{f"jacobi_{name}": 2 for name in ELLIPTIC},
 }
@@ -165,10 +161,7 @@ BITS = 320
 """Precision of balls: they only show that something is not 0."""
 
 BALL_FUNCTIONS: Mapping[str, Callable[[acb], acb]] = {
-    **{name: getattr(acb, name) for name in ("exp", "log", "atan", "sinh", "cosh", "tanh")},
-    **{name: getattr(acb, name) for name in ("coth", "sech", "csch", "sin", "cos", "tan", "cot")},
-    **{name: getattr(acb, name) for name in ("sec", "csc", "elliptic_k", "elliptic_e")},
-    **{name: getattr(acb, name) for name in ("asin", "acos", "asinh", "acosh", "atanh")},
+    **{name: getattr(acb, name) for name in ANALYTIC},
     "conjugate": lambda z: acb(z.real, -z.imag),
     "re": lambda z: acb(z.real),
     "im": lambda z: acb(z.imag),
@@ -182,7 +175,7 @@ class Balls:
     def __init__(self, nodes: Nodes, point: Mapping[int, fmpq]) -> None:
         self._nodes = nodes
         self._found = {symbol: acb(arb(value)) for symbol, value in point.items()}
-        self._elliptic: dict[int, Elliptic] = {}
+        self._elliptic: dict[int, Jacobi] = {}
 
     def ball(self, node: int) -> acb:
         """The ball of a node; raises CertificateError where there is none."""
@@ -216,29 +209,17 @@ class Balls:
                     raise CertificateError("a power of -1 must be to an integer at the point")
                 return acb(-1 if int(whole) % 2 else 1)
             case (str(name), z, m) if name.startswith("jacobi_"):
-                return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z], 0)[0]
+                return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case ("sign", inner):
                 return known[inner] / acb(abs(known[inner]))
             case (str(name), inner) if name in BALL_FUNCTIONS:
                 return BALL_FUNCTIONS[name](known[inner])
         raise CertificateError("a node has no value")
 
-    def _parameter(self, m: int) -> Elliptic:
+    def _parameter(self, m: int) -> Jacobi:
         if m not in self._elliptic:
-            self._elliptic[m] = Elliptic(self._found[m])
+            self._elliptic[m] = Jacobi(self._found[m])
         return self._elliptic[m]
-
-
-def polynomial(values: list[acb], terms: Iterable[tuple[fmpq, tuple[int, ...]]]) -> acb:
-    """The value of a polynomial given by its terms."""
-    total = acb(0)
-    for coefficient, exponents in terms:
-        term = acb(arb(coefficient))
-        for value, exponent in zip(values, exponents, strict=True):
-            if exponent:
-                term *= value ** int(exponent)
-        total += term
-    return total
 
 
 def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
@@ -250,4 +231,8 @@ def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
 
 def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
     """A polynomial of the ring at the values of its generators, the first one first."""
-    return polynomial(generators[::-1], ((c, exponents) for exponents, c in element.terms()))
+    total = acb(0)
+    for exponents, coefficient in element.terms():
+        powers = zip(generators[::-1], exponents, strict=True)
+        total += reduce(mul, (v ** int(n) for v, n in powers if n), acb(arb(coefficient)))
+    return total

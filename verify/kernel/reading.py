@@ -25,8 +25,7 @@ TOKEN = re.compile(
     re.ASCII,
 )
 
-FUNCTIONS = {**{name: name for name in ARITY if name not in ("Abs", "parity", "power")}}
-FUNCTIONS["abs"] = "Abs"
+FUNCTIONS = {name.lower(): name for name in ARITY if name not in ("parity", "power")}
 """The name in a text and that of the node."""
 
 RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS}

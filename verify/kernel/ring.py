@@ -134,7 +134,7 @@ class Element:
         found: set[int] = set()
         for polynomial in (self.numerator, *(self.ring.factors[i] for i in self.powers)):
             degrees = reversed(polynomial.degrees())
-            found |= {place for place, degree in enumerate(degrees) if degree}
+            found |= {place for place, degree in enumerate(degrees) if degree > 0}
         return found
 
     def over(self, powers: Powers) -> fmpq_mpoly:

@@ -1,32 +1,23 @@
 """What a domain shows of formulas: signs, conjugates, smoothness.
 
-Signs are derived from the structure of formulas and the inequalities of the domain.  A sign is a
-set of the values -1, 0, 1 that a formula may have the sign of.  An expression such as 1 - k**2 is
-decided by a witness: a formula with the same image, (1 - k)(1 + k), whose structure shows the sign.
+Signs are those of intervals, which are derived from the structure of formulas and the inequalities
+of the domain.  An expression such as 1 - k**2 is decided by a witness: a formula with the same
+image, (1 - k)(1 + k), whose structure shows the sign.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import reduce
-from itertools import product
 from operator import add, mul
 
 from flint import fmpq
 
 from . import axioms
-from .bounds import OF_REAL, Interval, of_constant, stated
+from .bounds import OF_REAL, POSITIVE, UNIT, Interval, of_constant, stated
 from .limits import CertificateError
 from .nodes import Balls, Nodes
 from .ring import Element
-
-Sign = frozenset[int]
-
-ANY, POSITIVE = Sign((-1, 0, 1)), Sign((1,))
-NOT_NEGATIVE = Sign((0, 1))
-
-EVERYWHERE_POSITIVE = ("exp", "cosh", "sech", "jacobi_dn", "jacobi_theta")
-"""For real arguments, and m < 1 where there is one."""
 
 BELOW_ONE = ("elliptic_k", "elliptic_e", "jacobi_zeta", "jacobi_theta", "jacobi_eta")
 """Functions that are taken for m < 1 only."""
@@ -35,11 +26,9 @@ ODD = ("sinh", "tanh", "csch", "coth", "atan", "sign", "re", "conjugate")
 """Of the sign of their argument if that is real."""
 
 REAL = (
-    *EVERYWHERE_POSITIVE,
     *ODD,
-    *("sin", "cos", "tan", "cot", "sec", "csc"),
-    *("jacobi_sn", "jacobi_cn", "jacobi_epsilon", "jacobi_zeta"),
-    *("diff", "parity"),
+    *OF_REAL,
+    *("tan", "cot", "sec", "csc", "jacobi_epsilon", "jacobi_zeta", "diff", "parity"),
 )
 """Real where their arguments are real."""
 
@@ -88,11 +77,11 @@ class Signs:
     ) -> None:
         self._nodes, self._image = nodes, image
         self._positive, self._witnesses = positive, witnesses
-        self._signs: dict[int, Sign] = {}
         self._real: dict[int, bool] = {}
         self._intervals: dict[int, Interval] = {}
         pairs = (stated(nodes, node, weak) for node, weak in positive.items())
         self._known = [pair for pair in pairs if pair is not None]
+        self._constants = Balls(nodes, {})
 
     def is_real(self, node: int) -> bool:
         """Whether ``node`` is shown to be real."""
@@ -101,64 +90,66 @@ class Signs:
             self._real[node] = self._is_real(node)
         return self._real[node]
 
-    def sign(self, node: int) -> Sign:
+    def sign(self, node: int) -> frozenset[int]:
         """The signs that a node may have if it is real; any if it is not shown to be."""
-        if not self.is_real(node):
-            return ANY
-        if node not in self._signs:
-            self._signs[node] = ANY
-            found = self._sign(node) & self._stated(node)
-            if len(found) != 1 and node in self._witnesses:
-                found &= self.sign(self._witness(node))
-            self._signs[node] = found
-        return self._signs[node]
+        found = self.interval(node)
+        below = set[int]() if found.is_not_negative else {-1}
+        above = set[int]() if (-found).is_not_negative else {1}
+        zero = set[int]() if found.is_positive or (-found).is_positive else {0}
+        return frozenset(below | zero | above)
 
     def positive(self, node: int) -> bool:
         """Whether ``node`` is shown to be real and greater than 0."""
-        return self.is_real(node) and self.sign(node) <= POSITIVE
+        return self.interval(node).is_positive
 
     def not_negative(self, node: int) -> bool:
         """Whether ``node`` is shown to be real and at least 0."""
-        return self.is_real(node) and self.sign(node) <= NOT_NEGATIVE
+        return self.interval(node).is_not_negative
 
     def interval(self, node: int) -> Interval:
-        """Where the values of a node are that is shown to be real."""
+        """Where the values of a node are; anywhere if it is not shown to be real."""
+        if not self.is_real(node):
+            return Interval()
         if node not in self._intervals:
             self._intervals[node] = Interval()  # no rule asks for its own node
-            found = self._interval(node)
-            for other, known in self._known:
-                if other == node:
-                    found = found & known
-            if self.sign(node) <= NOT_NEGATIVE:
-                found = found & Interval(fmpq(0), None, self.sign(node) <= POSITIVE)
+            found = self._interval(node) & self._stated(node)
+            if node in self._witnesses and not (found.is_positive or (-found).is_positive):
+                found = found & self.interval(self._witness(node))
             self._intervals[node] = found
         return self._intervals[node]
 
     def _interval(self, node: int) -> Interval:
-        if not self.is_real(node):
-            return Interval()
         match self._nodes.all[node]:
             case ("number", value):
                 return Interval(value, value)
+            case _ if self._is_constant(node):
+                return of_constant(self._constants.ball(node).real)
             case ("Add", *terms):
                 return reduce(add, map(self.interval, terms))
             case ("Mul", *factors):
                 return reduce(mul, map(self.interval, factors))
             case ("Pow", base, exponent):
-                if exponent.q == 1:
-                    return self.interval(base).power(int(exponent.p))
-                root = self.interval(base).root()
-                return root.power(int(exponent.p))
+                inner = self.interval(base)
+                return (inner if exponent.q == 1 else inner.root()).power(int(exponent.p))
+            case ("power", base, _):
+                return Interval(fmpq(0), None, self.positive(base))
             case ("Abs", inner):
                 return self.interval(inner).absolute()
-            case ("jacobi_dn", _, m) if self.below_one(m) and self.not_negative(m):
-                return Interval(fmpq(0), fmpq(1), True)
-            case ("symbol", *_):
-                return Interval()
-            case (str(name), *inner) if name in OF_REAL and all(map(self.is_real, inner)):
-                return OF_REAL[name]
-        if self._is_constant(node):
-            return of_constant(Balls(self._nodes, {}).ball(node).real)
+            case (("elliptic_k" | "elliptic_e"), _):
+                return POSITIVE
+            case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
+                return POSITIVE
+            case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
+                return Interval(fmpq(0), None, self.positive(z))
+            case ("jacobi_dn", z, m) if self.not_negative(m) and self.below_one(m):
+                return POSITIVE & UNIT if self.is_real(z) else Interval()
+            case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
+                needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
+                return Interval() if needs else OF_REAL[name]
+            case (("acos" | "acosh"), _):
+                return Interval(fmpq(0))
+            case (str(name), inner) if name in (*ODD, *INVERSE):
+                return self.interval(inner).side()
         return Interval()
 
     def _is_constant(self, node: int) -> bool:
@@ -268,70 +259,26 @@ class Signs:
                 return all(map(self.is_real, inner))
         return False
 
-    def _sign(self, node: int) -> Sign:
-        match self._nodes.all[node]:
-            case ("number", value):
-                return Sign((int(value > 0) - int(value < 0),))
-            case ("pi",):
-                return POSITIVE
-            case (("elliptic_k" | "elliptic_e"), m) if self.below_one(m):
-                return POSITIVE
-            case ("Add", *terms):
-                found = _combined(lambda a, b: a + b, [self.sign(term) for term in terms])
-                return found if found != ANY else self._of_interval(self._interval(node))
-            case ("Mul", *factors):
-                return _combined(lambda a, b: a * b, [self.sign(factor) for factor in factors])
-            case ("Pow", base, exponent):
-                return self._of_power(self.sign(base), exponent.p, exponent.q)
-            case ("power", base, _):
-                return self.sign(base) & NOT_NEGATIVE
-            case ("Abs", inner):
-                found = self.sign(inner) if self.is_real(inner) else ANY
-                return Sign(abs(s) for s in found)
-            case (str(name), *inner) if name in EVERYWHERE_POSITIVE and self.is_real(node):
-                return POSITIVE if len(inner) == 1 or self.below_one(inner[1]) else ANY
-            case (("acos" | "acosh"), _):
-                return NOT_NEGATIVE
-            case (str(name), inner) if name in (*ODD, *INVERSE) and self.is_real(inner):
-                return self.sign(inner)
-        return ANY
-
-    def _of_interval(self, found: Interval) -> Sign:
-        for side, values in ((1, found), (-1, -found)):
-            if values.is_not_negative:
-                return Sign((side,)) if values.is_positive else Sign((0, side))
-        return ANY
-
-    def _of_power(self, base: Sign, p: int, q: int) -> Sign:
-        if q != 1:
-            return base & NOT_NEGATIVE
-        return Sign(s ** (2 - p % 2) if s else int(p == 0) for s in base)
-
-    def _stated(self, node: int) -> Sign:
-        """The sign that an inequality of the domain gives a node with the same image."""
+    def _stated(self, node: int) -> Interval:
+        """What the inequalities of the domain say of a node, or of a multiple plus a number."""
+        found = Interval()
+        for other, known in self._known:
+            if other == node:
+                found = found & known
         if node in self._positive:
-            return Sign((0, 1)) if self._positive[node] else Sign((1,))
-        match self._nodes.all[node]:
-            case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
-                return POSITIVE
-            case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
-                return POSITIVE if self.positive(z) else NOT_NEGATIVE
-        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol"):
-            return ANY
-        if self._is_constant(node):
-            value = Balls(self._nodes, {}).ball(node).real
-            return Sign((1 if value > 0 else -1,)) if value > 0 or value < 0 else ANY
+            return found & Interval(fmpq(0), None, not self._positive[node])
+        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol") or self._is_constant(node):
+            return found
         for bound, weak in self._positive.items():
             try:
-                found = _multiple(self._image(node), self._image(bound))
+                multiple = _multiple(self._image(node), self._image(bound))
             except CertificateError:  # a formula of the domain that the proof has no generator for
                 continue
-            if found is not None:
-                ratio, gap = found
-                side = 1 if ratio > 0 else -1
-                if gap * side >= 0:
-                    return Sign((0, side)) if weak and gap == 0 else Sign((side,))
-        return ANY
+            if multiple is not None:
+                ratio, gap = multiple
+                up, down = Interval(gap, None, not weak), Interval(None, gap, False, not weak)
+                found = found & (up if ratio > 0 else down)
+        return found
 
     def _witness(self, node: int) -> int:
         """The formula with the same image that a hint names, checked."""
@@ -339,20 +286,6 @@ class Signs:
         if node != other and not (self._image(node) - self._image(other)).is_zero:
             raise CertificateError("the witness of a sign has another image")
         return other
-
-
-def _combined(rule: Callable[[int, int], int], parts: list[Sign]) -> Sign:
-    """The signs of a sum or product of two parts, one after the other.
-
-    A sum of opposite signs may have any sign.
-    """
-    found = parts[0]
-    for part in parts[1:]:
-        pairs = list(product(found, part))
-        if rule(1, 1) == 2 and any(a * b < 0 for a, b in pairs):
-            return ANY
-        found = Sign(max(-1, min(1, rule(a, b))) for a, b in pairs)
-    return found
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:

@@ -19,8 +19,8 @@ import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
 from solutions.functions.jacobi import JacobiFunction
-from verify.kernel import taylor as functions
 
+from . import taylor as functions
 from .domain_signs import DomainSigns
 from .domains import Point
 

@@ -329,7 +329,8 @@ def singularities(expressions: Iterable[sp.Expr], domains: Domains) -> tuple[str
 
 
 def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
-    if not node.free_symbols:
+    plain = node.exp.is_Integer and node.exp.is_positive if node.is_Pow else not node.is_Function
+    if plain or not node.free_symbols:
         return []
     lines = []
     if node.is_Pow and node.exp.could_extract_minus_sign() and not signs.is_nonzero(node.base):

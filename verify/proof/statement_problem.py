@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.bounded_building import without_sizes
 from derive.algebra.formula_printing import formula_as_text
 
-from .balls import ball_value
+from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns
 from .domains import Domains, Point, settled_domains
 from .problem import POINTS, Problem, problem_points
@@ -61,6 +61,11 @@ class StatementProblem(Problem):
 
     def residual(self, point: Point, bits: int, signs: DomainSigns) -> acb:
         """A ball around the residual at ``point``; raises ValueError where it is not smooth."""
+        taken = {d.expr for d in self.left.atoms(sp.Derivative)} | self.left.atoms(AppliedUndef)
+        if taken == {self.unknown}:
+            formula = with_exponentials(self.formula)
+            with suppress(ValueError):
+                return residual_ball(self.left, self.unknown, formula, point, bits, signs)
         return ball_value(with_exponentials(self.substituted), point, bits, signs)
 
     def _parts(self, node: sp.Expr) -> Iterator[sp.Expr]:

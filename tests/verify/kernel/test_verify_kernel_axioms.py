@@ -31,7 +31,7 @@ def test_an_inverse_function_is_its_definition_off_the_cuts(name: str) -> None:
         point = {x: numbers(draw) / 4, y: numbers(draw) / 7}
         if point[y] == 0:
             continue
-        own, defined = nodes.made(name, f), axioms.inverse(name, f, nodes.made)
+        own, defined = nodes.made(name, f), axioms.defined(nodes, name, f)
         with ctx.workprec(BITS):
             balls = Balls(nodes, point)
             gap = balls.ball(own) - balls.ball(defined)
@@ -48,7 +48,7 @@ def test_an_inverse_function_is_its_definition_where_it_is_real(name: str) -> No
         end = fmpq(9) if high is None else high
         value = share * end + (1 - share) * (fmpq(-9) if low is None else low)
         balls = Balls(nodes, {x: value})
-        own, defined = nodes.made(name, x), axioms.inverse(name, x, nodes.made)
+        own, defined = nodes.made(name, x), axioms.defined(nodes, name, x)
         with ctx.workprec(BITS):
             assert (balls.ball(own) - balls.ball(defined)).contains(0)
             assert balls.ball(own).imag.contains(0)

@@ -5,10 +5,9 @@ import json
 from typing import Any
 
 import pytest
-from flint import acb, arb, ctx
 
 from solutions import closed_form
-from verify.kernel import CertificateError, check_certificate, taylor
+from verify.kernel import CertificateError, check_certificate
 from verify.kernel.__main__ import main
 from verify.kernel.limits import digest
 from verify.proof import prove_form
@@ -142,33 +141,3 @@ def test_the_command_prints_what_it_accepts(
         assert words in "".join(capsys.readouterr())
     assert main([]) == 2
     assert main([str(tmp_path / "none")]) == 2
-
-
-@pytest.mark.parametrize(
-    "name", ["sn", "cn", "dn", "epsilon", "zeta", "theta", "eta", "exp", "log", "atan", "asin",
-             "acosh", "sin", "cosh", "power"]
-)  # fmt: skip
-def test_taylor_coefficients_continue_a_function(name: str) -> None:
-    """The series about z at z + h is the function there, to the order h**12."""
-    with ctx.workprec(200):
-        elliptic = taylor.Elliptic(acb(0.3))
-    series = {
-        **{n: getattr(elliptic, n) for n in ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")},
-        **{n: taylor.periodic(n) for n in ("sin", "cosh")},
-        **{n: taylor.inverse(n) for n in ("asin", "acosh")},
-        "exp": taylor.exponential,
-        "log": taylor.logarithm,
-        "atan": taylor.arctangent,
-        "power": taylor.power(taylor.Fraction(2, 3)),
-    }[name]
-    with ctx.workprec(200):
-        z = acb(1.4 if name == "acosh" else 0.4)
-        h = acb(arb(1) / 1024)
-        found = sum((c * h**n for n, c in enumerate(series(z, 12))), acb(0))
-        assert abs(found - series(z + h, 0)[0]) < 1e-30
-
-
-def test_an_elliptic_parameter_is_below_one() -> None:
-    for m in (0, 1, 2):
-        with pytest.raises(ValueError, match="m must satisfy"):
-            taylor.Elliptic(acb(m))

@@ -64,7 +64,16 @@ def test_the_axioms_of_sn_are_written_as_they_are_known() -> None:
     )
     (square,) = (s for s in found.steps if isinstance(s, Relation) and s.generator == cn)
     assert square.degree == 2
-    assert ("generator", sn) in inner_names(square.term, "generator")
+    values = {s.name: s.term for s in found.steps if isinstance(s, Definition)}
+    waiting, below = [square.term], set[terms.Term]()
+    while waiting:
+        inner = set(inner_names(waiting.pop(), "node", "generator"))
+        waiting += [values[name] for name in inner if name[0] == "node"]
+        below |= inner
+    assert {name for name in below if name[0] == "generator"} == {
+        ("generator", 0),
+        ("generator", sn),
+    }
     slope = next(s for s in found.steps if isinstance(s, SlopeAxiom) and s.generator == sn)
     (argument,) = {inner[2] for inner in inner_names(slope.term, "slope")} - {("generator", 0)}
     assert argument[0] == "node"

@@ -8,6 +8,8 @@ from math import factorial
 
 from flint import acb, fmpq
 
+from verify.kernel.jacobi_values import Jacobi
+
 Series = list[acb]
 
 
@@ -115,14 +117,11 @@ def _power_of_quadratic(inner: Sequence[acb], exponent: Fraction, order: int) ->
 
 
 class Elliptic:
-    """The Jacobi functions of a real parameter ``m < 1``, ``m != 0``, at any argument."""
+    """Series of the Jacobi functions of a real parameter ``m < 1``, ``m != 0``."""
 
     def __init__(self, m: acb) -> None:
-        if not (m.imag == 0 and m.real < 1 and m.real != 0):
-            raise ValueError(f"m must satisfy m < 1 and m != 0, got {m.str(10)} (take 0 < k < 1)")
-        self.m = m
-        self.K, self.E = m.elliptic_k(), m.elliptic_e()
-        self.tau = acb(0, 1) * (1 - m).elliptic_k() / self.K
+        self._values = Jacobi(m)
+        self._mean = self._values.E / self._values.K
 
     def sn(self, z: acb, order: int) -> Series:
         """sn."""
@@ -139,46 +138,31 @@ class Elliptic:
     def epsilon(self, z: acb, order: int) -> Series:
         """The integral of dn**2 from 0."""
         dn = self.dn(z, order)
-        start = self._zeta(z) + self.E / self.K * z
+        start = self._values.epsilon(z)
         return [start, *(_product(dn, dn, n) / (n + 1) for n in range(order))]
 
     def zeta(self, z: acb, order: int) -> Series:
         """Theta'/Theta."""
-        found = self.epsilon(z, order)
-        mean = self.E / self.K
-        return [found[0] - mean * z, *(c - mean * (n == 0) for n, c in enumerate(found[1:]))]
+        rest = self.epsilon(z, order)[1:]
+        return [self._values.zeta(z), *(c - self._mean * (n == 0) for n, c in enumerate(rest))]
 
     def theta(self, z: acb, order: int) -> Series:
         """Theta, with Theta' = zeta Theta."""
-        zeta, found = self.zeta(z, order), [self._thetas(z)[3]]
+        zeta, found = self.zeta(z, order), [self._values.theta(z)]
         for n in range(order):
             found.append(_product(zeta, found, n) / (n + 1))
         return found
 
     def eta(self, z: acb, order: int) -> Series:
-        """H = theta_2(0)/theta_3(0) sn Theta, the factor being sqrt(k)."""
-        _, two, three, _ = self._thetas(acb(0))
-        sn, theta, root = self.sn(z, order), self.theta(z, order), two / three
-        return [root * _product(sn, theta, n) for n in range(order + 1)]
-
-    def _thetas(self, z: acb) -> tuple[acb, ...]:
-        return tuple(acb.modular_theta(z / (2 * self.K), self.tau))
-
-    def _zeta(self, z: acb) -> acb:
-        """theta_4'/theta_4 from Weierstrass' zeta function of the periods 1 and tau."""
-        v = z / (2 * self.K) + self.tau / 2
-        eta = acb(0.5).elliptic_zeta(self.tau)
-        slope = v.elliptic_zeta(self.tau) - 2 * eta * v + acb(0, 1) * acb.pi()
-        return slope / (2 * self.K)
+        """H = sqrt(k) sn Theta."""
+        sn, theta = self.sn(z, order), self.theta(z, order)
+        return [self._values.root_k * _product(sn, theta, n) for n in range(order + 1)]
 
     def _triple(self, z: acb, order: int) -> tuple[Series, Series, Series]:
-        one, two, three, four = self._thetas(z)
-        _, two_0, three_0, four_0 = self._thetas(acb(0))
-        sn = [three_0 * one / (two_0 * four)]
-        cn = [four_0 * two / (two_0 * four)]
-        dn = [four_0 * three / (three_0 * four)]
+        values = self._values
+        sn, cn, dn = [values.sn(z)], [values.cn(z)], [values.dn(z)]
         for n in range(order):
-            slopes = _product(cn, dn, n), -_product(sn, dn, n), -self.m * _product(sn, cn, n)
+            slopes = _product(cn, dn, n), -_product(sn, dn, n), -values.m * _product(sn, cn, n)
             for series, slope in zip((sn, cn, dn), slopes, strict=True):
                 series.append(slope / (n + 1))
         return sn, cn, dn

@@ -1,0 +1,30 @@
+"""Taylor coefficients of special functions in balls."""
+
+import pytest
+from flint import acb, arb, ctx
+
+from verify.proof import taylor
+
+
+@pytest.mark.parametrize(
+    "name", ["sn", "cn", "dn", "epsilon", "zeta", "theta", "eta", "exp", "log", "atan", "asin",
+             "acosh", "sin", "cosh", "power"]
+)  # fmt: skip
+def test_taylor_coefficients_continue_a_function(name: str) -> None:
+    """The series about z at z + h is the function there, to the order h**12."""
+    with ctx.workprec(200):
+        elliptic = taylor.Elliptic(acb(0.3))
+    series = {
+        **{n: getattr(elliptic, n) for n in ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")},
+        **{n: taylor.periodic(n) for n in ("sin", "cosh")},
+        **{n: taylor.inverse(n) for n in ("asin", "acosh")},
+        "exp": taylor.exponential,
+        "log": taylor.logarithm,
+        "atan": taylor.arctangent,
+        "power": taylor.power(taylor.Fraction(2, 3)),
+    }[name]
+    with ctx.workprec(200):
+        z = acb(1.4 if name == "acosh" else 0.4)
+        h = acb(arb(1) / 1024)
+        found = sum((c * h**n for n, c in enumerate(series(z, 12))), acb(0))
+        assert abs(found - series(z + h, 0)[0]) < 1e-30
