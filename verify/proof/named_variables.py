@@ -10,7 +10,7 @@ from .text_domains import TextPart
 from .text_names import CONTINUOUS, FUNCTIONS, SITE
 
 MOST_VARIABLES = 8
-"""Variables that a certificate may have."""
+"""VariableNames that a certificate may have."""
 
 
 def variable_names(text: str) -> tuple[str, ...]:
@@ -36,7 +36,7 @@ def variable_names(text: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-class Variables:
+class VariableNames:
     """Which names are variables in the texts ``parts``.
 
     Without any in ``named`` they are those of x, y, z, t and n that occur; n is the site of a

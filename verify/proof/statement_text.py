@@ -2,7 +2,7 @@
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
-    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression
+    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression; b: complex
     domain      t > 0                             of the variables x, y, z, t and the site n
 
 Several equations or solutions stand in one text with ``;;`` between them, or in a list.
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import sympy as sp
@@ -29,7 +29,7 @@ from derive.algebra.typing_mistakes import Spelling, misread
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
-from .named_variables import Variables, variable_names
+from .named_variables import VariableNames, variable_names
 from .samples import sample
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
@@ -82,7 +82,7 @@ def _read(given: Parts, name: str, variables: Sequence[str]) -> Statement:
 
     entries, limits = parts("parameters", ";"), parts("domain", ";", ",")
     wanted, formulas = parts("solve", ","), (parts("equation"), parts("solution"))
-    known = Variables(variables, itertools.chain(*formulas))
+    known = VariableNames(variables, itertools.chain(*formulas))
     return _Reading(name, known, *formulas, entries, limits, wanted).statement()
 
 
@@ -99,7 +99,7 @@ class _Reading:
     """The parts of a statement on their way to expressions."""
 
     name: str
-    known: Variables
+    known: VariableNames
     equations: list[TextPart]
     solutions: list[TextPart]
     entries: list[TextPart]
@@ -112,6 +112,7 @@ class _Reading:
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
     divisors: dict[sp.Expr, None] = field(default_factory=dict)
+    complexes: list[str] = field(default_factory=list)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -146,7 +147,8 @@ class _Reading:
                 for parts in (self.equations, self.solutions, self.entries, self.limits)
             ),
         )
-        return Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
+        made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
+        return replace(made, complexes=tuple(self.complexes))
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""
@@ -180,6 +182,11 @@ class _Reading:
             self.names[name] = parser.expression()
             parser.expect_end()
             self._note(parser)
+        elif [word.text for word in entry.words[1:-1]] == [":", "complex"]:
+            if self.asked:
+                raise entry.error("expected real parameters beside solve, got a complex one", 2)
+            self.names[name] = symbol_of(name, REAL)
+            self.complexes.append(name)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from derive.algebra.formula_text import FormulaError
+from verify.kernel import check_certificate
 from verify.proof.statement_text import read_statement
 from verify.proof.text_prover import prove
 from verify.verdict import Outcome
@@ -52,3 +55,46 @@ def test_names_of_variables_are_different_letters(variables: str, column: int) -
 def test_a_variable_is_no_parameter() -> None:
     with pytest.raises(FormulaError, match="the independent variable r"):
         read_statement("u_r", "u = r", "r: r>0", variables="r")
+
+
+COMPLEX = [
+    ("u_t - c*u_xx", "u = exp(c*b**2*t + b*x)", "u = exp(c*b*t + b*x)"),
+    ("u_xx + c*u", "u = sin(sqrt(c)*x)", "u = sinh(sqrt(c)*x)"),
+    ("u_t + 6*u*u_x + u_xxx", "u = 2*c**2*sech(c*(x - 4*c**2*t))**2", "u = 2*c*sech(c*(x - t))**2"),
+    ("u_x - conjugate(u_x)", "u = x**2", "u = c*x"),
+    ("u_x - 2*c*u", "u = exp(2*c*x)", "u = abs(exp(c*x))**2"),
+    ("u_x - c", "u = c*x", "u = re(c)*x"),
+]
+
+
+@pytest.mark.parametrize(("equation", "true", "false"), COMPLEX)
+def test_parameters_may_be_complex(equation: str, true: str, false: str) -> None:
+    assert outcome(equation, true, parameters=complex_names(equation + true)) == Outcome.PROVED
+    assert outcome(equation, false, parameters=complex_names(equation + false)) == Outcome.REFUTED
+
+
+def complex_names(texts: str) -> str:
+    """The entries for b and c where they occur."""
+    found = re.findall(r"(?<!\w)[bc](?!\w)", texts)
+    return "; ".join(f"{name}: complex" for name in sorted({*found}))
+
+
+def test_what_holds_for_real_values_alone_is_refuted_at_a_complex_one() -> None:
+    real = prove("u - exp(2*c*x)", "u = abs(exp(c*x))**2")
+    verdict = prove("u - exp(2*c*x)", "u = abs(exp(c*x))**2", parameters="c: complex")
+    assert (real.outcome, verdict.outcome) == (Outcome.PROVED, Outcome.REFUTED)
+    assert "I" in (verdict.witness or {})["c"]
+
+
+def test_the_certificate_states_that_a_parameter_is_complex() -> None:
+    verdict = prove("u_t - c*u_xx", "u = exp(c*t + x)", parameters="c: complex")
+    assert verdict.certificate is not None
+    assert "complex c" in check_certificate(verdict.certificate)
+    assert verdict.assumptions[0].startswith("for all real t, x; complex c, ")
+    assert any("c is not real" in line for line in verdict.singularities)
+
+
+def test_a_complex_parameter_has_no_inequalities_and_is_not_solved_for() -> None:
+    for said, solve in (("c: complex, c>0", ""), ("c: complex", "a")):
+        with pytest.raises(FormulaError, match="complex"):
+            read_statement("u_x - a*c", "u = a*c*x", said, solve=solve)
