@@ -135,7 +135,8 @@ def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
 UNIT = Interval(fmpq(-1), fmpq(1))
 
 OF_REAL = {
-    **dict.fromkeys(("sin", "cos", "tanh", "jacobi_sn", "jacobi_cn"), UNIT),
+    **dict.fromkeys(("sin", "cos", "jacobi_sn", "jacobi_cn"), UNIT),
+    "tanh": Interval(fmpq(-1), fmpq(1), True, True),
     "sech": Interval(fmpq(0), fmpq(1), True),
     "cosh": Interval(fmpq(1)),
 }

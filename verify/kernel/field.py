@@ -12,7 +12,7 @@ from functools import cached_property
 
 from flint import acb, fmpq, fmpq_mpoly
 
-from . import axioms
+from . import axioms, further
 from .derivations import Derivation, Slopes
 from .functions import Functions
 from .images import Form, Generator, Images
@@ -231,6 +231,10 @@ class Field(Images):
                 self._algebraic(node, 2, square, scale)
                 return
         self._add_scaled(node, _whole(scale or self.one))
+
+    def is_kept(self, name: str, f: int, value: int) -> bool:
+        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
+        return further.is_kept(self, name, f, value)
 
     def _function(self, node: int) -> Element:
         return self._functions.value(node)

@@ -199,11 +199,21 @@ def inverse_function(images: Images, node: int, name: str, inner: int) -> Elemen
     if value is None and name != "atan":
         return images.image(axioms.inverse(name, inner, images.nodes.made))
     value = images.named(node)
-    if not images.signs.is_between(value, *PRINCIPAL[name]):
+    shown = images.signs.is_between(value, *PRINCIPAL[name])
+    if not (shown or images.is_kept(name, inner, value)):
         raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
-    if not (images.made(axioms.INVERSE_OF[name], value) - images.image(inner)).is_zero:
+    if not is_value(images, name, inner, value):
         raise CertificateError(f"what an {name} is said to be is that of another argument")
     return images.image(value)
+
+
+def is_value(images: Images, name: str, f: int, value: int) -> bool:
+    """Whether a function of ``value`` is ``f``: tan v if exp(2 i v) = (1 + i f)/(1 - i f)."""
+    made = images.nodes.made
+    turned = made("exp", made("Mul", images.nodes.rational(2), made("I"), value))
+    if name == "atan" and images.hinted(images.hints.sums, turned) is not None:
+        return (images.image(turned) - _phase(images, f)).is_zero
+    return (images.made(axioms.INVERSE_OF[name], value) - images.image(f)).is_zero
 
 
 def parity(images: Images, z: int) -> Element:

@@ -98,3 +98,40 @@ def test_a_complex_parameter_has_no_inequalities_and_is_not_solved_for() -> None
     for said, solve in (("c: complex, c>0", ""), ("c: complex", "a")):
         with pytest.raises(FormulaError, match="complex"):
             read_statement("u_x - a*c", "u = a*c*x", said, solve=solve)
+
+
+ANGLES = [
+    ("u - pi", "u = 16*atan(1/5) - 4*atan(1/239)", "u = 16*atan(1/5) - 4*atan(1/238)", ""),
+    ("u - pi/4", "u = atan(1/2) + atan(1/3)", "u = atan(1/2) + atan(1/4)", ""),
+    ("u - pi/2", "u = asin(x) + acos(x)", "u = asin(x) - acos(x)", "-1<x<1"),
+    ("u - pi/2", "u = asin(3/5) + asin(4/5)", "u = asin(3/5) + asin(3/4)", ""),
+    ("u - pi/2", "u = atan(x) + atan(1/x)", "u = atan(x) + atan(2/x)", "x>0"),
+    ("u + pi/2", "u = atan(x) + atan(1/x)", "u = atan(x) - atan(1/x)", "x<0"),
+    ("u - 2*atan(x)", "u = asin(2*x/(1 + x**2))", "u = asin(x/(1 + x**2))", "-1<x<1"),
+    ("u - 2*atan(x)", "u = acos((1 - x**2)/(1 + x**2))", "u = -acos((1 - x**2)/(1 + x**2))", "x>0"),
+    ("u - atan(x)", "u = atan((1 + x)/(1 - x)) - pi/4", "u = atan((1 + x)/(1 - x))", "x<1"),
+    ("u - atan(x)", "u = asin(x*(1 + x**2)**(-1/2))", "u = acos(x*(1 + x**2)**(-1/2))", ""),
+    (
+        "u - acos(x)",
+        "u = 2*atan(sqrt((1 - x)/(1 + x)))",
+        "u = atan(sqrt((1 - x)/(1 + x)))",
+        "-1<x<1",
+    ),
+    ("u - asin(tanh(x))", "u = 2*atan(tanh(x/2))", "u = 2*atan(tanh(x))", ""),
+    ("u - atan(sinh(x))", "u = 2*atan(exp(x)) - pi/2", "u = 2*atan(exp(x)) + pi/2", ""),
+    ("u - x", "u = acosh(cosh(x))", "u = acosh(cosh(2*x))", "x>0"),
+]
+
+
+@pytest.mark.parametrize(("equation", "true", "false", "domain"), ANGLES)
+def test_identities_of_inverse_functions(equation: str, true: str, false: str, domain: str) -> None:
+    assert outcome(equation, true, domain=domain) == Outcome.PROVED
+    assert outcome(equation, false, domain=domain) == Outcome.REFUTED
+
+
+def test_an_identity_of_angles_on_a_larger_domain_is_refuted() -> None:
+    sums = "atan(x) + atan(y) - atan((x + y)/(1 - x*y))"
+    assert outcome("u", f"u = {sums}", domain="0<x<1; 0<y<1") == Outcome.PROVED
+    assert outcome("u", f"u = {sums}", domain="0<x<2; 0<y<2") == Outcome.REFUTED
+    assert outcome("u", "u = asin(2*x/(1 + x**2)) - 2*atan(x)") == Outcome.REFUTED
+    assert outcome("u - pi/2", "u = atan(x) + atan(1/x)") == Outcome.REFUTED

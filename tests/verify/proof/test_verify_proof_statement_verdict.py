@@ -9,12 +9,12 @@ import longwave
 from verify.proof import check_certificate
 from verify.proof.near_misses import near_misses, with_hint
 from verify.proof.prover import prove as prove_expression
+from verify.proof.statement_latex import statement_latex
 from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import (
     StatementVerdict,
     decide_statement,
     residual_of,
-    statement_latex,
     verified_sentence,
 )
 from verify.proof.text_prover import prove
