@@ -78,6 +78,9 @@ class Field(Images):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
                 self._algebraic(node, int(exponent.q), self.image(base))
+            case ("exp", z) if further.share_of_turn(self.nodes, z) is not None:
+                self._add(node, self._next, Generator(node))
+                further.relate_root_of_unity(self, node)
             case ("parity", z) if self.nodes.all[z][0::2] == ("symbol", "integer"):
                 self._algebraic(node, 2, self.one)
             case ("Abs", inner):

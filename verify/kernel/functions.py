@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from flint import fmpq
 
-from . import axioms
+from . import axioms, further
 from .axioms import Station
 from .images import Images, integer_of
 from .limits import CertificateError
@@ -280,6 +280,8 @@ class Functions:
                 inner = images.nodes.made("diff", *images.nodes.all[node][1:-1])
                 lower = images.image(inner if variables[1:] else images.nodes.all[node][1])
                 return images.derivative(lower, variables[-1])
+            case ("power", base, exponent) if further.is_turned(images, base, exponent):
+                return further.power_of_negative(images, base, exponent)
             case ("power", base, exponent):
                 total = images.nodes.made("Mul", exponent, images.nodes.made("log", base))
                 return images.made("exp", total)

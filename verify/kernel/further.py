@@ -1,19 +1,23 @@
-"""Values of inverse functions by continuity.
+"""Inverse functions by continuity, powers of what is negative, roots of unity.
 
 Let v be real and continuous on a connected domain.  If tan v is f there, which is finite, v is at
 no odd multiple of pi/2 anywhere; if it lies between -pi/2 and pi/2 at one point, it does so at all
 of them, and is atan f.  So is v = asin f if sin v = f is between -1 and 1, and v = acos f, between
 0 and pi, if cos v is.
+
+For an integer n and f < 0, f**n = (-1)**n (-f)**n.  exp(i pi k/n), k and n coprime, is a primitive
+root of unity, of order n for even k and 2 n for odd k, and a root of the cyclotomic polynomial.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from flint import fmpq
+from flint import fmpq, fmpz_poly
 
 from .images import Images
 from .nodes import Balls, Nodes
+from .ring import Element
 from .signs import HALF_PI
 
 PERIODIC: Mapping[str, tuple[fmpq, fmpq]] = {
@@ -22,6 +26,9 @@ PERIODIC: Mapping[str, tuple[fmpq, fmpq]] = {
     "acos": (fmpq(0), 2 * HALF_PI),
 }
 """Inverses of periodic functions, and between which numbers their values lie."""
+
+LARGEST_ORDER = 60
+"""Denominator of a share of i pi whose exponential has a relation."""
 
 CONTINUOUS = (
     *("number", "symbol", "pi", "Add", "Mul", "Pow", "Abs", "exp", "sinh", "cosh", "tanh", "sech"),
@@ -85,3 +92,45 @@ def is_linear(nodes: Nodes, node: int) -> bool:
             moving = [f for f in factors if nodes.all[f][0] not in ("number", "pi")]
             return len(moving) <= 1 and all(is_linear(nodes, f) for f in moving)
     return False
+
+
+def is_turned(images: Images, base: int, exponent: int) -> bool:
+    """Whether a power is one of a negative base to an integer, and not by the base's logarithm."""
+    if not images.nodes.is_integer(exponent):
+        return False
+    logarithm = images.nodes.made("log", base)
+    return images.known(logarithm) is None and images.signs.positive(_negative(images, base))
+
+
+def power_of_negative(images: Images, base: int, exponent: int) -> Element:
+    """f**n for f < 0."""
+    turn = images.made("parity", exponent)
+    return turn * images.made("power", _negative(images, base), exponent)
+
+
+def _negative(images: Images, node: int) -> int:
+    return images.nodes.made("Mul", images.nodes.rational(-1), node)
+
+
+def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
+    """q if a node is i pi q, with a number q of small denominator; else None."""
+    match nodes.all[z]:
+        case ("Mul", *factors) if len(factors) in (2, 3):
+            names = sorted(nodes.all[factor][0] for factor in factors)
+            values = [value for f in factors if (value := nodes.value(f)) is not None]
+            if names in (["I", "pi"], ["I", "number", "pi"]):
+                share = values[0] if values else fmpq(1)
+                return share if share.q <= LARGEST_ORDER else None
+    return None
+
+
+def relate_root_of_unity(images: Images, node: int) -> None:
+    """The last generator, exp(i pi q), is a root of a cyclotomic polynomial."""
+    share = share_of_turn(images.nodes, images.nodes.all[node][1])
+    assert share is not None
+    order = int(share.q) * (1 if share.p % 2 == 0 else 2)
+    place = len(images.generators) - 1
+    root = images.ring.generators[place]
+    *lower, _ = [int(c) for c in fmpz_poly.cyclotomic(order).coeffs()]
+    value = sum((-c * root**n for n, c in enumerate(lower)), images.ring.context.constant(0))
+    images.ring.relate(place, len(lower), value)
