@@ -39,7 +39,7 @@ _only = click.option(
 )
 
 
-STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex", "scheduler")
+STATEMENT_OPTIONS = ("parameters", "domain", "variables", "solve", "limit", "latex", "scheduler")
 """What is said of a statement in text, and of no closed form."""
 
 
@@ -51,7 +51,8 @@ STATEMENT_OPTIONS = ("parameters", "domain", "solve", "limit", "latex", "schedul
 @click.option("--equation", "equations", multiple=True, metavar="TEXT", help="As u_t + u*u_x = 0.")
 @click.option("--solution", "solutions", multiple=True, metavar="TEXT", help="As u = x/t.")
 @click.option("--parameters", metavar="TEXT", help="Domains and names, as k: k>0; m = k**2.")
-@click.option("--domain", metavar="TEXT", help="Of x, y, z, t and n, as t > 0.")
+@click.option("--domain", metavar="TEXT", help="Of the variables, as t > 0.")
+@click.option("--variables", metavar="NAMES", help="As r,t (default x, y, z, t and n).")
 @click.option("--solve", metavar="NAMES", help="For which values of c, b does it hold?")
 @click.option("--library", is_flag=True, help="The published solutions; NAME chooses among them.")
 @click.option("--limit", type=float, metavar="SECONDS", help="For a statement (default 60).")
@@ -108,6 +109,7 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
         (not library and len(files) < len(names), "FILE.toml", "names of forms"),
         (stated and options["parameters"], "--parameters", stated),
         (stated and options["domain"], "--domain", stated),
+        (stated and options["variables"], "--variables", stated),
         (stated and options["solve"], "--solve", stated),
         (scripts and options["solve"], "--solve", "--export"),
         (options["json_wanted"] and options["latex"], "--json", "--latex"),

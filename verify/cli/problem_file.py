@@ -7,6 +7,7 @@ solution = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"
 parameters = "k: k>0"
 domain = "t > 0"
 solve = "k"                                 # parameters whose values are asked for
+variables = "x, t"                          # where they are others than x, y, z, t and n
 source = "free text"
 expect = "PROVED"
 
@@ -39,13 +40,16 @@ NAME_LENGTH = 100
 FORMULAS = ("equation", "solution")
 """The keys of a problem with one text or a list."""
 
-TEXTS = ("name", "parameters", "domain", "solve", "source", "expect")
+TEXTS = ("name", "parameters", "domain", "solve", "variables", "source", "expect")
 """The keys of a problem with one text."""
 
 REMARKS = ("equation_name", "looked_up", "variant_of", "misprint_in", "note")
 """The keys of a problem with one text on which no verdict depends."""
 
-TAKEN = ("equation", "solution", "parameters", "domain", "source", "equation_name", "looked_up")
+TAKEN = (
+    *("equation", "solution", "parameters", "domain", "variables"),
+    *("source", "equation_name", "looked_up"),
+)
 """What a variant takes from its original."""
 
 EXPECTED = (Outcome.PROVED, Outcome.REFUTED, Outcome.UNDECIDED)
@@ -77,6 +81,7 @@ class ProblemText:
     parameters: str = ""
     domain: str = ""
     solve: str = ""
+    variables: str = ""
     source: str = ""
     expect: str = ""
     equation_name: str = ""
@@ -89,7 +94,9 @@ class ProblemText:
         """Read the formulas; raises FormulaError with the problem's place and name."""
         texts = self.equation, self.solution, self.parameters, self.domain
         try:
-            statement = read_statement(*texts, name=self.name, solve=self.solve)
+            statement = read_statement(
+                *texts, name=self.name, solve=self.solve, variables=self.variables
+            )
             return StatedProblem(statement, self.expect, self.source)
         except FormulaError as error:
             raise error.within(f"{self.where} ({self.name})") from None

@@ -83,6 +83,7 @@ class Options:
     solutions: Sequence[str] = ()
     parameters: str | None = None
     domain: str | None = None
+    variables: str | None = None
     files: Sequence[str] = ()
     library: Sequence[str] | None = None
     json_wanted: bool = False
@@ -162,6 +163,7 @@ def _problems(options: Options) -> list[StatedProblem]:
         options.parameters or "",
         options.domain or "",
         solve=options.solve or "",
+        variables=options.variables or "",
     )
     return [StatedProblem(statement)]
 

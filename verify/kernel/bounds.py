@@ -147,8 +147,10 @@ def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
 POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 OF_REAL = {
-    **dict.fromkeys(("sin", "cos", "tanh", "jacobi_sn", "jacobi_cn"), UNIT),
-    **dict.fromkeys(("exp", "sech", "jacobi_dn", "jacobi_theta"), POSITIVE),
+    **dict.fromkeys(("sin", "cos", "jacobi_sn", "jacobi_cn"), UNIT),
+    **dict.fromkeys(("exp", "jacobi_dn", "jacobi_theta"), POSITIVE),
+    "tanh": Interval(fmpq(-1), fmpq(1), True, True),
+    "sech": Interval(fmpq(0), fmpq(1), True),
     "cosh": Interval(fmpq(1)),
 }
 """Where the values at real arguments lie, for m < 1 where there is one."""
@@ -181,7 +183,8 @@ def stated(nodes: Nodes, node: int, weak: bool) -> tuple[int, Interval] | None:
 
 def of_constant(value: arb) -> Interval:
     """Rational bounds of a ball, on the side of 0 that it is on."""
-    low, high = ((value * MICRO).floor().unique_fmpz(), (value * MICRO).ceil().unique_fmpz())
+    scaled = value * MICRO
+    low, high = scaled.lower().floor().unique_fmpz(), scaled.upper().ceil().unique_fmpz()
     if low is None or high is None:
         return Interval()
     ends = fmpq(int(low), MICRO), fmpq(int(high), MICRO)

@@ -16,6 +16,7 @@ from typing import Any
 from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 
 from .field import Field
+from .further import is_linear
 from .identity import Residual
 from .images import Generator, Hints, Sum
 from .limits import (
@@ -156,7 +157,7 @@ def is_connected(field: Field, statement: Statement) -> bool:
     """
     nodes = field.nodes
     for place, (_, left, right) in enumerate(statement.domain):
-        if is_linear(field, left) and is_linear(field, right):
+        if is_linear(nodes, left) and is_linear(nodes, right):
             continue
         rest = [ends for i, (_, *ends) in enumerate(statement.domain) if i != place]
         match nodes.all[left], nodes.all[right]:
@@ -168,21 +169,6 @@ def is_connected(field: Field, statement: Statement) -> bool:
                     continue
         return False
     return True
-
-
-def is_linear(field: Field, node: int) -> bool:
-    """Whether a node is evidently of degree 1 or less in real symbols."""
-    match field.nodes.all[node]:
-        case ("number" | "pi", *_):
-            return True
-        case ("symbol", _, kind):
-            return bool(kind != "complex")
-        case ("Add", *terms):
-            return all(is_linear(field, term) for term in terms)
-        case ("Mul", *factors):
-            moving = [f for f in factors if field.nodes.all[f][0] not in ("number", "pi")]
-            return len(moving) <= 1 and all(is_linear(field, f) for f in moving)
-    return False
 
 
 def check_certificate(data: object) -> str:
@@ -244,7 +230,7 @@ def prove(nodes: Nodes, statement: Statement, proof: Mapping[str, Any], part: bo
     for equation in statement.equations:
         if not residual.vanishes(equation):
             raise CertificateError("the numerator of the residual is not 0")
-    point = {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
+    point = field.point
     if any(nodes.all[s][0] != "symbol" for s in point):
         raise CertificateError("the point must give symbols their values")
     if any(nodes.all[s][2] == "integer" and value.q != 1 for s, value in point.items()):
@@ -271,10 +257,15 @@ def registered(
     within("generators", count, GENERATORS)
     positive = {_difference(nodes, left, right): weak for weak, left, right in statement.domain}
     field = field_type(nodes, count, statement.variables, positive, hints)
+    field.point = _point(nodes, proof)
     parts = listed(proof["parts"], 0 if part else PARTS, "parts")
     for entry in generators:
         _register(field, nodes, entry, parts, statement)
     return field
+
+
+def _point(nodes: Nodes, proof: Mapping[str, Any]) -> dict[int, fmpq]:
+    return {nodes.place(symbol): number(value) for symbol, value in _pairs(proof["point"])}
 
 
 def _pairs(data: object) -> list[list[Any]]:
@@ -333,7 +324,7 @@ def _check_point(field: Field, statement: Statement, point: Mapping[int, fmpq]) 
         gap = balls.ball(right) - balls.ball(left)
         if not (gap.real > 0 and gap.imag == 0):
             raise CertificateError("the point is not in the domain, or not inside it")
-        if weak and not (is_linear(field, left) and is_linear(field, right)):
+        if weak and not (is_linear(field.nodes, left) and is_linear(field.nodes, right)):
             raise CertificateError("<= must be between formulas of degree 1 (write < instead)")
     if (
         all(not g.form and field.nodes.all[g.node][0] == "symbol" for g in field.generators)

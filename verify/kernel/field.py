@@ -12,7 +12,7 @@ from functools import cached_property
 
 from flint import acb, fmpq_mpoly
 
-from . import axioms
+from . import axioms, further
 from .derivations import Derivation, Slopes
 from .functions import Functions
 from .images import Form, Generator, Images
@@ -78,6 +78,9 @@ class Field(Images):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
                 self._algebraic(node, int(exponent.q), self.image(base))
+            case ("exp", z) if further.share_of_turn(self.nodes, z) is not None:
+                self._add(node, self._next, Generator(node))
+                further.relate_root_of_unity(self, node)
             case ("parity", z) if self.nodes.all[z][0::2] == ("symbol", "integer"):
                 self._algebraic(node, 2, self.one)
             case ("Abs", inner):
@@ -226,6 +229,10 @@ class Field(Images):
                 self._algebraic(node, 2, square, scale)
                 return
         self._add_scaled(node, _whole(scale or self.one))
+
+    def is_kept(self, name: str, f: int, value: int) -> bool:
+        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
+        return further.is_kept(self, name, f, value)
 
     def _function(self, node: int) -> Element:
         return self._functions.value(node)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from flint import fmpq
 
-from . import axioms
+from . import axioms, further
 from .axioms import DEFINITIONS, UNITY, Station
 from .images import Images, integer_of
 from .limits import CertificateError
@@ -164,11 +164,22 @@ def inverse_function(images: Images, node: int, name: str, inner: int) -> Elemen
     if value is None and name != "atan":
         return images.image(axioms.defined(images.nodes, name, inner))
     value = images.named(node)
-    if not images.signs.is_between(value, *PRINCIPAL[name]):
+    shown = images.signs.is_between(value, *PRINCIPAL[name])
+    if not (shown or images.is_kept(name, inner, value)):
         raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
-    if not (images.made(axioms.INVERSE_OF[name], value) - images.image(inner)).is_zero:
+    if not is_value(images, name, inner, value):
         raise CertificateError(f"what an {name} is said to be is that of another argument")
     return images.image(value)
+
+
+def is_value(images: Images, name: str, f: int, value: int) -> bool:
+    """Whether a function of ``value`` is ``f``: tan v if exp(2 i v) = (1 + i f)/(1 - i f)."""
+    made = images.nodes.made
+    turned = made("exp", made("Mul", images.nodes.rational(2), made("I"), value))
+    if name == "atan" and images.hinted(images.hints.sums, turned) is not None:
+        phase = images.image(axioms.read(images.nodes, axioms.PHASE, z=f))
+        return (images.image(turned) - phase).is_zero
+    return (images.made(axioms.INVERSE_OF[name], value) - images.image(f)).is_zero
 
 
 def parity(images: Images, z: int) -> Element:
@@ -227,6 +238,8 @@ class Functions:
                 inner = images.nodes.made("diff", *images.nodes.all[node][1:-1])
                 lower = images.image(inner if variables[1:] else images.nodes.all[node][1])
                 return images.derivative(lower, variables[-1])
+            case ("power", base, exponent) if further.is_turned(images, base, exponent):
+                return further.power_of_negative(images, base, exponent)
             case ("parity", z):
                 return parity(images, z)
             case (name, z, m) if name.startswith("jacobi_"):

@@ -80,6 +80,7 @@ class Images(ABC):
         self.nodes, self.ring, self.hints = nodes, self.ring_type(count), hints
         self.variables, self.generators = variables, list[Generator]()
         self.circles: dict[int, int] = {}
+        self.positive, self.point = positive, dict[int, fmpq]()
         self.signs = Signs(nodes, self.image, positive, hints.signs)
         self.one = self.ring.number(1)
         self.zero = self.ring.number(0)
@@ -235,6 +236,10 @@ class Images(ABC):
     @abstractmethod
     def derivative(self, element: Element, variable: int) -> Element:
         """The derivative of an element, of which all generators' slopes follow from the axioms."""
+
+    @abstractmethod
+    def is_kept(self, name: str, f: int, value: int) -> bool:
+        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
 
     @abstractmethod
     def _function(self, node: int) -> Element:

@@ -48,8 +48,9 @@ class Ring:
         return Element(self, self.generators[place])
 
     def relate(self, place: int, degree: int, value: fmpq_mpoly) -> None:
-        """From now on ``generators[place] ** degree`` is ``value``."""
-        if any(value.degrees()[: len(self.names) - place]):
+        """From now on ``generators[place] ** degree`` is ``value``, of lower degree in it."""
+        *later, own = value.degrees()[: len(self.names) - place]
+        if any(later) or own >= degree:
             raise CertificateError(f"the relation of generator {place} needs a later one")
         modulus = self.generators[place] ** degree - value
         self.relations.insert(0, (len(self.names) - 1 - place, degree, modulus))

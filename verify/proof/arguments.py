@@ -300,6 +300,8 @@ class Arguments:
             for moves, part in zip((True, False), self.parts(argument), strict=True):
                 if part != 0:
                     self._parts[moves, m][part] = None
+                    if not moves and part.has(quarter := sp.elliptic_k(m)):
+                        self._parts[moves, m][quarter] = None
         elif isinstance(node, sp.Pow) and node.exp.is_Rational and not node.exp.is_Integer:
             self._radicands[node.base] = None
         elif node is sp.E:

@@ -25,6 +25,7 @@ from verify.kernel.limits import NAME, CertificateError
 from verify.kernel.ring import Element
 from verify.subexpressions import distinct_nodes, replaced
 
+from .angle_relations import angle_values
 from .arguments import Dependence, with_definitions
 from .balls import BallEvaluator, JetShape
 from .certificate_writer import Certificate, Data, NodeTable, as_data
@@ -58,6 +59,7 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
     expressions = with_definitions(problem.expressions)
     for expression in expressions:
         rewriting(expression)
+    rewriting.found |= angle_values(expressions, problem.points)
     point = regular_point(problem)
 
     def search(expressions: Sequence[sp.Expr], *, moving: bool) -> GeneratorSearch:

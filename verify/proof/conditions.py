@@ -27,13 +27,13 @@ from .explicit_values import explicit_values
 from .phase_variable import with_phase
 from .problem import equality_problem
 from .residual_system import ResidualSystem
+from .statement_latex import statement_latex
 from .statement_problem import residual_of, with_exponentials
 from .statement_verdict import (
     NO_VERDICT,
     StatementVerdict,
     decide_statement,
     equation_text,
-    statement_latex,
     verified_sentence,
 )
 from .typed_statement import Statement

@@ -93,6 +93,8 @@ class GeneratorSearch:
             self._writer.name(value=self._place(value), place=self._place(node))
             self.need(value)
             self.need(node.args[0])
+            if isinstance(node, sp.atan | sp.asin):
+                self._angle(node, value)
             return
         if node.is_Rational:
             return
@@ -170,6 +172,32 @@ class GeneratorSearch:
         elif root not in self._values:
             self._writer.atom(place)
 
+    def _angle(self, node: sp.Expr, value: sp.Expr) -> None:
+        """Provide for the tangent or sine of the value of an inverse function, and its bounds."""
+        self.need(sp.I)
+        turned = [self._place(part) for part in (sp.I, value)]
+        if isinstance(node, sp.atan):
+            place = self._made("Mul", self._place(sp.Integer(2)), *turned)
+            self._exponential(2 * sp.I * value, place)
+            return
+        self._exponential(sp.I * value, self._made("Mul", *turned))
+        rest, known = self._cosine_square(node.args[0])
+        self._writer.signs[rest] = self._place(sp.factor(known))
+
+    def _name_cosine(self, f: sp.Expr) -> None:
+        """The root in the definition of asin, of a number, which SymPy works out."""
+        if f.is_Rational:
+            rest, known = self._cosine_square(f)
+            self.need(sp.sqrt(known))
+            root = self._made("Pow", rest, "1/2")
+            self._writer.name(place=root, value=self._place(sp.sqrt(known)))
+
+    def _cosine_square(self, f: sp.Expr) -> tuple[int, sp.Expr]:
+        """1 - f**2 as the checker writes it, and as SymPy does."""
+        one, minus = (self._place(sp.Integer(n)) for n in (1, -1))
+        square = self._made("Mul", minus, self._made("Pow", self._place(f), "2"))
+        return self._made("Add", one, square), 1 - f**2
+
     def _show_sign_of_roots(self, expression: sp.Expr) -> None:
         for node in distinct_nodes(expression):
             if node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer:
@@ -201,6 +229,7 @@ class GeneratorSearch:
         elif isinstance(node, INVERSE):
             if isinstance(node, sp.asin | sp.acos):
                 self.need(sp.I)
+                self._name_cosine(z)
             self.need(sp.asin(z) if isinstance(node, sp.acos) else definition(node))
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             if isinstance(node, sp.im):
@@ -244,7 +273,9 @@ class GeneratorSearch:
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
             elif logarithm == TURN:
-                self.need(sp.exp(q * TURN) if q.q < 3 else sp.cos(q * sp.pi) + sp.sin(q * sp.pi))
+                self.need(sp.I)
+                for part in (sp.cos(q * sp.pi), sp.sin(q * sp.pi)):
+                    self.need(part)
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)

@@ -13,11 +13,13 @@ line; it stops at a root or logarithm of what may be negative.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+
+from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns
@@ -224,7 +226,7 @@ class Rewriting:
         return (inner + other) / 2 if isinstance(node, sp.re) else (inner - other) / (2 * sp.I)
 
 
-SQUARES = {
+SQUARES: Mapping[Any, Callable[..., dict[sp.Expr, sp.Expr]]] = {
     sp.cosh: lambda f, z: {f**2 - 1: sp.sinh(z)},
     sp.sinh: lambda f, z: {f**2 + 1: sp.cosh(z)},
     sp.tanh: lambda f, z: {1 - f**2: sp.sech(z)},
@@ -240,6 +242,9 @@ SQUARES = {
     },
     sp.tan: lambda f, z: {f**2 + 1: sp.sec(z)},
     sp.sec: lambda f, z: {f**2 - 1: sp.tan(z)},
+    jacobi_sn: lambda f, z, m: {1 - f**2: jacobi_cn(z, m), 1 - m * f**2: jacobi_dn(z, m)},
+    jacobi_cn: lambda f, z, m: {1 - f**2: jacobi_sn(z, m), 1 - m + m * f**2: jacobi_dn(z, m)},
+    jacobi_dn: lambda f, z, m: {1 - f**2: sp.sqrt(m) * jacobi_sn(z, m)},
 }
 """Sums that are the square of another function."""
 
@@ -252,7 +257,7 @@ def _squared_function(total: sp.Expr) -> sp.Expr | None:
         if total == node + sp.sinh(node.args[0]):
             return sp.exp(node.args[0])
     for node in total.atoms(*SQUARES):
-        root = SQUARES[node.func](node, node.args[0]).get(total)
+        root = SQUARES[node.func](node, *node.args).get(total)
         if root is not None:
             return root**2
     return None

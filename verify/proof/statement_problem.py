@@ -128,7 +128,10 @@ def _is_nonzero(value: sp.Expr, point: Point) -> bool:
 
 
 def with_exponentials(expression: sp.Expr) -> sp.Expr:
-    """The expression with x**k as exp(k*log(x)), which is what it means."""
+    """The expression with x**k as exp(k*log(x)), which is what it means.
+
+    A negative x to an integer n is (-1)**n*exp(n*log(-x)).
+    """
     if not any(_is_symbolic(power) for power in expression.atoms(sp.Pow)):
         return expression
     images: dict[sp.Expr, sp.Expr] = {}
@@ -138,8 +141,11 @@ def with_exponentials(expression: sp.Expr) -> sp.Expr:
             arguments = [image(argument) for argument in node.args]
             if node.is_Pow and _is_symbolic(node):
                 base, exponent = arguments
+                turn = sp.S.One
+                if exponent.is_integer and base.is_negative:
+                    turn, base = (-1) ** exponent, -base
                 logarithm = sp.log(base, evaluate=False)
-                images[node] = sp.exp(exponent * logarithm, evaluate=False)
+                images[node] = turn * sp.exp(exponent * logarithm, evaluate=False)
             elif not arguments or arguments == list(node.args):
                 images[node] = node
             else:

@@ -2,7 +2,7 @@
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
-    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression
+    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression; b: complex
     domain      t > 0                             of the variables x, y, z, t and the site n
 
 Several equations or solutions stand in one text with ``;;`` between them, or in a list.
@@ -10,8 +10,10 @@ Several equations or solutions stand in one text with ``;;`` between them, or in
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -27,9 +29,10 @@ from derive.algebra.typing_mistakes import Spelling, misread
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
+from .named_variables import VariableNames, variable_names
 from .samples import sample
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
-from .text_names import CONTINUOUS, FUNCTIONS, MISREAD, PARTS, SITE
+from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
 from .typed_statement import Statement, StatementTexts
 
 Texts = str | Sequence[str]
@@ -43,8 +46,11 @@ def read_statement(
     *,
     name: str = "statement",
     solve: str = "",
+    variables: str = "",
 ) -> Statement:
     """The statement that the texts make; ``solve`` names parameters, as in ``c, b``.
+
+    ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
 
     Raises FormulaError, which says where, for a text that is not of the grammar, a name that is
     declared twice, misread or not used, an unknown without a solution, a solution with an unknown
@@ -63,19 +69,21 @@ def read_statement(
         "domain": [domain],
         "solve": [solve],
     }
+    read = partial(_read, name=name, variables=variable_names(variables))
     try:
-        return _read(given, name)
+        return read(given)
     except FormulaError as error:
-        raise corrected_error(error, given, FUNCTIONS, _read) from None
+        raise corrected_error(error, given, FUNCTIONS, read) from None
 
 
-def _read(given: Parts, name: str = "statement") -> Statement:
+def _read(given: Parts, name: str, variables: Sequence[str]) -> Statement:
     def parts(label: str, *separators: str) -> list[TextPart]:
         return [part for text in given[label] for part in text_parts(text, label, *separators)]
 
     entries, limits = parts("parameters", ";"), parts("domain", ";", ",")
-    wanted = parts("solve", ",")
-    return _Reading(name, parts("equation"), parts("solution"), entries, limits, wanted).statement()
+    wanted, formulas = parts("solve", ","), (parts("equation"), parts("solution"))
+    known = VariableNames(variables, itertools.chain(*formulas))
+    return _Reading(name, known, *formulas, entries, limits, wanted).statement()
 
 
 def _texts(given: Texts, label: str) -> list[str]:
@@ -91,6 +99,7 @@ class _Reading:
     """The parts of a statement on their way to expressions."""
 
     name: str
+    known: VariableNames
     equations: list[TextPart]
     solutions: list[TextPart]
     entries: list[TextPart]
@@ -103,6 +112,7 @@ class _Reading:
     domains: dict[sp.Symbol, Domain] = field(default_factory=dict)
     used: set[str] = field(default_factory=set)
     divisors: dict[sp.Expr, None] = field(default_factory=dict)
+    complexes: list[str] = field(default_factory=list)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -114,7 +124,7 @@ class _Reading:
                 raise parts[PARTS].error(words)
         for entry in self.entries:
             self._declare(entry)
-        letters, indexed = self._letters(), self._indexed()
+        letters, indexed = self._letters(), self.known.indexed()
         for name, entry in self.declared.items():
             if meant := self._misread(name, declared=True):
                 words = f"expected a name of its own, got '{name}' (it reads as {meant})"
@@ -137,45 +147,16 @@ class _Reading:
                 for parts in (self.equations, self.solutions, self.entries, self.limits)
             ),
         )
-        return Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
+        made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
+        return replace(made, complexes=tuple(self.complexes))
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
 
-    def _words(self) -> Iterator[tuple[TextPart, int, Token]]:
-        for part in (*self.equations, *self.solutions):
-            for place, word in enumerate(part.words):
-                yield part, place, word
-
-    def _is_derivative(self, word: Token) -> bool:
-        base, _, steps = word.text.partition("_")
-        return bool(
-            word.kind == "name"
-            and steps
-            and set(steps) <= {*CONTINUOUS}
-            and base not in self.names
-            and word.text not in FUNCTIONS
-        )
-
     def _letters(self) -> list[str]:
-        """The variables that occur, the site first."""
-        found: set[str] = set()
-        for _, _, word in self._words():
-            if word.kind == "name" and word.text in (*CONTINUOUS, SITE):
-                found.add(word.text)
-            elif self._is_derivative(word):
-                found |= set(word.text.partition("_")[2])
-        return [letter for letter in SITE + CONTINUOUS if letter in found]
-
-    def _indexed(self) -> set[str]:
-        """The names with a site behind them."""
-        return {
-            word.text.partition("_")[0]
-            for part, place, word in self._words()
-            if word.kind == "name" and part.words[place + 1].text == "["
-        }
+        return self.known.letters(self.names)
 
     # parameters and domains
 
@@ -184,7 +165,7 @@ class _Reading:
         name = word.text
         if word.kind != "name":
             raise entry.error(f"expected a parameter's name, got {word}")
-        if name in (*CONTINUOUS, SITE):
+        if name in self.known.reserved:
             remedy = "rename the parameter; a variable's domain stands in the part domain"
             raise entry.error(
                 f"expected a parameter, got the independent variable {name} ({remedy})"
@@ -201,6 +182,11 @@ class _Reading:
             self.names[name] = parser.expression()
             parser.expect_end()
             self._note(parser)
+        elif [word.text for word in entry.words[1:-1]] == [":", "complex"]:
+            if self.asked:
+                raise entry.error("expected real parameters beside solve, got a complex one", 2)
+            self.names[name] = symbol_of(name, REAL)
+            self.complexes.append(name)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)
@@ -284,14 +270,11 @@ class _Reading:
             self._check_unknown(part, name)
             if name in self.fields:
                 raise part.error(f"expected one solution of {name}, got another")
-            continuous = [self.variables[k] for k in CONTINUOUS if k in self.variables]
-            site = [self.variables[SITE]] if SITE in self.variables else []
-            if not continuous and not site:
-                raise part.error("expected an independent variable (x, y, z, t or n), got none")
-            self.fields[name] = sp.Function(name)(*site, *continuous)
-        for part, place, word in self._words():
+            self.fields[name] = sp.Function(name)(*self.variables.values())
+        for part, place, word in self.known.words():
             base = word.text.partition("_")[0]
-            unknown = self._is_derivative(word) or (word.kind == "name" and base in indexed)
+            unknown = self.known.is_derivative(word, self.names)
+            unknown |= word.kind == "name" and base in indexed
             if unknown and base not in self.fields:
                 raise part.error(f"expected a solution of the unknown {base}, got none", place)
             if word.kind == "name" and base in self.fields and part.label == "equation":
@@ -308,7 +291,7 @@ class _Reading:
             )
 
     def _check_unknown(self, part: TextPart, name: str) -> None:
-        if name in (*CONTINUOUS, SITE) or name in CONSTANTS or name in FUNCTIONS or "_" in name:
+        if name in self.known.reserved or name in CONSTANTS or name in FUNCTIONS or "_" in name:
             raise part.error(f"expected an unknown such as u, got {part.words[0]}")
         if name in self.names:
             raise part.error(f"expected an unknown, got the parameter {name}")

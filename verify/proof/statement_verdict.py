@@ -25,9 +25,11 @@ from verify.verdict import Outcome, ProofVerdict
 from . import prover
 from .balls import ball_value
 from .certificate_writer import Certificate
+from .complex_parameters import failing_values
 from .domain_signs import singularities
 from .domains import REAL, Domains
 from .samples import sample
+from .statement_latex import equations_latex, formulas_latex, scope_latex, statement_latex
 from .statement_problem import (
     all_domains,
     residual_of,
@@ -94,6 +96,9 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         if found[-1].outcome is Outcome.REFUTED:
             break
     verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
+    if statement.complexes and verdict.outcome is Outcome.UNDECIDED:
+        failing = failing_values(statement)
+        return verdict if failing is None else _refuted(statement, verdict, failing)
     divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
     if divisor is not None:
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
@@ -106,16 +111,29 @@ def _retyped(statement: Statement, number: int, verdict: ProofVerdict) -> ProofV
     certificate = verdict.certificate
     texts = statement.texts
     if texts is None or not isinstance(certificate, Certificate):
-        return verdict
+        return verdict if not (certificate and statement.complexes) else _only_real(verdict)
     if len(texts.equations) != len(statement.equations):
         return verdict  # a case of constants in which some equations hold by themselves
     one = replace(texts, equations=texts.equations[number - 1 : number])
+    reason = ""
     for made in (lambda: certificate.restated(one), lambda: typed_certificate(statement, number)):
-        with suppress(*NO_VERDICT):
+        try:
             typed = made()
             check_certificate(typed)
+        except NO_VERDICT as error:
+            reason = reason or str(error)
+        else:
             return replace(verdict, certificate=typed)
+    if statement.complexes:
+        return _only_real(verdict, reason)
     return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
+
+
+def _only_real(verdict: ProofVerdict, reason: str = "what was typed is not known") -> ProofVerdict:
+    """No verdict where the proof is one for real values of the complex parameters alone."""
+    return replace(
+        verdict, outcome=Outcome.UNDECIDED, detail=reason, certificate=None, residual=None
+    )
 
 
 def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
@@ -138,12 +156,16 @@ def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
     failing = typed.failure()
     if failing is None:
         return verdict
+    return _refuted(statement, verdict, {name: str(value) for name, value in failing.items()})
+
+
+def _refuted(
+    statement: Statement, verdict: StatementVerdict, failing: Mapping[str, str]
+) -> StatementVerdict:
+    """The verdict that what was typed fails at a point."""
     reason = "a ball around the residual of what was typed excludes 0"
-    return replace(
-        undecided(statement, reason, verdict.seconds),
-        outcome=Outcome.REFUTED,
-        witness={name: str(value) for name, value in failing.items()},
-    )
+    found = undecided(statement, reason, verdict.seconds)
+    return replace(found, outcome=Outcome.REFUTED, witness=failing)
 
 
 def _together(
@@ -218,7 +240,11 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
         return verdict
     domains = all_domains(statement, *statement.equations)
     if verdict.outcome is Outcome.PROVED:
-        return replace(verdict, assumptions=(_reading(domains), *verdict.assumptions[1:]))
+        words = _reading(domains, statement.complexes)
+        lines, places = (words, *verdict.assumptions[1:]), verdict.singularities
+        if names := ", ".join(statement.complexes):
+            places += (f"poles and branch points where {names} is not real",)
+        return replace(verdict, assumptions=lines, singularities=places)
     witness = dict(verdict.witness or {})
     known = {
         symbol: sp.Rational(witness[str(symbol)]) for symbol in domains if str(symbol) in witness
@@ -231,10 +257,12 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
     return verdict
 
 
-def _reading(domains: Domains) -> str:
-    names = ", ".join(sorted(map(str, domains)))
+def _reading(domains: Domains, complexes: Sequence[str]) -> str:
+    names = ", ".join(sorted({*map(str, domains)} - {*complexes}))
+    others = f"; complex {', '.join(sorted(complexes))}" if complexes else ""
     stated = [d.text(s) for s, d in domains.items() if d != REAL]
-    return f"for all real {names}{' with ' if stated else ''}{', '.join(stated)}, {SMOOTH}"
+    limits = f"{' with ' if stated else ''}{', '.join(stated)}"
+    return f"for all real {names}{others}{limits}, {SMOOTH}"
 
 
 def _as_it_is(statement: Statement, equation: sp.Expr) -> ProofVerdict:
@@ -305,13 +333,6 @@ def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> N
         raise ValueError(f"formulas must be defined at a witness, got {abbreviated(part)} at none")
 
 
-def statement_latex(statement: Statement) -> str:
-    """The statement in LaTeX: equations, formulas, and the domains that are not all numbers."""
-    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
-    words = rf"{_equations_latex(statement)} \quad\Leftarrow\quad {_formulas_latex(statement)}"
-    return words + (rf" \qquad ({domains})" if domains else "")
-
-
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
@@ -324,7 +345,7 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     \[ u_{x} - 1 = 0 \]
     for all real $x$ at which it is smooth.
     """
-    formulas, equations = _formulas_latex(statement), _equations_latex(statement)
+    formulas, equations = formulas_latex(statement), equations_latex(statement)
     if verdict.outcome is Outcome.UNDECIDED:
         return f"% {verdict.name}: UNDECIDED: {verdict.detail}"
     if verdict.outcome is Outcome.REFUTED:
@@ -337,52 +358,5 @@ def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     else:
         digests = ", ".join(rf"\texttt{{{c['digest'][:16]}}}" for c in verdict.certificates)
         heading = f"We verified (certificate {digests}) that"
-        verb, last = "satisfies", f"{_scope_latex(statement)} at which it is smooth."
+        verb, last = "satisfies", f"{scope_latex(statement)} at which it is smooth."
     return f"{heading}\n\\[ {formulas} \\]\n{verb}\n\\[ {equations} \\]\n{last}"
-
-
-def _scope_latex(statement: Statement) -> str:
-    formulas = (*statement.equations, *statement.solutions.values())
-    symbols = {s for formula in formulas for s in formula.free_symbols} | set(statement.variables)
-    names = ", ".join(sp.latex(symbol) for symbol in sorted(symbols, key=str))
-    domains = ", ".join(_domain_latex(symbol, d) for symbol, d in statement.domains.items())
-    return f"for all real ${names}$" + (f" with ${domains}$" if domains else "")
-
-
-def _equations_latex(statement: Statement) -> str:
-    return r",\quad ".join(f"{_latex(equation)} = 0" for equation in statement.equations)
-
-
-def _formulas_latex(statement: Statement) -> str:
-    pairs = statement.solutions.items()
-    return r",\quad ".join(f"{_latex(unknown)} = {_latex(f)}" for unknown, f in pairs)
-
-
-def _latex(expression: sp.Expr) -> str:
-    """An expression with jets as u_{xxt} and sites as q_{n+1}."""
-    jets = {d: sp.Symbol(_jet_latex(d.expr, d.variables)) for d in expression.atoms(sp.Derivative)}
-    plain = expression.xreplace(jets)
-    sites = {f: sp.Symbol(_jet_latex(f, ())) for f in plain.atoms(AppliedUndef)}
-    return sp.latex(plain.xreplace(sites))
-
-
-def _jet_latex(unknown: sp.Expr, variables: Sequence[sp.Symbol]) -> str:
-    if not isinstance(unknown, AppliedUndef):
-        return rf"\left({_latex(unknown)}\right)_{{{''.join(map(str, variables))}}}"
-    variables = sorted(variables, key=unknown.args.index)
-    index = "".join(str(a).replace(" ", "") for a in unknown.args if a.is_integer)
-    below = ", ".join(part for part in (index, "".join(map(str, variables))) if part)
-    name = sp.latex(sp.Symbol(unknown.func.__name__))
-    return f"{name}_{{{below}}}" if below else name
-
-
-def _domain_latex(symbol: sp.Symbol, domain: Any) -> str:
-    left = "" if domain.lower == -sp.oo else f"{sp.latex(domain.lower)} {_less(domain.lower_open)} "
-    right = "" if domain.upper == sp.oo else f" {_less(domain.upper_open)} {sp.latex(domain.upper)}"
-    found = f"{left}{sp.latex(symbol)}{right}"
-    found += r" \in \mathbb{Z}" if domain.integer and not (left or right) else ""
-    return rf"{sp.latex(symbol)} \ne 0" if domain.nonzero and not (left or right) else found
-
-
-def _less(is_open: bool) -> str:
-    return "<" if is_open else r"\le"

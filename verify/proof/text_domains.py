@@ -18,7 +18,7 @@ WORDS = {
     "negative": Domain(upper=sp.S.Zero),
     "nonzero": Domain(nonzero=True),
 }
-"""Domains in a word."""
+"""Domains in a word; `complex` is none, and stands alone."""
 
 
 @dataclass(frozen=True)

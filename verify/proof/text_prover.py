@@ -20,12 +20,14 @@ def prove(
     parameters: str = "",
     domain: str = "",
     solve: str = "",
+    variables: str = "",
     **options: Any,
 ) -> ProofVerdict:
     """Decide whether a formula solves an equation, both in text or both as SymPy objects.
 
     Texts are those of `verify.proof.statement_text`, with ``parameters``, ``domain`` and ``name``;
-    with ``solve``, names of parameters as in ``c, b``, the answer says for which values of these.
+    with ``solve``, names of parameters as in ``c, b``, the answer says for which values of these;
+    ``variables`` names the independent ones in the place of x, y, z and t, as in ``r, t``.
     SymPy objects and their options are those of `verify.proof.prover.prove`.
 
     Raises FormulaError for a text that cannot be read, and as `verify.proof.prover.prove` does.
@@ -39,10 +41,10 @@ def prove(
     """
     textual = [_is_text(equation), _is_text(solution)]
     if not any(textual):
-        if parameters or domain or solve:
+        if parameters or domain or solve or variables:
             raise ValueError(
-                "parameters, domain and solve must be left out with SymPy objects, got "
-                f"{parameters or domain or solve!r} (state the equation in text)"
+                "parameters, domain, solve and variables must be left out with SymPy objects, got "
+                f"{parameters or domain or solve or variables!r} (state the equation in text)"
             )
         return prover.prove(equation, solution, **options)
     if not all(textual):
@@ -53,10 +55,11 @@ def prove(
     wrong = sorted(options.keys() - {"name"})
     if wrong:
         raise TypeError(
-            f"options beside texts must be parameters, domain, solve and name, got {wrong[0]} "
-            "(say it in parameters)"
+            "options beside texts must be parameters, domain, solve, variables and name, "
+            f"got {wrong[0]} (say it in parameters)"
         )
-    return answer(read_statement(equation, solution, parameters, domain, solve=solve, **options))
+    texts = equation, solution, parameters, domain
+    return answer(read_statement(*texts, solve=solve, variables=variables, **options))
 
 
 def answer(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:

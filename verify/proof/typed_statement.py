@@ -45,6 +45,8 @@ class Statement:
     its formula.  ``domains`` has every variable and parameter that is not all real numbers;
     ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
     which the values are asked for, rather than taken as any.  ``texts`` are what was typed.
+    ``complexes`` are parameters that may have complex values; the symbols of all are real, and a
+    proof is one for complex values only if the checker accepts it for them.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Statement:
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
     texts: StatementTexts | None = field(default=None, compare=False)
+    complexes: tuple[str, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

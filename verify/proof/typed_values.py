@@ -19,6 +19,7 @@ from verify.studies.texts.text_statement import Letter, TextPoint, TextStatement
 
 from .domains import Domain, Domains
 from .samples import sample
+from .text_names import SITE
 from .typed_statement import StatementTexts
 
 POINTS = 4
@@ -49,6 +50,7 @@ class TypedValues:
                     texts.solutions,
                     tuple(Letter(name) for name in texts.variables),
                     definitions,
+                    derived=tuple(name for name in texts.variables if name != SITE),
                 )
             )
         except (ValueError, KeyError, IndexError):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+from flint import fmpq
+
 from verify.kernel.derivations import Slopes
 from verify.kernel.field import Field
 from verify.kernel.images import Hints
@@ -138,6 +140,20 @@ class TracedField(Field):
             if self.nodes.all[node][0] == "parity":
                 self.signs.note(Question("is_integer", (self.nodes.all[node][1],)))
         self.signs.keep(asked, self.purpose(node))
+
+    def is_kept(self, name: str, f: int, value: int) -> bool:
+        """Whether a value is principal by continuity, with the premise that it is."""
+        with self.signs.asked():
+            found = super().is_kept(name, f, value)
+        if found:
+            turn = self.nodes.made("pi")
+            shares = (0, 1) if name == "acos" else (fmpq(-1, 2), fmpq(1, 2))
+            low, high = (
+                self.nodes.made("Mul", self.nodes.made("number", fmpq(s)), turn) for s in shares
+            )
+            self.signs.note(Question("less", (low, value)))
+            self.signs.note(Question("less", (value, high)))
+        return found
 
     def derivative(self, element: Element, variable: int) -> Element:
         """The derivative of an element, for the script to take."""

@@ -1,0 +1,137 @@
+"""True statements that are PROVED, each with a near miss that is REFUTED."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from derive.algebra.formula_text import FormulaError
+from verify.kernel import check_certificate
+from verify.proof.statement_text import read_statement
+from verify.proof.text_prover import prove
+from verify.verdict import Outcome
+
+
+def outcome(equation: str, solution: str, **parts: str) -> str:
+    """The verdict on a statement, without the note that the certificate states another."""
+    verdict = prove(equation, solution, **parts)
+    assert not any("what SymPy reads" in line for line in verdict.assumptions)
+    return str(verdict.outcome)
+
+
+VARIABLES = [
+    ("u_tt - u_rr - 2*u_r/r", "u_tt - u_rr - u_r/r", "u = sin(r - t)/r", "r,t", ""),
+    ("s**2*u_ss + s*u_s - u", "s**2*u_ss + s*u_s + u", "u = s - 1/s", "s", "s>0"),
+    ("u_pp - u_qq", "u_pp + u_qq", "u = exp(-(p - q)**2)", "p, q", ""),
+    ("u_t - x*u_r", "u_t + x*u_r", "u = sin(r + x*t)", "t, r", ""),
+    ("diff(u[n], s) - u[n+1]", "diff(u[n], s) - u[n-1]", "u = 2**n*exp(2*s)", "s", ""),
+    ("u_rr", "u_rr - 1", "u = 2", "r, t", ""),
+]
+
+
+@pytest.mark.parametrize(("true", "false", "solution", "variables", "domain"), VARIABLES)
+def test_variables_are_those_that_are_named(
+    true: str, false: str, solution: str, variables: str, domain: str
+) -> None:
+    named = {"variables": variables, "domain": domain}
+    assert outcome(true, solution, **named) == Outcome.PROVED
+    assert outcome(false, solution, **named) == Outcome.REFUTED
+
+
+def test_letters_that_are_not_named_are_parameters() -> None:
+    statement = read_statement("u_r - x", "u = x*r", variables="r")
+    assert list(map(str, statement.variables)) == ["r"]
+
+
+@pytest.mark.parametrize(
+    ("variables", "column"), [("r t", 3), ("rho", 1), ("r, r", 4), ("I", 1), ("r,", 1), ("3", 1)]
+)
+def test_names_of_variables_are_different_letters(variables: str, column: int) -> None:
+    with pytest.raises(FormulaError, match=rf"variables: expected .* \(column {column}\)"):
+        read_statement("u_r", "u = 1", variables=variables)
+
+
+def test_a_variable_is_no_parameter() -> None:
+    with pytest.raises(FormulaError, match="the independent variable r"):
+        read_statement("u_r", "u = r", "r: r>0", variables="r")
+
+
+COMPLEX = [
+    ("u_t - c*u_xx", "u = exp(c*b**2*t + b*x)", "u = exp(c*b*t + b*x)"),
+    ("u_xx + c*u", "u = sin(sqrt(c)*x)", "u = sinh(sqrt(c)*x)"),
+    ("u_t + 6*u*u_x + u_xxx", "u = 2*c**2*sech(c*(x - 4*c**2*t))**2", "u = 2*c*sech(c*(x - t))**2"),
+    ("u_x - conjugate(u_x)", "u = x**2", "u = c*x"),
+    ("u_x - 2*c*u", "u = exp(2*c*x)", "u = abs(exp(c*x))**2"),
+    ("u_x - c", "u = c*x", "u = re(c)*x"),
+]
+
+
+@pytest.mark.parametrize(("equation", "true", "false"), COMPLEX)
+def test_parameters_may_be_complex(equation: str, true: str, false: str) -> None:
+    assert outcome(equation, true, parameters=complex_names(equation + true)) == Outcome.PROVED
+    assert outcome(equation, false, parameters=complex_names(equation + false)) == Outcome.REFUTED
+
+
+def complex_names(texts: str) -> str:
+    """The entries for b and c where they occur."""
+    found = re.findall(r"(?<!\w)[bc](?!\w)", texts)
+    return "; ".join(f"{name}: complex" for name in sorted({*found}))
+
+
+def test_what_holds_for_real_values_alone_is_refuted_at_a_complex_one() -> None:
+    real = prove("u - exp(2*c*x)", "u = abs(exp(c*x))**2")
+    verdict = prove("u - exp(2*c*x)", "u = abs(exp(c*x))**2", parameters="c: complex")
+    assert (real.outcome, verdict.outcome) == (Outcome.PROVED, Outcome.REFUTED)
+    assert "I" in (verdict.witness or {})["c"]
+
+
+def test_the_certificate_states_that_a_parameter_is_complex() -> None:
+    verdict = prove("u_t - c*u_xx", "u = exp(c*t + x)", parameters="c: complex")
+    assert verdict.certificate is not None
+    assert "complex c" in check_certificate(verdict.certificate)
+    assert verdict.assumptions[0].startswith("for all real t, x; complex c, ")
+    assert any("c is not real" in line for line in verdict.singularities)
+
+
+def test_a_complex_parameter_has_no_inequalities_and_is_not_solved_for() -> None:
+    for said, solve in (("c: complex, c>0", ""), ("c: complex", "a")):
+        with pytest.raises(FormulaError, match="complex"):
+            read_statement("u_x - a*c", "u = a*c*x", said, solve=solve)
+
+
+ANGLES = [
+    ("u - pi", "u = 16*atan(1/5) - 4*atan(1/239)", "u = 16*atan(1/5) - 4*atan(1/238)", ""),
+    ("u - pi/4", "u = atan(1/2) + atan(1/3)", "u = atan(1/2) + atan(1/4)", ""),
+    ("u - pi/2", "u = asin(x) + acos(x)", "u = asin(x) - acos(x)", "-1<x<1"),
+    ("u - pi/2", "u = asin(3/5) + asin(4/5)", "u = asin(3/5) + asin(3/4)", ""),
+    ("u - pi/2", "u = atan(x) + atan(1/x)", "u = atan(x) + atan(2/x)", "x>0"),
+    ("u + pi/2", "u = atan(x) + atan(1/x)", "u = atan(x) - atan(1/x)", "x<0"),
+    ("u - 2*atan(x)", "u = asin(2*x/(1 + x**2))", "u = asin(x/(1 + x**2))", "-1<x<1"),
+    ("u - 2*atan(x)", "u = acos((1 - x**2)/(1 + x**2))", "u = -acos((1 - x**2)/(1 + x**2))", "x>0"),
+    ("u - atan(x)", "u = atan((1 + x)/(1 - x)) - pi/4", "u = atan((1 + x)/(1 - x))", "x<1"),
+    ("u - atan(x)", "u = asin(x*(1 + x**2)**(-1/2))", "u = acos(x*(1 + x**2)**(-1/2))", ""),
+    (
+        "u - acos(x)",
+        "u = 2*atan(sqrt((1 - x)/(1 + x)))",
+        "u = atan(sqrt((1 - x)/(1 + x)))",
+        "-1<x<1",
+    ),
+    ("u - asin(tanh(x))", "u = 2*atan(tanh(x/2))", "u = 2*atan(tanh(x))", ""),
+    ("u - atan(sinh(x))", "u = 2*atan(exp(x)) - pi/2", "u = 2*atan(exp(x)) + pi/2", ""),
+    ("u - x", "u = acosh(cosh(x))", "u = acosh(cosh(2*x))", "x>0"),
+]
+
+
+@pytest.mark.parametrize(("equation", "true", "false", "domain"), ANGLES)
+def test_identities_of_inverse_functions(equation: str, true: str, false: str, domain: str) -> None:
+    assert outcome(equation, true, domain=domain) == Outcome.PROVED
+    assert outcome(equation, false, domain=domain) == Outcome.REFUTED
+
+
+def test_an_identity_of_angles_on_a_larger_domain_is_refuted() -> None:
+    sums = "atan(x) + atan(y) - atan((x + y)/(1 - x*y))"
+    assert outcome("u", f"u = {sums}", domain="0<x<1; 0<y<1") == Outcome.PROVED
+    assert outcome("u", f"u = {sums}", domain="0<x<2; 0<y<2") == Outcome.REFUTED
+    assert outcome("u", "u = asin(2*x/(1 + x**2)) - 2*atan(x)") == Outcome.REFUTED
+    assert outcome("u - pi/2", "u = atan(x) + atan(1/x)") == Outcome.REFUTED

@@ -1,0 +1,83 @@
+"""Inverse functions as sums of others: 4 atan(1/5) - atan(1/239) = pi/4, asin f = 2 atan g.
+
+Relations with small integers are guessed from values at a few points, by the reduction of a
+lattice; the checker decides whether they hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import sympy as sp
+from flint import acb, ctx, fmpz_mat
+
+from verify.subexpressions import distinct_nodes
+
+from .balls import ball_value
+from .domains import Point
+
+ARCS = (sp.atan, sp.asin)
+UNIT = sp.pi / 12
+"""What the constant in a relation is a multiple of."""
+
+BITS, SCALE = 400, 160
+"""Of the values, and of the integers in the lattice."""
+
+LARGEST, MOST, POINTS = 60, 8, 3
+"""Integer in a relation, functions in all relations, and points."""
+
+
+def angle_values(expressions: Iterable[sp.Expr], points: Sequence[Point]) -> dict[sp.Expr, sp.Expr]:
+    """Functions in the expressions with the sums of others that they seem to be.
+
+    >>> a, b = sp.atan(sp.Rational(1, 5)), sp.atan(sp.Rational(1, 239))
+    >>> angle_values([a + b], [{}])
+    {atan(1/239): -pi/4 + 4*atan(1/5)}
+    """
+    nodes = {node for e in expressions for node in distinct_nodes(e)}
+    arcs = {node for node in nodes if isinstance(node, ARCS)}
+    arcs |= {sp.asin(node.args[0]) for node in nodes if isinstance(node, sp.acos)}
+    left = sorted(
+        filter(_is_arc, arcs), key=lambda arc: (arc.count_ops(), sp.default_sort_key(arc))
+    )
+    found: dict[sp.Expr, sp.Expr] = {}
+    if not 1 < len(left) <= MOST:
+        return found
+    while (relation := _relation(left, points)) is not None:
+        pivot = max(i for i, n in enumerate(relation[:-1]) if abs(n) == 1)
+        factors = [-n * relation[pivot] for n in relation]
+        others = (n * arc for n, arc in zip(factors, left, strict=False) if arc != left[pivot])
+        found[left[pivot]] = sp.Add(*others, factors[-1] * UNIT)
+        del left[pivot]
+    return found
+
+
+def _is_arc(node: sp.Expr) -> bool:
+    return isinstance(node, ARCS)
+
+
+def _relation(arcs: Sequence[sp.Expr], points: Sequence[Point]) -> list[int] | None:
+    """Integers, one of them 1 or -1, with which the sum of arcs and of a unit seems to be 0."""
+    columns = [[_value(part, point) for part in (*arcs, UNIT)] for point in points[:POINTS]]
+    known = [[v for v in column if v is not None] for column in columns if None not in column]
+    size = len(arcs) + 1
+    with ctx.workprec(BITS):
+        scaled = [[int((v * 2**SCALE).real.mid().floor().unique_fmpz()) for v in c] for c in known]
+    table = [[int(i == j) for j in range(size)] + [c[i] for c in scaled] for i in range(size)]
+    for row in fmpz_mat(table).lll().table() if known else []:
+        integers = [int(n) for n in row[:size]]
+        if max(map(abs, integers)) > LARGEST or not any(abs(n) == 1 for n in integers[:-1]):
+            continue
+        with ctx.workprec(BITS):
+            products = [[n * v for n, v in zip(integers, c, strict=True)] for c in known]
+            if all(sum(terms, acb(0)).contains(0) for terms in products):
+                return integers
+    return None
+
+
+def _value(expression: sp.Expr, point: Point) -> acb | None:
+    try:
+        found = ball_value(expression, point, BITS)
+    except (ValueError, ZeroDivisionError):
+        return None
+    return found if found.is_finite() and found.imag.contains(0) else None
