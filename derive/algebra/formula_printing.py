@@ -12,6 +12,9 @@ from sympy.printing.str import StrPrinter
 class FormulaPrinter(StrPrinter):
     """SymPy's text, with derivatives as ``u_xx``, sites as ``q[n+1]`` and ``abs``."""
 
+    def _print_LambertW(self, node: sp.Expr) -> str:
+        return f"lambertw({self._print(node.args[0])})"
+
     def _print_Abs(self, node: sp.Expr) -> str:
         return f"abs({self._print(node.args[0])})"
 

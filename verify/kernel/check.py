@@ -140,7 +140,7 @@ class Denominators:
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
                 return not self._field.signs.is_clean(root)
-            case ("atan", inner):
+            case (("atan" | "lambertw"), inner):
                 return not self._field.signs.is_real(inner)
         return False
 

@@ -17,7 +17,7 @@ from .derivations import Derivation, Slopes
 from .functions import Functions
 from .images import Form, Generator, Images
 from .limits import CertificateError
-from .nodes import Balls, children, value_at
+from .nodes import SPECIAL, Balls, children, value_at
 from .ring import Element
 from .signs import BELOW_ONE
 
@@ -40,7 +40,7 @@ def solved(table: list[list[Element]]) -> list[Element]:
     return [row[-1] for row in table]
 
 
-FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan")
+FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan", *SPECIAL)
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
 """Functions that satisfy no polynomial relation of their own."""
 
@@ -78,9 +78,8 @@ class Field(Images):
                 self._algebraic(node, 2, -self.one)
             case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
                 self._algebraic(node, int(exponent.q), self.image(base))
-            case ("exp", z) if further.share_of_turn(self.nodes, z) is not None:
-                self._add(node, self._next, Generator(node))
-                further.relate_root_of_unity(self, node)
+            case ("exp", z) if (share := further.share_of_turn(self.nodes, z)) is not None:
+                self._algebraic(node, *further.cyclotomic_relation(self._next, share))
             case ("parity", z) if self.nodes.all[z][0::2] == ("symbol", "integer"):
                 self._algebraic(node, 2, self.one)
             case ("Abs", inner):

@@ -91,13 +91,19 @@ def angle_of(images: Images, z: int) -> int | None:
 
 
 def exponential(images: Images, z: int) -> Element:
-    """exp(sum n u) = product of exp(u)**n, with exp(q log f) = f**q."""
+    """exp(sum n u) = product of exp(u)**n; exp(q log f) = f**q, exp(W(f)) = f/W(f)."""
     nodes, result = images.nodes, images.one
+    root = further.power_of_root_of_unity(images, z)
+    if root is not None:
+        return root
     for coefficient, u in images.sum_of(nodes.made("exp", z)):
         inner = nodes.all[u]
         angle = angle_of(images, u)
         if inner[0] == "log":
             result = result * images.made("Pow", inner[1], coefficient)
+        elif inner[0] == "lambertw":
+            quotient = images.image(inner[1]) / images.image(u)
+            result = result * quotient ** integer_of(coefficient)
         elif angle is not None and nodes.all[angle] == ("pi",) and int(coefficient.q) in UNITY:
             first = images.image(axioms.read(nodes, UNITY[int(coefficient.q)]))
             result = result * first ** (int(coefficient.p) % (2 * int(coefficient.q)))
@@ -242,6 +248,8 @@ class Functions:
                 return further.power_of_negative(images, base, exponent)
             case ("parity", z):
                 return parity(images, z)
+            case ("erf", z) if (turned := further.opposite(images, node, z)) is not None:
+                return -turned
             case (name, z, m) if name.startswith("jacobi_"):
                 return self._jacobi(name.removeprefix("jacobi_"), z, m)
             case (name, *arguments) if name in DEFINITIONS:

@@ -112,25 +112,47 @@ def _negative(images: Images, node: int) -> int:
     return images.nodes.made("Mul", images.nodes.rational(-1), node)
 
 
+def opposite(images: Images, node: int, z: int) -> Element | None:
+    """The image of the same function of -z, if that is a generator."""
+    return images.known(images.nodes.made(images.nodes.all[node][0], _negative(images, z)))
+
+
 def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
-    """q if a node is i pi q, with a number q of small denominator; else None."""
-    match nodes.all[z]:
-        case ("Mul", *factors) if len(factors) in (2, 3):
-            names = sorted(nodes.all[factor][0] for factor in factors)
-            values = [value for f in factors if (value := nodes.value(f)) is not None]
-            if names in (["I", "pi"], ["I", "number", "pi"]):
-                share = values[0] if values else fmpq(1)
-                return share if share.q <= LARGEST_ORDER else None
+    """q if a node is a product i pi q, with a number q of small denominator; else None."""
+    share, names, waiting = fmpq(1), list[str](), [z]
+    while waiting:
+        match nodes.all[waiting.pop()]:
+            case ("Mul", *factors):
+                waiting += factors
+            case ("number", value):
+                share *= value
+            case ("Pow", base, exponent) if exponent == -1 and (below := nodes.value(base)):
+                share /= below
+            case (str(name),):
+                names.append(name)
+            case _:
+                return None
+    return share if sorted(names) == ["I", "pi"] and share.q <= LARGEST_ORDER else None
+
+
+def power_of_root_of_unity(images: Images, z: int) -> Element | None:
+    """exp(z) = exp(s)**m for a generator exp(s), if z = m s up to a multiple of 2 i pi."""
+    share = share_of_turn(images.nodes, z)
+    if share is None:
+        return None
+    for atom in images.atoms("exp"):
+        own = share_of_turn(images.nodes, images.nodes.all[atom][1])
+        if own is None:
+            continue
+        for times in range(2 * int(own.q)):
+            if ((times * own - share) / 2).q == 1:
+                return images.image(atom) ** times
     return None
 
 
-def relate_root_of_unity(images: Images, node: int) -> None:
-    """The last generator, exp(i pi q), is a root of a cyclotomic polynomial."""
-    share = share_of_turn(images.nodes, images.nodes.all[node][1])
-    assert share is not None
+def cyclotomic_relation(root: Element, share: fmpq) -> tuple[int, Element]:
+    """The degree of exp(i pi share), a root of unity, and that power of it in lower ones."""
     order = int(share.q) * (1 if share.p % 2 == 0 else 2)
-    place = len(images.generators) - 1
-    root = images.ring.generators[place]
     *lower, _ = [int(c) for c in fmpz_poly.cyclotomic(order).coeffs()]
-    value = sum((-c * root**n for n, c in enumerate(lower)), images.ring.context.constant(0))
-    images.ring.relate(place, len(lower), value)
+    terms = [root.ring.number(-c) * root**n for n, c in enumerate(lower) if c]
+    return len(lower), sum(terms[1:], terms[0])

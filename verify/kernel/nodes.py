@@ -30,8 +30,18 @@ ANALYTIC = (
 )
 """Functions of FLINT's balls by the same name."""
 
+SPECIAL: Mapping[str, Callable[[acb], acb]] = {
+    "erf": acb.erf,
+    "airyai": acb.airy_ai,
+    "airyaiprime": lambda z: z.airy_ai(derivative=1),
+    "airybi": acb.airy_bi,
+    "airybiprime": lambda z: z.airy_bi(derivative=1),
+    "lambertw": acb.lambertw,
+}
+"""Functions that are known by their differential equations alone, as balls."""
+
 ARITY = {
-    **dict.fromkeys((*ANALYTIC, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
+    **dict.fromkeys((*ANALYTIC, *SPECIAL, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
     "power": 2,
     **{f"jacobi_{name}": 2 for name in ELLIPTIC},
 }
@@ -162,6 +172,7 @@ BITS = 320
 
 BALL_FUNCTIONS: Mapping[str, Callable[[acb], acb]] = {
     **{name: getattr(acb, name) for name in ANALYTIC},
+    **SPECIAL,
     "conjugate": lambda z: acb(z.real, -z.imag),
     "re": lambda z: acb(z.real),
     "im": lambda z: acb(z.imag),

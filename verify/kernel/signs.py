@@ -29,6 +29,7 @@ REAL = (
     *ODD,
     *OF_REAL,
     *("tan", "cot", "sec", "csc", "jacobi_epsilon", "jacobi_zeta", "diff", "parity"),
+    *("airyai", "airyaiprime", "airybi", "airybiprime"),
 )
 """Real where their arguments are real."""
 
@@ -44,7 +45,7 @@ INVERSE: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
 UNBOUNDED = (
     *INVERSE,
     *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
-    *BELOW_ONE,
+    *("lambertw", *BELOW_ONE),
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
@@ -54,7 +55,10 @@ WITH_POLES = ("tanh", "sech", "atan")
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elliptic_e")
 """Analytic functions, besides those of Jacobi."""
 
-THROUGH = ("exp", *axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC)
+THROUGH = (
+    *("exp", "erf", "airyai", "airyaiprime", "airybi", "airybiprime"),
+    *(*axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC),
+)
 """Functions that take conjugates to conjugates."""
 
 HALF_PI = fmpq(15707963, 10**7)
@@ -146,7 +150,7 @@ class Signs:
             case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
                 needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
                 return Interval() if needs else OF_REAL[name]
-            case (("acos" | "acosh"), _):
+            case (("acos" | "acosh" | "lambertw"), _):
                 return Interval(fmpq(0))
             case (str(name), inner) if name in (*ODD, *INVERSE):
                 return self.interval(inner).side()
@@ -241,7 +245,7 @@ class Signs:
                 return True
             case ("Pow", base, exponent):
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
-            case ("log", inner):
+            case (("log" | "lambertw"), inner):
                 return self.not_negative(inner)
             case ("power", base, exponent):
                 return self.not_negative(base) and self.is_real(exponent)

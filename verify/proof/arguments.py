@@ -54,7 +54,7 @@ class Dependence:
 Vector = dict[sp.Expr, sp.Rational]
 
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
-KEPT = (sp.log, sp.atan, *INVERSE)
+KEPT = (sp.log, sp.atan, sp.LambertW, *INVERSE)
 """Functions that stay as they are written, as their exponentials are known."""
 
 TURN, UNITY = sp.I * sp.pi, (1, 2, 3, 4, 6)
@@ -142,9 +142,11 @@ def without_logarithms(exponent: sp.Expr) -> tuple[sp.Expr, Vector]:
 
 
 def _is_logarithm(term: sp.Expr, value: sp.Rational) -> bool:
-    """Whether the exponential of ``value * term`` is algebraic: of log f, i atan f or i pi."""
+    """Whether exp(value * term) is algebraic in others: of log f, W(f), i atan f or i pi."""
     is_phase = term.is_Mul and len(term.args) == 2 and term.has(sp.I)
     turned = is_phase and isinstance(term / sp.I, sp.atan) and value.is_Integer
+    if isinstance(term, sp.LambertW):
+        return bool(value.is_Integer)
     return bool(isinstance(term, sp.log) or turned or (term == TURN and value.q in UNITY))
 
 
@@ -291,6 +293,8 @@ class Arguments:
         seen.add(node)
         if isinstance(node, (sp.exp, *HYPERBOLIC)):
             self._exponents[self.exponent(node.args[0])[0]] = None
+        elif isinstance(node, sp.erf):
+            self._exponents[self.exponent(-(node.args[0] ** 2))[0]] = None
         elif isinstance(node, TRIGONOMETRIC):
             self._exponents[self.exponent(sp.I * node.args[0])[0]] = None
         elif isinstance(node, JacobiFunction):

@@ -114,12 +114,27 @@ QUOTIENTS = {
 }
 """Numerator and denominator."""
 
+SPECIAL = {
+    sp.erf: "erf",
+    sp.airyai: "airy_ai",
+    sp.airyaiprime: "airy_ai_prime",
+    sp.airybi: "airy_bi",
+    sp.airybiprime: "airy_bi_prime",
+    sp.LambertW: "lambertw",
+}
+"""FLINT's series."""
+
+ENTIRE = (sp.exp, sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime)
+BRANCH_OF_LAMBERT = fmpq(-36, 100)
+"""A little more than -1/e, where the cut of W begins."""
+
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
     sp.log: functions.logarithm,
     **{function: functions.periodic(function.__name__) for function in PERIODIC},
     sp.atan: functions.arctangent,
+    **{function: functions.special(name) for function, name in SPECIAL.items()},
     **{function: functions.inverse(function.__name__) for function in INVERSE},
 }
 
@@ -209,8 +224,10 @@ class BallEvaluator:
 
     @staticmethod
     def _touches_cut(node: sp.Expr, value: acb) -> bool:
-        if isinstance(node, sp.exp):
+        if isinstance(node, ENTIRE):
             return False
+        if isinstance(node, sp.LambertW):
+            return bool(value.imag.contains(0)) and not value.real > BRANCH_OF_LAMBERT
         if isinstance(node, sp.atan | sp.asinh):
             return bool(value.real.contains(0)) and not abs(value.imag) < 1
         if isinstance(node, sp.asin | sp.acos | sp.atanh):

@@ -28,12 +28,14 @@ FUNCTIONS: dict[str, type] = {
     function.__name__: function
     for function in (
         *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
+        *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime, sp.LambertW),
         *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,
         *(getattr(functions, name) for name in functions.__all__),
     )
 }
+RENAMED = {"LambertW": "lambertw"}
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
@@ -93,7 +95,7 @@ class NodeTable:
             raise ValueError(
                 f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
             )
-        return [name, *map(self.place, expression.args)]
+        return [RENAMED.get(name, name), *map(self.place, expression.args)]
 
     def _unknown(self, unknown: AppliedUndef) -> Node:
         for place, own in enumerate(self.unknowns):

@@ -286,6 +286,9 @@ RULES: dict[type, Callable[[ValueRange], ValueRange | None]] = {
     sp.cos: _half_wave,
     **dict.fromkeys((sp.tan, sp.cot, sp.sec, sp.csc), lambda _: REAL),
     sp.atan: lambda inner: _signed(inner, Fraction(2)),
+    sp.erf: lambda inner: _signed(inner, ONE),
+    **dict.fromkeys((sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime), lambda _: REAL),
+    sp.LambertW: lambda inner: _signed(inner) if inner.is_nonnegative else None,
     sp.asinh: _signed,
     sp.acosh: lambda inner: NONNEGATIVE if inner.lower >= 1 else None,
     sp.asin: lambda inner: _signed(inner, Fraction(2)) if inner.absolute().upper <= 1 else None,
@@ -345,6 +348,8 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
     if isinstance(node, HYPERBOLIC_POLES) and not signs.is_nonzero(node.args[0]):
         lines.append(f"pole where {_short(sp.sinh(node.args[0]))} = 0")
     if isinstance(node, sp.asin | sp.acos | sp.atanh | sp.acosh) and not _is_off_cuts(node, signs):
+        lines.append(f"branch point of {_short(node)}")
+    if isinstance(node, sp.LambertW) and not signs.is_nonnegative(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
         lines.append(f"branch point of {_short(node)}")

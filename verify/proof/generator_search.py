@@ -20,6 +20,13 @@ from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, visible
 
+AIRY = {
+    function: pair
+    for pair in ((sp.airyai, sp.airyaiprime), (sp.airybi, sp.airybiprime))
+    for function in pair
+}
+"""Each Airy function with those that make its derivatives."""
+
 
 class GeneratorSearch:
     """The generators and hints with which a checker can find the images of ``expressions``.
@@ -224,7 +231,15 @@ class GeneratorSearch:
         elif isinstance(node, sp.elliptic_k | sp.elliptic_e):
             self._elliptic.below_one(z)
             self._writer.atom(self._place(node))
-        elif isinstance(node, sp.log | sp.atan):
+        elif isinstance(node, sp.log | sp.atan | sp.LambertW):
+            self._writer.atom(self._place(node))
+        elif node.func in AIRY:
+            for function in AIRY[node.func]:
+                self._writer.atom(self._place(function(z)))
+        elif isinstance(node, sp.erf):
+            if self._moving:
+                self.need(sp.sqrt(sp.pi))
+                self.need(sp.exp(-(z**2)))
             self._writer.atom(self._place(node))
         elif isinstance(node, INVERSE):
             if isinstance(node, sp.asin | sp.acos):
@@ -276,6 +291,8 @@ class GeneratorSearch:
                 self.need(sp.I)
                 for part in (sp.cos(q * sp.pi), sp.sin(q * sp.pi)):
                     self.need(part)
+            elif isinstance(logarithm, sp.LambertW):
+                self.need(logarithm.args[0])
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)

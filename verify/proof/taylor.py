@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import factorial
 
-from flint import acb, fmpq
+from flint import acb, acb_series, fmpq
 
 from verify.kernel.jacobi_values import Jacobi
 
@@ -65,6 +65,16 @@ def logarithm(z: acb, order: int) -> Series:
         term = -term * inverse
         found.append(term / n)
     return found
+
+
+def special(name: str) -> Callable[[acb, int], Series]:
+    """A function by FLINT's series of the name."""
+
+    def taylor(z: acb, order: int) -> Series:
+        found = getattr(acb_series([z, 1], order + 1), name)()
+        return [found[n] for n in range(order + 1)]
+
+    return taylor
 
 
 def arctangent(z: acb, order: int) -> Series:

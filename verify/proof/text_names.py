@@ -29,10 +29,12 @@ _ONE = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
     *(sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch),
     *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
+    *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime),
     *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
 )
 FUNCTIONS = {
     "abs": (sp.Abs, 1),
+    "lambertw": (sp.LambertW, 1),
     **{function.__name__: (function, 1) for function in _ONE},
     **{name: (getattr(functions, name), 2) for name in functions.__all__},
 }

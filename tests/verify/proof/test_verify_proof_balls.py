@@ -61,5 +61,5 @@ def test_a_jet_is_made_of_the_derivatives(formula: sp.Expr) -> None:
 
 
 def test_an_unknown_function_is_an_error() -> None:
-    with pytest.raises(ValueError, match="must have ball arithmetic, got airyai"):
-        ball_value(sp.airyai(x), {x: sp.Rational(1, 2)}, 100)
+    with pytest.raises(ValueError, match="must have ball arithmetic, got gamma"):
+        ball_value(sp.gamma(x), {x: sp.Rational(1, 2)}, 100)

@@ -135,3 +135,72 @@ def test_an_identity_of_angles_on_a_larger_domain_is_refuted() -> None:
     assert outcome("u", f"u = {sums}", domain="0<x<2; 0<y<2") == Outcome.REFUTED
     assert outcome("u", "u = asin(2*x/(1 + x**2)) - 2*atan(x)") == Outcome.REFUTED
     assert outcome("u - pi/2", "u = atan(x) + atan(1/x)") == Outcome.REFUTED
+
+
+EXACT_VALUES = [
+    ("u[n+2] - a**2*u[n]", "u[n+1] - a*u[n]", "u[n] = (-a)**n", "a: a>0"),
+    ("u[n+1] + a*u[n]", "u[n+2] + a**2*u[n]", "u[n] = (-a)**n", "a: a>0"),
+    ("u[n+2] + u[n]", "u[n+2] - u[n]", "u[n] = cos(pi*n/2)", ""),
+    ("u[n+4] - u[n]", "u[n+3] - u[n]", "u[n] = sin(pi*n/2)", ""),
+    ("u - 1/2", "u - 1/3", "u = cos(pi/7) - cos(2*pi/7) + cos(3*pi/7)", ""),
+    (
+        "u - 1/2",
+        "u + 1/2",
+        "u = cos(pi/11) + cos(3*pi/11) + cos(5*pi/11) + cos(7*pi/11) + cos(9*pi/11)",
+        "",
+    ),
+    (
+        "u - jacobi_dn(x, m)",
+        "u + jacobi_dn(x, m)",
+        "u = sqrt(1 - m*jacobi_sn(x, m)**2)",
+        "m: 0<m<1",
+    ),
+    (
+        "u + jacobi_sn(x, m)",
+        "u - jacobi_sn(x, m)",
+        "u = jacobi_sn(x + 2*elliptic_k(m), m)",
+        "m: 0<m<1",
+    ),
+    (
+        "u - jacobi_cn(x, m)/jacobi_dn(x, m)",
+        "u - jacobi_dn(x, m)/jacobi_cn(x, m)",
+        "u = jacobi_sn(x + elliptic_k(m), m)",
+        "m: 0<m<1",
+    ),
+]
+
+
+@pytest.mark.parametrize(("true", "false", "solution", "parameters"), EXACT_VALUES)
+def test_powers_of_the_negative_roots_of_unity_and_quarter_periods(
+    true: str, false: str, solution: str, parameters: str
+) -> None:
+    assert outcome(true, solution, parameters=parameters) == Outcome.PROVED
+    assert outcome(false, solution, parameters=parameters) == Outcome.REFUTED
+
+
+SPECIAL = [
+    ("u_x - 2*exp(-x**2)/sqrt(pi)", "u_x - exp(-x**2)/sqrt(pi)", "u = erf(x)", ""),
+    ("u_t - u_xx", "u_t - 2*u_xx", "u = erf(x/(2*sqrt(t)))", "t>0"),
+    ("u + erf(x)", "u - erf(x)", "u = erf(-x)", ""),
+    ("abs(u) - u", "abs(u) + u", "u = 1 + erf(x)", ""),
+    ("conjugate(u) - u", "conjugate(u) + u", "u = airyai(x) + erf(x)", ""),
+    ("u_xx - x*u", "u_xx + x*u", "u = a*airyai(x) + b*airybi(x)", ""),
+    ("I*u_t + u_xx + x*u", "I*u_t + u_xx - x*u", "u = airyai(-x)", ""),
+    ("u_x - x*airybi(x)", "u_x - airybi(x)", "u = airybiprime(x)", ""),
+    ("u*exp(u) - x", "u*exp(2*u) - x", "u = lambertw(x)", "x>0"),
+    ("u_t + u*u_x", "u_t - u*u_x", "u = lambertw(t*exp(x))/t", "t>0"),
+]
+
+
+@pytest.mark.parametrize(("true", "false", "solution", "domain"), SPECIAL)
+def test_functions_that_are_known_by_their_differential_equations(
+    true: str, false: str, solution: str, domain: str
+) -> None:
+    assert outcome(true, solution, domain=domain) == Outcome.PROVED
+    assert outcome(false, solution, domain=domain) == Outcome.REFUTED
+
+
+def test_the_branch_of_lamberts_function_is_named() -> None:
+    verdict = prove("u_x*x*(1 + u) - u", "u = lambertw(x)")
+    assert verdict.singularities == ("branch point of LambertW(x)",)
+    assert outcome("u - x", "u = lambertw(x*exp(x))") == Outcome.REFUTED

@@ -131,7 +131,7 @@ def test_every_function_of_the_grammar_is_read() -> None:
         (("u_t", "u = k*x", "k: 0<k>1"), 4, "got signs both ways"),
         (("u_t", "u = k*x", "k: l>1"), 4, "expected a known name, got 'l'"),
         (("u_t", "u = k*x", "k: 1>0"), 4, "expected inequalities of k, as in 0<k<1"),
-        (("u_t", "u = k*x", "k: complex"), 4, "expected a known name, got 'complex'"),
+        (("u_t", "u = k*x", "k: whole"), 4, "expected a known name, got 'whole'"),
         (("u_t", "u = k*x", "k: I<k"), 4, "expected real bounds, got a complex one"),
         (("u_t", "u = k*x", "k > 0"), 3, "expected ': domain' or '= expression' behind k, got '>'"),
         (("u_t", "u = k*x", "k = k"), 5, "expected a known name, got 'k'"),
