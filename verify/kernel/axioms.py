@@ -1,7 +1,7 @@
 """What is taken for granted of each function: definitions, derivatives, addition theorems.
 
-The axioms are formulas, in the letters z, the first argument, and m, the second, and in the
-grammar of `reading`.  ``docs/trust.md`` says more of each.
+The axioms are formulas in the grammar of `reading`, in letters that stand for the arguments.
+``docs/trust.md`` says more of each.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .nodes import Nodes
+from .nodes import CYLINDER, Node, Nodes, children
 from .reading import Scope, formula
 
 HYPERBOLIC: Mapping[str, str] = {
@@ -72,8 +72,18 @@ SLOPES: Mapping[str, str] = {
     "jacobi_epsilon": "jacobi_dn(z, m)**2",
     "jacobi_zeta": "jacobi_dn(z, m)**2 - elliptic_e(m)/elliptic_k(m)",
     "jacobi_theta": "jacobi_theta(z, m)*jacobi_zeta(z, m)",
+    "weierstrass_p": "weierstrass_p_prime(z, g, h)",
+    "weierstrass_p_prime": "6*weierstrass_p(z, g, h)**2 - g/2",
+    **{name: f"v/z*{name}(v, z) + ({up})*{name}(v + 1, z)" for name, (up, _) in CYLINDER.items()},
 }
-"""Derivatives in z."""
+"""Derivatives in z, all other arguments being constant."""
+
+LETTERS: Mapping[str, str] = {
+    **dict.fromkeys(CYLINDER, "vz"),
+    **dict.fromkeys(("weierstrass_p", "weierstrass_p_prime"), "zgh"),
+    **dict.fromkeys(("elliptic_k", "elliptic_e"), "m"),
+}
+"""The letters of the arguments, where they are not z and m."""
 
 SQUARES: Mapping[tuple[str, str], str] = {
     ("jacobi_sn", "jacobi_cn"): "1 - jacobi_cn(z, m)**2",
@@ -82,8 +92,15 @@ SQUARES: Mapping[tuple[str, str], str] = {
     ("jacobi_cn", "jacobi_dn"): "1 - (1 - jacobi_dn(z, m)**2)/m",
     ("jacobi_dn", "jacobi_sn"): "1 - m*jacobi_sn(z, m)**2",
     ("jacobi_dn", "jacobi_cn"): "1 - m + m*jacobi_cn(z, m)**2",
+    ("weierstrass_p_prime", "weierstrass_p"): (
+        "4*weierstrass_p(z, g, h)**3 - g*weierstrass_p(z, g, h) - h"
+    ),
 }
-"""The square of one Jacobi function in another of the same argument."""
+"""The square of one function in another of the same arguments."""
+
+EVEN = ("weierstrass_p", "jacobi_theta_2", "jacobi_theta_3", "jacobi_theta_4")
+ODD = ("erf", "weierstrass_p_prime", "jacobi_theta_1")
+"""Functions of which the value at -z follows."""
 
 PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
 """exp(2 i atan z) and exp(i atan z)."""
@@ -112,6 +129,11 @@ def read(nodes: Nodes, text: str, **letters: int) -> int:
 def defined(nodes: Nodes, name: str, z: int, m: int = 0) -> int:
     """The node that a function is by definition."""
     return read(nodes, DEFINITIONS[name], z=z, m=m)
+
+
+def letters(node: Node) -> dict[str, int]:
+    """The arguments of a function by their letters."""
+    return dict(zip(LETTERS.get(node[0], "zm"), children(node), strict=False))
 
 
 Value = Any

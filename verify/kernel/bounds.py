@@ -148,7 +148,7 @@ POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
 
 OF_REAL = {
     **dict.fromkeys(("sin", "cos", "jacobi_sn", "jacobi_cn"), UNIT),
-    **dict.fromkeys(("exp", "jacobi_dn", "jacobi_theta"), POSITIVE),
+    **dict.fromkeys(("exp", "jacobi_dn", "jacobi_theta", "bessel_k"), POSITIVE),
     "erf": Interval(fmpq(-1), fmpq(1), True, True),
     "tanh": Interval(fmpq(-1), fmpq(1), True, True),
     "sech": Interval(fmpq(0), fmpq(1), True),

@@ -31,7 +31,7 @@ from .limits import (
     digest,
     within,
 )
-from .nodes import BITS, Balls, Nodes, excludes_zero, listed, number
+from .nodes import BITS, CYLINDER, Balls, Nodes, excludes_zero, listed, number
 from .reading import formula
 from .signs import INVERSE
 from .statement import Statement, read_statement, statement_text
@@ -95,7 +95,7 @@ class Denominators:
         """Raise CertificateError if ``factor`` is not shown to differ from 0."""
         generators = self._generators(factor)
         within_them = self._field.nodes.below([node for g in generators for node in g.nodes])
-        nodes = [node for node in within_them if not self._is_constant(node)]
+        nodes = [node for node in within_them if not self._field.nodes.is_constant(node)]
         turning = [node for node in nodes if self._turns(node)]
         if turning and any(self._jumps(node) for node in nodes):
             raise CertificateError("a denominator has both a root and a logarithm that may jump")
@@ -121,9 +121,6 @@ class Denominators:
                 self._values[turns] = self._field.balls(balls or Balls(self._field.nodes, point))
         return self._values[turns]
 
-    def _is_constant(self, node: int) -> bool:
-        return all(self._field.nodes.all[n][0] != "symbol" for n in self._field.nodes.below([node]))
-
     def _turns(self, node: int) -> bool:
         """Whether a function may have another branch in another part of the domain."""
         match self._field.nodes.all[node]:
@@ -140,6 +137,8 @@ class Denominators:
             case ("log", inner):
                 root = self._field.nodes.made("Pow", inner, fmpq(1, 2))
                 return not self._field.signs.is_clean(root)
+            case (str(name), *_) if name in CYLINDER:
+                return not self._field.signs.is_real(node)
             case (("atan" | "lambertw"), inner):
                 return not self._field.signs.is_real(inner)
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from flint import fmpq_mpoly
 
@@ -124,13 +125,23 @@ class Slopes:
             case ("Abs", f):
                 rate = self.derivative(images.squared(f), variable)
                 return images.zero if rate.is_zero else rate / (image + image)
-            case (str(name), z, *m) if name in SLOPES:
-                rate = self._rate(z, variable)
+            case ("jet", z, *nome, (name, order)):
+                slope = self._times(self._rate(z, variable), "jet", z, *nome, (name, order + 1))
+                for q in nome:  # the heat equation
+                    turn = self._rate(q, variable) / (images.ring.number(-4) * images.image(q))
+                    slope = slope + self._times(turn, "jet", z, q, (name, order + 2))
+                return slope
+            case (str(name), *_) if name in SLOPES:
+                letters = axioms.letters(images.nodes.all[node])
+                rate = self._rate(letters["z"], variable)
                 if rate.is_zero:
                     return images.zero
-                letters = {"z": z, "m": m[0] if m else z}
                 return rate * images.image(axioms.read(images.nodes, SLOPES[name], **letters))
         raise CertificateError("the derivative of a generator does not follow from the axioms")
+
+    def _times(self, rate: Element, *node: Any) -> Element:
+        """A rate times the image of a node, which is not asked for if the rate is 0."""
+        return rate if rate.is_zero else rate * self._images.made(*node)
 
     def _rate(self, node: int, variable: int) -> Element:
         """The derivative of a formula, by its structure."""

@@ -19,7 +19,6 @@ from .images import Form, Generator, Images
 from .limits import CertificateError
 from .nodes import SPECIAL, Balls, children, value_at
 from .ring import Element
-from .signs import BELOW_ONE
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
@@ -40,7 +39,7 @@ def solved(table: list[list[Element]]) -> list[Element]:
     return [row[-1] for row in table]
 
 
-FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan", *SPECIAL)
+FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan", *SPECIAL, "jet")
 FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
 """Functions that satisfy no polynomial relation of their own."""
 
@@ -84,14 +83,10 @@ class Field(Images):
                 self._algebraic(node, 2, self.one)
             case ("Abs", inner):
                 self._algebraic(node, 2, self.squared(inner))
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m):
-                self._register_jacobi(node, z, m)
-            case (str(name), z, m) if name in FREE_JACOBI:
-                self._functions.need_parameter(name, m)
-                self._add(node, self._next, Generator(node))
-            case (str(name), *_) if name in FREE:
-                if name in ("elliptic_k", "elliptic_e"):
-                    self._functions.need_parameter(name, self.nodes.all[node][1])
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn" | "weierstrass_p_prime", *_):
+                self._register_related(node)
+            case (str(name), *_) if name in (*FREE, *FREE_JACOBI):
+                self._functions.need_parameters(node)
                 self._add(node, self._next, Generator(node))
             case (name, *_):
                 raise CertificateError(f"{name} is no generator")
@@ -99,8 +94,8 @@ class Field(Images):
     def register_scaled(self, node: int, scale: int) -> None:
         """The next generator stands for ``scale`` times a Jacobi function."""
         match self.nodes.all[node]:
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", z, m) if self.signs.is_clean(scale):
-                self._register_jacobi(node, z, m, self.image(scale))
+            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", *_) if self.signs.is_clean(scale):
+                self._register_related(node, self.image(scale))
             case _:
                 raise CertificateError("what is scaled must be a Jacobi function")
 
@@ -118,7 +113,7 @@ class Field(Images):
         for theta in (node, below):
             if self.nodes.all[theta][0] != "jacobi_theta":
                 raise CertificateError("a quotient must be of theta functions")
-            self._functions.need_parameter("jacobi_theta", self.nodes.all[theta][2])
+            self._functions.need_parameters(theta)
         self._add(node, self._next * self.image(below), Generator(node, below=below))
 
     def register_forms(self, primitives: Sequence[int], rows: Sequence[Form]) -> None:
@@ -130,8 +125,7 @@ class Field(Images):
             name = self.nodes.all[node][0]
             if node in self._images or (name not in FREE and name not in FREE_JACOBI):
                 raise CertificateError(f"a {name} cannot be in a linear form, or is known")
-            if name in FREE_JACOBI or name in BELOW_ONE:
-                self._functions.need_parameter(name, self.nodes.all[node][-1])
+            self._functions.need_parameters(node)
         places = range(len(self.generators), len(self.generators) + len(rows))
         table = []
         for place, (factors, shift) in zip(places, rows, strict=True):
@@ -160,13 +154,9 @@ class Field(Images):
         """The derivative of an element, of which all generators' slopes follow from the axioms."""
         known, derivation = self._derivations.get(variable, (frozenset[int](), None))
         if derivation is None or not element.places <= known:
-            slopes = {place: self.slope(place, variable) for place in known}
-            images = [element]
-            while new := {place for image in images for place in image.places} - slopes.keys():
-                slopes |= {place: self.slope(place, variable) for place in new}
-                images = [slopes[place] for place in new]
-            derivation = Derivation(self.ring, slopes)
-            self._derivations[variable] = frozenset(slopes), derivation
+            known |= element.places
+            derivation = Derivation(self.ring, {p: self.slope(p, variable) for p in known})
+            self._derivations[variable] = known, derivation
         return derivation(element)
 
     def balls(self, balls: Balls) -> list[acb]:
@@ -220,11 +210,13 @@ class Field(Images):
         else:
             self._add(node, self._next / Element(self.ring, scale), Generator(node, scale=scale))
 
-    def _register_jacobi(self, node: int, z: int, m: int, scale: Element | None = None) -> None:
-        self._functions.need_parameter(self.nodes.all[node][0], m)
+    def _register_related(self, node: int, scale: Element | None = None) -> None:
+        self._functions.need_parameters(node)
+        own, *rest = self.nodes.all[node]
         for (name, other), text in axioms.SQUARES.items():
-            if name == self.nodes.all[node][0] and self.nodes.made(other, z, m) in self._images:
-                square = self.image(axioms.read(self.nodes, text, z=z, m=m))
+            if name == own and self.nodes.made(other, *rest) in self._images:
+                letters = axioms.letters(self.nodes.all[node])
+                square = self.image(axioms.read(self.nodes, text, **letters))
                 self._algebraic(node, 2, square, scale)
                 return
         self._add_scaled(node, _whole(scale or self.one))

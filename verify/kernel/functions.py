@@ -14,6 +14,7 @@ from . import axioms, further
 from .axioms import DEFINITIONS, UNITY, Station
 from .images import Images, integer_of
 from .limits import CertificateError
+from .nodes import CYLINDER
 from .ring import Element
 from .signs import BELOW_ONE, HALF_PI
 
@@ -204,6 +205,10 @@ def parity(images: Images, z: int) -> Element:
     raise CertificateError("a power of -1 must be to a sum of integers")
 
 
+ABOVE_ZERO = ("jacobi_theta", "jacobi_eta", "jet")
+"""Functions whose parameter, or nome, must be greater than 0."""
+
+
 class Functions:
     """Images of roots and functions, of generators or of what follows from them."""
 
@@ -211,14 +216,15 @@ class Functions:
         self._images = images
         self._stations: dict[tuple[int, int, str], Station] = {}
 
-    def need_parameter(self, name: str, m: int) -> None:
-        """Elliptic functions have a constant parameter; K and what is made with it, one below 1."""
-        images = self._images
-        if images.moves(m):
-            raise CertificateError("the parameter m of an elliptic function must be constant")
-        if name in BELOW_ONE and not images.signs.below_one(m):
+    def need_parameters(self, node: int) -> None:
+        """All arguments but z are constant, or a nome; m and a nome are in their range."""
+        images, name = self._images, self._images.nodes.all[node][0]
+        rest = [u for letter, u in axioms.letters(images.nodes.all[node]).items() if letter != "z"]
+        if name != "jet" and any(map(images.moves, rest)):
+            raise CertificateError(f"the parameters of {name} must be constant")
+        if name in (*BELOW_ONE, "jet") and not all(map(images.signs.below_one, rest)):
             raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
-        if name in ("jacobi_theta", "jacobi_eta") and not images.signs.positive(m):
+        if name in ABOVE_ZERO and not all(map(images.signs.positive, rest)):
             raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
 
     def value(self, node: int) -> Element:
@@ -248,9 +254,12 @@ class Functions:
                 return further.power_of_negative(images, base, exponent)
             case ("parity", z):
                 return parity(images, z)
-            case ("erf", z) if (turned := further.opposite(images, node, z)) is not None:
-                return -turned
+            case (str(name), v, z) if name in CYLINDER:
+                return further.cylinder(images, name, v, z)
+            case _ if (turned := further.opposite(images, node)) is not None:
+                return turned
             case (name, z, m) if name.startswith("jacobi_"):
+                self.need_parameters(node)
                 return self._jacobi(name.removeprefix("jacobi_"), z, m)
             case (name, *arguments) if name in DEFINITIONS:
                 return images.image(axioms.defined(images.nodes, name, *arguments))
@@ -259,7 +268,6 @@ class Functions:
     def _jacobi(self, name: str, z: int, m: int) -> Element:
         """A Jacobi function, by the addition theorems."""
         images = self._images
-        self.need_parameter(f"jacobi_{name}", m)
         if name == "theta":
             return self._theta(z, m)
         if name == "eta" or (name == "zeta" and not images.atoms("jacobi_zeta")):

@@ -15,8 +15,10 @@ from collections.abc import Mapping
 
 from flint import fmpq, fmpz_poly
 
-from .images import Images
-from .nodes import Balls, Nodes
+from . import axioms
+from .images import Images, integer_of
+from .limits import CertificateError
+from .nodes import CYLINDER, Balls, Nodes
 from .ring import Element
 from .signs import HALF_PI
 
@@ -112,9 +114,37 @@ def _negative(images: Images, node: int) -> int:
     return images.nodes.made("Mul", images.nodes.rational(-1), node)
 
 
-def opposite(images: Images, node: int, z: int) -> Element | None:
-    """The image of the same function of -z, if that is a generator."""
-    return images.known(images.nodes.made(images.nodes.all[node][0], _negative(images, z)))
+def opposite(images: Images, node: int) -> Element | None:
+    """The image of an even or odd function, if the same one of -z is a generator."""
+    name, z, *rest = images.nodes.all[node]
+    own, order = rest[-1] if name == "jet" else (name, 0)
+    if own not in (*axioms.EVEN, *axioms.ODD):
+        return None
+    found = images.known(images.nodes.made(name, _negative(images, z), *rest))
+    return found if found is None or (own in axioms.EVEN) == (order % 2 == 0) else -found
+
+
+def cylinder(images: Images, name: str, order: int, z: int) -> Element:
+    """A Bessel function, from those of the orders v and v + 1 that are generators."""
+    up, down = map(images.ring.number, CYLINDER[name])
+    two, w = images.ring.number(2), images.image(z)
+    for atom in images.atoms(name):
+        _, v, other = images.nodes.all[atom]
+        gap = images.image(order) - images.image(v)
+        if gap.powers or not gap.numerator.is_constant() or not images.equal(z, other):
+            continue
+        steps = integer_of(gap.numerator.leading_coefficient())
+        higher = images.made(name, images.nodes.made("Add", v, images.nodes.rational(1)), z)
+        lower, v = images.image(atom), images.image(v)
+        for _ in range(abs(steps)):
+            if steps > 0:
+                v = v + images.one
+                lower, higher = higher, up * (down * lower - two * v / w * higher)
+            else:
+                lower, higher = down * (up * higher + two * v / w * lower), lower
+                v = v - images.one
+        return lower
+    raise CertificateError(f"there is no generator for a {name}")
 
 
 def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:

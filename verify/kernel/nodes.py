@@ -3,7 +3,8 @@
 A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol", name, kind)`` with
 the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
 ``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("diff", node,
-*variables)`` is a derivative; all others are functions of nodes that stand earlier.  `Balls`
+*variables)`` is a derivative; ``("jet", z, ..., (name, order))`` is a derivative in z of a function
+of which all derivatives are free; all others are functions of nodes that stand earlier.  `Balls`
 encloses their values at a rational point (FLINT's arb and acb).
 """
 
@@ -15,13 +16,14 @@ from functools import reduce
 from operator import add, mul
 from typing import Any
 
-from flint import acb, arb, ctx, fmpq, fmpq_mpoly
+from flint import acb, acb_series, arb, ctx, fmpq, fmpq_mpoly
 
 from .jacobi_values import Jacobi
 from .limits import DEPTH, DIGITS, NODES, CertificateError, within
+from .weierstrass_values import weierstrass
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
-KINDS = ("real", "integer", "complex")
+KINDS = ("real", "integer", "complex", "function")
 
 ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
 ANALYTIC = (
@@ -30,18 +32,37 @@ ANALYTIC = (
 )
 """Functions of FLINT's balls by the same name."""
 
-SPECIAL: Mapping[str, Callable[[acb], acb]] = {
+CYLINDER: Mapping[str, tuple[int, int]] = {
+    "bessel_j": (-1, 1),
+    "bessel_y": (-1, 1),
+    "bessel_i": (1, 1),
+    "bessel_k": (-1, -1),
+}
+"""Bessel functions C of order v, with a and b in C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
+
+THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
+"""Theta functions of z and the nome q, 0 < q < 1."""
+
+SPECIAL: Mapping[str, Callable[..., acb]] = {
     "erf": acb.erf,
     "airyai": acb.airy_ai,
     "airyaiprime": lambda z: z.airy_ai(derivative=1),
     "airybi": acb.airy_bi,
     "airybiprime": lambda z: z.airy_bi(derivative=1),
     "lambertw": acb.lambertw,
+    "bessel_j": lambda v, z: z.bessel_j(v),
+    "bessel_y": lambda v, z: z.bessel_y(v),
+    "bessel_i": lambda v, z: z.bessel_i(v),
+    "bessel_k": lambda v, z: z.bessel_k(v),
+    "weierstrass_p": lambda *z: weierstrass(*z)[0],
+    "weierstrass_p_prime": lambda *z: weierstrass(*z)[1],
 }
 """Functions that are known by their differential equations alone, as balls."""
 
 ARITY = {
     **dict.fromkeys((*ANALYTIC, *SPECIAL, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
+    **dict.fromkeys(CYLINDER, 2),
+    **dict.fromkeys(("weierstrass_p", "weierstrass_p_prime"), 3),
     "power": 2,
     **{f"jacobi_{name}": 2 for name in ELLIPTIC},
 }
@@ -126,6 +147,10 @@ class Nodes:
         found = self.all[node]
         return found[1] if found[0] == "number" else None
 
+    def is_constant(self, node: int) -> bool:
+        """Whether a node has no symbols and no functions of free derivatives."""
+        return all(self.all[inner][0] not in ("symbol", "jet") for inner in self.below([node]))
+
     def is_integer(self, node: int) -> bool:
         """Whether a node is evidently an integer at every point."""
         match self.all[node]:
@@ -146,7 +171,7 @@ class Nodes:
         if not inner:
             return node
         moved = map(images, inner)
-        return self.made(name, *moved, *(rest[1:] if name in ("Pow", "diff") else ()))
+        return self.made(name, *moved, *rest[len(inner) :])
 
     def below(self, roots: Sequence[int]) -> Iterator[int]:
         """The nodes in ``roots``, each once, arguments first."""
@@ -162,15 +187,17 @@ def children(node: Node) -> tuple[int, ...]:
     match node[0]:
         case "number" | "symbol" | "I" | "pi" | "unknown":
             return ()
-        case "Pow" | "diff":
+        case "diff":
             return (node[1],)
+        case "Pow" | "jet":
+            return node[1:-1]
     return node[1:]
 
 
 BITS = 320
 """Precision of balls: they only show that something is not 0."""
 
-BALL_FUNCTIONS: Mapping[str, Callable[[acb], acb]] = {
+BALL_FUNCTIONS: Mapping[str, Callable[..., acb]] = {
     **{name: getattr(acb, name) for name in ANALYTIC},
     **SPECIAL,
     "conjugate": lambda z: acb(z.real, -z.imag),
@@ -223,14 +250,28 @@ class Balls:
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case ("sign", inner):
                 return known[inner] / acb(abs(known[inner]))
-            case (str(name), inner) if name in BALL_FUNCTIONS:
-                return BALL_FUNCTIONS[name](known[inner])
+            case ("jet", *inner, (name, order)):
+                return jet(name, order, *(known[place] for place in inner))
+            case (str(name), *inner) if name in BALL_FUNCTIONS:
+                return BALL_FUNCTIONS[name](*(known[place] for place in inner))
         raise CertificateError("a node has no value")
 
     def _parameter(self, m: int) -> Jacobi:
         if m not in self._elliptic:
             self._elliptic[m] = Jacobi(self._found[m])
         return self._elliptic[m]
+
+
+def jet(name: str, order: int, z: acb, *nome: acb) -> acb:
+    """A derivative of a theta function, or, for any function of the name, of one that is generic.
+
+    That is 1/gamma beside a number made of its name, which satisfies no differential equation.
+    """
+    if nome:
+        tau = nome[0].log() / (acb(0, 1) * acb.pi())
+        return (z / acb.pi()).modular_theta(tau, order)[THETA.index(name)] / acb.pi() ** order
+    place = acb(arb(fmpq(sum(map(ord, name)) % 89, 97)))
+    return acb_series([z + place, 1], order + 1).rgamma()[order] * acb(order + 1).gamma()
 
 
 def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:

@@ -4,7 +4,8 @@
     sign     -... power                      power    atom (** sign)?
     atom     number, name, function(sum, ...), unknown[index, ...], #place, (sum)
 
-``a/b`` is ``a*b**(-1)`` and ``-a`` is ``(-1)*a``; brackets keep sums and products apart.
+``a/b`` is ``a*b**(-1)`` and ``-a`` is ``(-1)*a``; brackets keep sums and products apart; ``f'(z)``
+is the derivative of an arbitrary function, or of a theta function in its first argument.
 """
 
 from __future__ import annotations
@@ -16,19 +17,19 @@ from dataclasses import dataclass, field
 from flint import fmpq
 
 from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
-from .nodes import ARITY, Nodes
+from .nodes import ARITY, THETA, Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]+)"
-    r"|(?P<sign>\*\*|<=|>=|!=|[-+*/()\[\]<>=,:])",
+    r"|(?P<sign>\*\*|<=|>=|!=|[-+*/()\[\]<>=,:'])",
     re.ASCII,
 )
 
 FUNCTIONS = {name.lower(): name for name in ARITY if name not in ("parity", "power")}
 """The name in a text and that of the node."""
 
-RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS}
+RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS, *THETA}
 """Names that mean something everywhere."""
 
 
@@ -49,15 +50,19 @@ class Scope:
         """The node that a name means; raises CertificateError where it means none."""
         if name in self.unknowns:
             return self.unknown(name, (0,) * len(self.variables))
-        if name in self.known:
+        if name in self.known and not self.is_function(name):
             return self.known[name]
-        if name in RESERVED or name in self.pending:
+        if name in RESERVED or name in self.pending or name in self.known:
             raise CertificateError(f"the name {name} has no meaning at this place")
         base, _, steps = name.partition("_")
         if steps and base in self.unknowns:
             return self._derivative(base, steps)
         self._refuse_likeness(name)
         return self.declare(name, "real")
+
+    def is_function(self, name: str) -> bool:
+        """Whether a name means an arbitrary function."""
+        return self.nodes.all[self.known[name]][::2] == ("symbol", "function")
 
     def declare(self, name: str, kind: str) -> int:
         """A new symbol."""
@@ -255,7 +260,7 @@ class TextReader:
                 found = self.sum()
                 self.expect(")")
                 return found
-            case "name" if self.next == "(":
+            case "name" if self.next in ("(", "'"):
                 return self._function(word)
             case "name" if self.next == "[" and word in self._scope.unknowns:
                 return self._unknown(word)
@@ -274,7 +279,18 @@ class TextReader:
         return found
 
     def _function(self, name: str) -> int:
+        order = 0
+        while self.take("'"):
+            order = within("the order of a derivative", order + 1, 2 * ORDER)
+        if self.next != "(":
+            raise CertificateError(f"expected (, got {self.next[:40]!a}")
         arguments = self._listed(")")
+        if name in THETA or (name in self._scope.known and self._scope.is_function(name)):
+            if len(arguments) == (2 if name in THETA else 1):
+                return self._nodes.made("jet", *arguments, (name, order))
+            order = 1
+        if order:
+            raise CertificateError(f"no function with derivatives is called {name[:40]}")
         if name == "diff" and 1 < len(arguments) <= ORDER + 1:
             inner, *variables = arguments
             if not set(variables) <= set(self._scope.variables):

@@ -16,7 +16,7 @@ from flint import fmpq
 from . import axioms
 from .bounds import OF_REAL, POSITIVE, UNIT, Interval, of_constant, stated
 from .limits import CertificateError
-from .nodes import Balls, Nodes
+from .nodes import CYLINDER, Balls, Nodes
 from .ring import Element
 
 BELOW_ONE = ("elliptic_k", "elliptic_e", "jacobi_zeta", "jacobi_theta", "jacobi_eta")
@@ -29,7 +29,7 @@ REAL = (
     *ODD,
     *OF_REAL,
     *("tan", "cot", "sec", "csc", "jacobi_epsilon", "jacobi_zeta", "diff", "parity"),
-    *("airyai", "airyaiprime", "airybi", "airybiprime"),
+    *("airyai", "airyaiprime", "airybi", "airybiprime", "weierstrass_p", "weierstrass_p_prime"),
 )
 """Real where their arguments are real."""
 
@@ -45,7 +45,7 @@ INVERSE: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
 UNBOUNDED = (
     *INVERSE,
     *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
-    *("lambertw", *BELOW_ONE),
+    *("lambertw", "weierstrass_p", "weierstrass_p_prime", *CYLINDER, *BELOW_ONE),
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
@@ -57,6 +57,7 @@ CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elli
 
 THROUGH = (
     *("exp", "erf", "airyai", "airyaiprime", "airybi", "airybiprime"),
+    *("weierstrass_p", "weierstrass_p_prime"),
     *(*axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC),
 )
 """Functions that take conjugates to conjugates."""
@@ -126,7 +127,7 @@ class Signs:
         match self._nodes.all[node]:
             case ("number", value):
                 return Interval(value, value)
-            case _ if self._is_constant(node):
+            case _ if self._nodes.is_constant(node):
                 return of_constant(self._constants.ball(node).real)
             case ("Add", *terms):
                 return reduce(add, map(self.interval, terms))
@@ -150,14 +151,13 @@ class Signs:
             case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
                 needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
                 return Interval() if needs else OF_REAL[name]
+            case ("exp", z) if self.interval(z).is_below:
+                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
             case (("acos" | "acosh" | "lambertw"), _):
                 return Interval(fmpq(0))
             case (str(name), inner) if name in (*ODD, *INVERSE):
                 return self.interval(inner).side()
         return Interval()
-
-    def _is_constant(self, node: int) -> bool:
-        return all(self._nodes.all[inner][0] != "symbol" for inner in self._nodes.below([node]))
 
     def below_one(self, m: int) -> bool:
         """Whether ``m`` is shown to be real and less than 1."""
@@ -192,8 +192,10 @@ class Signs:
                 return int(inner)
             case ("diff", inner, *variables):
                 return made("diff", inside(inner), *variables)
-            case (str(name), inner) if name in THROUGH:
-                return made(name, inside(inner))
+            case ("jet", *inner, tail):
+                return made("jet", *map(inside, inner), tail)
+            case (str(name), *inner) if name in THROUGH:
+                return made(name, *map(inside, inner))
             case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.is_real(m):
                 return made(name, inside(z), m)
         name = self._nodes.all[node][0]
@@ -251,6 +253,11 @@ class Signs:
                 return self.not_negative(base) and self.is_real(exponent)
             case (str(name), inner) if name in INVERSE:
                 return self.is_between(inner, *INVERSE[name])
+            case ("jet", z, *nome, _):
+                return self.is_real(z) and all(map(self.positive, nome))
+            case (str(name), v, z) if name in CYLINDER:
+                entire = name in ("bessel_j", "bessel_i") and self._nodes.is_integer(v)
+                return self.is_real(v) and (self.positive(z) or (entire and self.is_real(z)))
             case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
                 return False
             case ("elliptic_k" | "elliptic_e", _):
@@ -271,7 +278,9 @@ class Signs:
                 found = found & known
         if node in self._positive:
             return found & Interval(fmpq(0), None, not self._positive[node])
-        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol") or self._is_constant(node):
+        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol") or self._nodes.is_constant(
+            node
+        ):
             return found
         for bound, weak in self._positive.items():
             try:
