@@ -142,6 +142,8 @@ class Signs:
                 return self.interval(inner).absolute()
             case (("elliptic_k" | "elliptic_e"), _):
                 return POSITIVE
+            case ("exp", z) if self.interval(z).is_below:
+                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
             case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
                 return POSITIVE
             case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
@@ -151,8 +153,6 @@ class Signs:
             case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
                 needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
                 return Interval() if needs else OF_REAL[name]
-            case ("exp", z) if self.interval(z).is_below:
-                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
             case (("acos" | "acosh" | "lambertw"), _):
                 return Interval(fmpq(0))
             case (str(name), inner) if name in (*ODD, *INVERSE):
