@@ -15,6 +15,10 @@ class FormulaPrinter(StrPrinter):
     def _print_LambertW(self, node: sp.Expr) -> str:
         return f"lambertw({self._print(node.args[0])})"
 
+    def _print_BesselBase(self, node: sp.Expr) -> str:
+        kind = type(node).__name__
+        return f"{kind[:-1]}_{kind[-1]}({', '.join(map(self._print, node.args))})"
+
     def _print_Abs(self, node: sp.Expr) -> str:
         return f"abs({self._print(node.args[0])})"
 

@@ -265,13 +265,18 @@ class Balls:
 def jet(name: str, order: int, z: acb, *nome: acb) -> acb:
     """A derivative of a theta function, or, for any function of the name, of one that is generic.
 
-    That is 1/gamma beside a number made of its name, which satisfies no differential equation.
+    That is 1/gamma at a shift, which satisfies no algebraic differential equation.
     """
     if nome:
         tau = nome[0].log() / (acb(0, 1) * acb.pi())
         return (z / acb.pi()).modular_theta(tau, order)[THETA.index(name)] / acb.pi() ** order
-    place = acb(arb(fmpq(sum(map(ord, name)) % 89, 97)))
-    return acb_series([z + place, 1], order + 1).rgamma()[order] * acb(order + 1).gamma()
+    place = z + acb(arb(generic_shift(name)))
+    return acb_series([place, 1], order + 1).rgamma()[order] * acb(order + 1).gamma()
+
+
+def generic_shift(name: str) -> fmpq:
+    """The number s of a name: what stands for any function f is f(z) = 1/gamma(z + s)."""
+    return fmpq(sum(map(ord, name)) % 89, 97)
 
 
 def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 from solutions import functions
+from solutions.functions.jet_functions import THETA, jet_function
+from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 
 CONTINUOUS, SITE = "xyzt", "n"
 
@@ -32,10 +34,21 @@ _ONE = (
     *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime),
     *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
 )
+BESSEL = {
+    "bessel_j": sp.besselj,
+    "bessel_y": sp.bessely,
+    "bessel_i": sp.besseli,
+    "bessel_k": sp.besselk,
+}
+"""Bessel functions of (order, z)."""
+
 FUNCTIONS = {
     "abs": (sp.Abs, 1),
     "lambertw": (sp.LambertW, 1),
     **{function.__name__: (function, 1) for function in _ONE},
     **{name: (getattr(functions, name), 2) for name in functions.__all__},
+    **{name: (function, 2) for name, function in BESSEL.items()},
+    **{name: (jet_function(name), 2) for name in THETA},
+    **{function.__name__: (function, 3) for function in (weierstrass_p, weierstrass_p_prime)},
 }
 """The functions of the grammar, each with the number of its arguments."""
