@@ -10,11 +10,11 @@ from flint import fmpq
 from verify.kernel.derivations import Slopes
 from verify.kernel.field import Field
 from verify.kernel.images import Hints
-from verify.kernel.nodes import Nodes
+from verify.kernel.nodes import Nodes, children
 from verify.kernel.ring import Element
 
 from . import terms
-from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
+from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns, called
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
 from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
 
@@ -222,7 +222,8 @@ class TracedField(Field):
             return f"({self._short(base)})^({exponent})" if exponent.q > 1 else ""
         if name in ("number", "Add", "Mul", "poly"):
             return ""
-        return f"{name}({', '.join(map(self._short, arguments))})"
+        found = self.nodes.all[node]
+        return f"{called(found)}({', '.join(map(self._short, children(found)))})"
 
     def meaning(self, place: int) -> str:
         """What a generator stands for, in words."""
