@@ -139,7 +139,7 @@ class Denominators:
                 return not self._field.signs.is_clean(root)
             case (str(name), *_) if name in CYLINDER:
                 return not self._field.signs.is_real(node)
-            case (("atan" | "lambertw"), inner):
+            case (("atan" | "lambert_w"), inner):
                 return not self._field.signs.is_real(inner)
         return False
 

@@ -102,7 +102,7 @@ def exponential(images: Images, z: int) -> Element:
         angle = angle_of(images, u)
         if inner[0] == "log":
             result = result * images.made("Pow", inner[1], coefficient)
-        elif inner[0] == "lambertw":
+        elif inner[0] == "lambert_w":
             quotient = images.image(inner[1]) / images.image(u)
             result = result * quotient ** integer_of(coefficient)
         elif angle is not None and nodes.all[angle] == ("pi",) and int(coefficient.q) in UNITY:

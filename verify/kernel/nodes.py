@@ -45,11 +45,11 @@ THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
 
 SPECIAL: Mapping[str, Callable[..., acb]] = {
     "erf": acb.erf,
-    "airyai": acb.airy_ai,
-    "airyaiprime": lambda z: z.airy_ai(derivative=1),
-    "airybi": acb.airy_bi,
-    "airybiprime": lambda z: z.airy_bi(derivative=1),
-    "lambertw": acb.lambertw,
+    "airy_ai": acb.airy_ai,
+    "airy_ai_prime": lambda z: z.airy_ai(derivative=1),
+    "airy_bi": acb.airy_bi,
+    "airy_bi_prime": lambda z: z.airy_bi(derivative=1),
+    "lambert_w": acb.lambertw,
     "bessel_j": lambda v, z: z.bessel_j(v),
     "bessel_y": lambda v, z: z.bessel_y(v),
     "bessel_i": lambda v, z: z.bessel_i(v),

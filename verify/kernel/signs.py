@@ -29,7 +29,14 @@ REAL = (
     *ODD,
     *OF_REAL,
     *("tan", "cot", "sec", "csc", "jacobi_epsilon", "jacobi_zeta", "diff", "parity"),
-    *("airyai", "airyaiprime", "airybi", "airybiprime", "weierstrass_p", "weierstrass_p_prime"),
+    *(
+        "airy_ai",
+        "airy_ai_prime",
+        "airy_bi",
+        "airy_bi_prime",
+        "weierstrass_p",
+        "weierstrass_p_prime",
+    ),
 )
 """Real where their arguments are real."""
 
@@ -45,7 +52,7 @@ INVERSE: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
 UNBOUNDED = (
     *INVERSE,
     *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
-    *("lambertw", "weierstrass_p", "weierstrass_p_prime", *CYLINDER, *BELOW_ONE),
+    *("lambert_w", "weierstrass_p", "weierstrass_p_prime", *CYLINDER, *BELOW_ONE),
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
@@ -56,7 +63,7 @@ CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elli
 """Analytic functions, besides those of Jacobi."""
 
 THROUGH = (
-    *("exp", "erf", "airyai", "airyaiprime", "airybi", "airybiprime"),
+    *("exp", "erf", "airy_ai", "airy_ai_prime", "airy_bi", "airy_bi_prime"),
     *("weierstrass_p", "weierstrass_p_prime"),
     *(*axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC),
 )
@@ -153,7 +160,7 @@ class Signs:
             case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
                 needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
                 return Interval() if needs else OF_REAL[name]
-            case (("acos" | "acosh" | "lambertw"), _):
+            case (("acos" | "acosh" | "lambert_w"), _):
                 return Interval(fmpq(0))
             case (str(name), inner) if name in (*ODD, *INVERSE):
                 return self.interval(inner).side()
@@ -247,7 +254,7 @@ class Signs:
                 return True
             case ("Pow", base, exponent):
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
-            case (("log" | "lambertw"), inner):
+            case (("log" | "lambert_w"), inner):
                 return self.not_negative(inner)
             case ("power", base, exponent):
                 return self.not_negative(base) and self.is_real(exponent)

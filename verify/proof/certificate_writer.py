@@ -23,7 +23,7 @@ from verify.kernel.limits import FORMAT, digest
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .domains import Point
-from .text_names import BESSEL
+from .text_names import BESSEL, OTHERS
 from .text_writer import Node, numbered
 from .typed_statement import StatementTexts
 
@@ -31,15 +31,14 @@ FUNCTIONS: dict[str, type] = {
     function.__name__: function
     for function in (
         *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
-        *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime, sp.LambertW),
-        *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
+        *(sp.erf, sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,
         *(getattr(functions, name) for name in functions.__all__),
-        *(weierstrass_p, weierstrass_p_prime, *BESSEL.values()),
+        *(weierstrass_p, weierstrass_p_prime, *OTHERS.values(), *BESSEL.values()),
     )
 }
-RENAMED = {"LambertW": "lambertw", **{kind.__name__: name for name, kind in BESSEL.items()}}
+RENAMED = {kind.__name__: name for name, kind in (*OTHERS.items(), *BESSEL.items())}
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 

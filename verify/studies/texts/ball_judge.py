@@ -153,11 +153,9 @@ def _inverse(name: str, slope: Callable[[acb_series], acb_series]) -> AtBall:
 
 TAYLOR: Mapping[str, AtBall] = {
     **{name: _plain(name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "atan")},
-    **{name: _plain(name) for name in ("erf", "lambertw")},
-    "airyai": _plain("airy_ai"),
-    "airyaiprime": _plain("airy_ai_prime"),
-    "airybi": _plain("airy_bi"),
-    "airybiprime": _plain("airy_bi_prime"),
+    **{f"airy_{name}": _plain(f"airy_{name}") for name in ("ai", "ai_prime", "bi", "bi_prime")},
+    "erf": _plain("erf"),
+    "lambert_w": _plain("lambertw"),
     "cot": _ratio("cos", "sin"),
     "sec": _ratio("", "cos"),
     "csc": _ratio("", "sin"),
@@ -243,7 +241,7 @@ CUTS: Mapping[str, Callable[[acb], bool]] = {
     "acos": lambda z: not z.imag.contains(0) or abs(z.real) < 1,
     "atanh": lambda z: not z.imag.contains(0) or abs(z.real) < 1,
     "acosh": lambda z: not z.imag.contains(0) or z.real > 1,
-    "lambertw": lambda z: not z.imag.contains(0) or z.real > fmpq(-36, 100),
+    "lambert_w": lambda z: not z.imag.contains(0) or z.real > fmpq(-36, 100),
 }
 """Where a function is known to be off its cuts."""
 
