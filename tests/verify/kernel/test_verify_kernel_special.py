@@ -151,6 +151,14 @@ def test_the_values_of_weierstrass_function_are_those_of_a_lattice(tau: acb, z: 
             assert abs((own - other).real) < 1e-60
 
 
+def test_an_invariant_may_be_0() -> None:
+    with ctx.workprec(BITS):
+        for g2, g3 in ((acb(4), acb(0)), (acb(0), acb(-2))):
+            p, slope = weierstrass(acb(2.5), g2, g3)
+            assert p.is_finite()
+            assert (slope**2).overlaps(4 * p**3 - g2 * p - g3)
+
+
 def test_the_degenerate_functions_of_weierstrass() -> None:
     with ctx.workprec(BITS):
         assert weierstrass(acb(2), acb(0), acb(0))[0].overlaps(acb(1) / 4)

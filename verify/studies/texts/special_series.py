@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import permutations
 from math import comb, factorial
 
-from flint import acb, acb_poly
+from flint import acb, acb_poly, arb, ctx
 
 
 def is_off_cut(name: str, v: acb, z: acb) -> bool:
@@ -29,14 +29,16 @@ def bessel(name: str, v: acb, z: acb, order: int) -> list[acb]:
     return found
 
 
-def weierstrass(name: str, z: acb, g2: acb, g3: acb, order: int) -> list[acb]:
+def weierstrass(name: str, at: acb, g2: acb, g3: acb, order: int) -> list[acb]:
     """p = e3 + w**2/sn(w z)**2 with w**2 = e1 - e3, further by the differential equation."""
-    for e1, e2, e3 in permutations(acb_poly([-g3, -g2, 0, 4]).roots()):
-        m, w = (e2 - e3) / (e1 - e3), (e1 - e3).sqrt()
-        if not m.imag.contains(0) or 0 < m.real < 1:
+    near = arb(2) ** (-3 * ctx.prec // 4)
+    for e1, e2, e3 in permutations(acb_poly([-g3, -g2, 0, 4]).roots(near)):
+        m, gap = (e2 - e3) / (e1 - e3), e1 - e3
+        if all(not z.imag.contains(0) or z.real > 0 for z in (m, 1 - m, gap)):
             break
+    w = gap.sqrt()
     quarter = m.elliptic_k()
-    tau, place = acb(0, 1) * (1 - m).elliptic_k() / quarter, w * z / (2 * quarter)
+    tau, place = acb(0, 1) * (1 - m).elliptic_k() / quarter, w * at / (2 * quarter)
     one, two, three, four = acb.modular_theta(place, tau)
     _, two0, three0, four0 = acb.modular_theta(acb(0), tau)
     s, c = three0 * one / (two0 * four), four0 * two / (two0 * four)
