@@ -217,10 +217,11 @@ class Functions:
         self._stations: dict[tuple[int, int, str], Station] = {}
 
     def need_parameters(self, node: int) -> None:
-        """All arguments but z are constant, or a nome; m and a nome are in their range."""
+        """All arguments but z are constant, or integers, or a nome; m and that are in range."""
         images, name = self._images, self._images.nodes.all[node][0]
         rest = [u for letter, u in axioms.letters(images.nodes.all[node]).items() if letter != "z"]
-        if name != "jet" and any(map(images.moves, rest)):
+        real = {v for v in images.variables if images.nodes.all[v][2] == "real"}
+        if name != "jet" and real & set(images.nodes.below(rest)):
             raise CertificateError(f"the parameters of {name} must be constant")
         if name in (*BELOW_ONE, "jet") and not all(map(images.signs.below_one, rest)):
             raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")

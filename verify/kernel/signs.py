@@ -56,7 +56,7 @@ UNBOUNDED = (
 )
 """Functions that may have poles or jumps at real arguments, or for m > 1."""
 
-WITH_POLES = ("tanh", "sech", "atan")
+WITH_POLES = ("tanh", "sech", "atan", "jet")
 """Functions that have poles or jumps at complex arguments alone, besides those of Jacobi."""
 
 CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elliptic_e")

@@ -9,6 +9,7 @@ from tests.verify.kernel.test_verify_kernel_attacks import certificate, refused
 from verify.kernel import check_certificate
 from verify.kernel.nodes import BITS, Balls, Nodes, jet
 from verify.kernel.reading import Scope, formula
+from verify.kernel.signs import Signs
 from verify.kernel.weierstrass_values import weierstrass
 
 Hints = dict[str, Any]
@@ -133,6 +134,21 @@ def test_a_denominator_of_arbitrary_functions_must_differ_from_0_for_one_of_them
             assert "function f" in check_certificate(data)
         else:
             refused(data, "is not shown to be other than 0")
+
+
+def test_a_function_is_without_poles_at_real_arguments_alone() -> None:
+    nodes = Nodes()
+    scope = Scope(nodes)
+    scope.declare("f", "function")
+    signs = Signs(nodes, lambda node: None, {}, {})  # type: ignore[arg-type, return-value]
+    texts = {
+        "f(x)": True,
+        "f(x + I)": False,
+        "jacobi_theta_1(x, 1/2)": True,
+        "bessel_k(0, x)": False,
+    }
+    for text, bounded in texts.items():
+        assert signs.is_bounded(formula(scope, text)) is bounded
 
 
 def test_a_variable_is_no_function() -> None:
