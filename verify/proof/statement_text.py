@@ -18,6 +18,7 @@ from functools import partial
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from derive.algebra.formula_expression import ExpressionBuilder
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
@@ -25,6 +26,7 @@ from derive.algebra.formula_text import (
     Token,
     Vocabulary,
 )
+from derive.algebra.formula_tree import FormulaTree
 from derive.algebra.typing_mistakes import Spelling, misread
 
 from .domains import REAL, Domain, settled_domains
@@ -150,10 +152,13 @@ class _Reading:
         made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
         return replace(made, complexes=tuple(self.complexes))
 
-    def _note(self, parser: Parser) -> None:
-        """Keep what a text names, and what it divides by."""
+    def _built(self, parser: Parser, formula: FormulaTree) -> sp.Expr:
+        """What SymPy makes of a formula; what the text names and divides by is kept."""
+        builder = ExpressionBuilder(parser)
+        found = builder.expression(formula)
         self.used |= parser.used
-        self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
+        self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
+        return found
 
     def _letters(self) -> list[str]:
         return self.known.letters(self.names)
@@ -179,9 +184,7 @@ class _Reading:
         sign = entry.words[1]
         if sign.text == "=":
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
-            self.names[name] = parser.expression()
-            parser.expect_end()
-            self._note(parser)
+            self.names[name] = self._built(parser, parser.whole())
         elif [word.text for word in entry.words[1:-1]] == [":", "complex"]:
             if self.asked:
                 raise entry.error("expected real parameters beside solve, got a complex one", 2)
@@ -308,18 +311,16 @@ class _Reading:
                 words = f"expected a formula without unknowns, got {word}"
                 raise part.error(words, place)
         parser = part.parser(self._vocabulary(), equal + 1)
-        found = parser.expression()
-        parser.expect_end()
-        self._note(parser)
-        return self.fields[name], found
+        return self.fields[name], self._built(parser, parser.whole())
 
     def _equation(self, part: TextPart) -> sp.Expr:
         parser = part.parser(self._vocabulary())
-        found = parser.expression()
+        sides = [parser.formula()]
         if parser.take_sign("="):
-            found -= parser.expression()
+            sides.append(parser.formula())
         parser.expect_end()
-        self._note(parser)
+        left, *right = (self._built(parser, side) for side in sides)
+        found = left - right[0] if right else left
         if not found.atoms(AppliedUndef):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")
