@@ -99,8 +99,12 @@ class Derivative(_OfParts):
 MINUS_ONE = Number(Fraction(-1))
 
 
+WHOLE = 64
+"""Largest exponent of a number that is worked out."""
+
+
 def rational(formula: FormulaTree) -> Fraction | None:
-    """The value of what is made of numbers by sums, products and quotients; else None."""
+    """The value of what is made of numbers by sums, products and whole powers; else None."""
     values = [rational(part) for part in formula.inner()]
     known = [value for value in values if value is not None]
     if len(known) < len(values):
@@ -112,8 +116,8 @@ def rational(formula: FormulaTree) -> Fraction | None:
             return sum(known, Fraction(0))
         case Product():
             return Fraction(prod(known))
-        case Power() if known[0] and known[1] == -1:
-            return 1 / known[0]
+        case Power() if known[1].denominator == 1 and abs(known[1]) <= WHOLE:
+            return Fraction(known[0] ** int(known[1])) if known[0] or known[1] > 0 else None
     return None
 
 

@@ -153,10 +153,11 @@ def _put_into(
         return None
     if any(divisor == 0 for divisor in divisors):
         return None
-    texts = statement.texts and statement.texts.with_values(
-        {symbol.name: formula_as_text(value) for symbol, value in values.items()}
-    )
-    return Statement(statement.name, equations, solutions, domains, divisors, texts=texts)
+    written = {symbol.name: formula_as_text(value) for symbol, value in values.items()}
+    texts = statement.texts and statement.texts.with_values(written)
+    trees = statement.trees and statement.trees.with_values(written)
+    made = equations, solutions, domains, divisors
+    return Statement(statement.name, *made, texts=texts, trees=trees)
 
 
 def _reality(value: sp.Expr) -> Iterator[Restriction]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import sympy as sp
@@ -26,7 +26,7 @@ from derive.algebra.formula_text import (
     Token,
     Vocabulary,
 )
-from derive.algebra.formula_tree import FormulaTree
+from derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum
 from derive.algebra.typing_mistakes import Spelling, misread
 
 from .domains import REAL, Domain, settled_domains
@@ -35,7 +35,7 @@ from .named_variables import VariableNames, variable_names
 from .samples import sample
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
-from .typed_statement import Statement, StatementTexts
+from .typed_statement import Statement, StatementTexts, StatementTrees
 
 Texts = str | Sequence[str]
 
@@ -115,6 +115,9 @@ class _Reading:
     used: set[str] = field(default_factory=set)
     divisors: dict[sp.Expr, None] = field(default_factory=dict)
     complexes: list[str] = field(default_factory=list)
+    left_sides: list[FormulaTree] = field(default_factory=list)
+    formulas: dict[str, FormulaTree] = field(default_factory=dict)
+    definitions: dict[str, FormulaTree] = field(default_factory=dict)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -149,8 +152,11 @@ class _Reading:
                 for parts in (self.equations, self.solutions, self.entries, self.limits)
             ),
         )
-        made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
-        return replace(made, complexes=tuple(self.complexes))
+        trees = StatementTrees(
+            texts.variables, tuple(self.left_sides), self.formulas, self.definitions
+        )
+        known = equations, solutions, self.domains, divisors, wanted, texts, trees
+        return Statement(self.name, *known, tuple(self.complexes))
 
     def _built(self, parser: Parser, formula: FormulaTree) -> sp.Expr:
         """What SymPy makes of a formula; what the text names and divides by is kept."""
@@ -184,7 +190,8 @@ class _Reading:
         sign = entry.words[1]
         if sign.text == "=":
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
-            self.names[name] = self._built(parser, parser.whole())
+            self.definitions[name] = parser.whole()
+            self.names[name] = self._built(parser, self.definitions[name])
         elif [word.text for word in entry.words[1:-1]] == [":", "complex"]:
             if self.asked:
                 raise entry.error("expected real parameters beside solve, got a complex one", 2)
@@ -311,7 +318,8 @@ class _Reading:
                 words = f"expected a formula without unknowns, got {word}"
                 raise part.error(words, place)
         parser = part.parser(self._vocabulary(), equal + 1)
-        return self.fields[name], self._built(parser, parser.whole())
+        self.formulas[name] = parser.whole()
+        return self.fields[name], self._built(parser, self.formulas[name])
 
     def _equation(self, part: TextPart) -> sp.Expr:
         parser = part.parser(self._vocabulary())
@@ -321,6 +329,8 @@ class _Reading:
         parser.expect_end()
         left, *right = (self._built(parser, side) for side in sides)
         found = left - right[0] if right else left
+        minus = (Product((MINUS_ONE, side)) for side in sides[1:])
+        self.left_sides.append(Sum((sides[0], *minus)) if right else sides[0])
         if not found.atoms(AppliedUndef):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")

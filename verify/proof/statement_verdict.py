@@ -141,21 +141,22 @@ def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdi
 
     What fails at a point is refuted there; what holds at a witness is not refuted by it.
     """
-    if statement.texts is None or verdict.outcome is Outcome.UNDECIDED:
+    if statement.trees is None or verdict.outcome is Outcome.UNDECIDED:
         return verdict
     domains = all_domains(statement, *statement.equations)
     names = {str(symbol) for symbol in domains}
     others = {s: d for s, d in statement.domains.items() if str(s) not in names}
-    typed = TypedValues(statement.texts, {**domains, **others})
+    typed = TypedValues(statement.trees, {**domains, **others})
     if verdict.outcome is Outcome.REFUTED:
         witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
-        if typed.fails_at(witness) is False:
-            reason = "what was typed holds at the point at which what SymPy makes of it fails"
-            return undecided(statement, reason, verdict.seconds)
-        return verdict
+        if typed.fails_at(witness):
+            return verdict
     failing = typed.failure()
     if failing is None:
-        return verdict
+        if verdict.outcome is Outcome.PROVED:
+            return verdict
+        reason = "what was typed was not seen to fail where what SymPy makes of it does"
+        return undecided(statement, reason, verdict.seconds)
     return _refuted(statement, verdict, {name: str(value) for name, value in failing.items()})
 
 

@@ -1,4 +1,4 @@
-"""Statements, and the texts of them as they were typed."""
+"""Statements, and the texts of them as they were typed, with their trees."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from dataclasses import dataclass, field, replace
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
+from derive.algebra.formula_tree import FormulaTree, Name
+
 from .domains import Domain
+from .text_names import FUNCTIONS
 
 
 @dataclass(frozen=True)
@@ -38,13 +42,46 @@ class StatementTexts:
 
 
 @dataclass(frozen=True)
+class StatementTrees:
+    """The formulas of the texts: what must be 0, and what unknowns and defined names stand for."""
+
+    variables: tuple[str, ...]
+    equations: tuple[FormulaTree, ...]
+    solutions: Mapping[str, FormulaTree]
+    definitions: Mapping[str, FormulaTree]
+
+    @property
+    def formulas(self) -> tuple[FormulaTree, ...]:
+        """All of them."""
+        return (*self.equations, *self.solutions.values(), *self.definitions.values())
+
+    @property
+    def names(self) -> set[str]:
+        """The variables, and the parameters that stand for values."""
+        nodes = (node for formula in self.formulas for node in formula.nodes())
+        found = {node.name for node in nodes if isinstance(node, Name)} | {*self.variables}
+        return found - {*self.definitions, *CONSTANTS}
+
+    def with_values(self, values: Mapping[str, str]) -> StatementTrees:
+        """The trees with texts of formulas in the place of any values."""
+        made = {name: _tree(text) for name, text in values.items()}
+        return replace(self, definitions={**self.definitions, **made})
+
+
+def _tree(text: str) -> FormulaTree:
+    words = Vocabulary(FUNCTIONS, unknown_name=sp.Symbol)
+    return Parser(text, tokens(text), words, "value").whole()
+
+
+@dataclass(frozen=True)
 class Statement:
     """Do the ``solutions`` make every one of the ``equations`` vanish on the ``domains``?
 
     ``equations`` are left-hand sides in the applied unknowns; ``solutions`` has each of these with
     its formula.  ``domains`` has every variable and parameter that is not all real numbers;
     ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
-    which the values are asked for, rather than taken as any.  ``texts`` are what was typed.
+    which the values are asked for, rather than taken as any.  ``texts`` and ``trees`` are what was
+    typed.
     ``complexes`` are parameters that may have complex values; the symbols of all are real, and a
     proof is one for complex values only if the checker accepts it for them.
     """
@@ -56,6 +93,7 @@ class Statement:
     divisors: tuple[sp.Expr, ...] = ()
     wanted: tuple[sp.Symbol, ...] = ()
     texts: StatementTexts | None = field(default=None, compare=False)
+    trees: StatementTrees | None = field(default=None, compare=False)
     complexes: tuple[str, ...] = ()
 
     @property

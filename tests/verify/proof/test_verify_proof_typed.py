@@ -69,8 +69,8 @@ def test_what_sympy_reads_as_a_solution_is_refuted_as_it_was_typed(
     found = prove(equation, solution, parameters=parameters, domain=domain)
     assert found.outcome is Outcome.REFUTED
     statement = read_statement(equation, solution, parameters, domain)
-    assert statement.texts is not None
-    typed = TypedValues(statement.texts, statement.domains)
+    assert statement.trees is not None
+    typed = TypedValues(statement.trees, statement.domains)
     point = {name: Fraction(value) for name, value in (found.witness or {}).items()}
     assert typed.fails_at(point)
 
@@ -105,8 +105,8 @@ def test_texts_are_kept_as_they_were_typed_part_by_part() -> None:
 
 def test_a_text_without_values_says_nothing() -> None:
     statement = read_statement("u_x", "u = log(x)/log(x)*elliptic_k(2)", "", "")
-    assert statement.texts is not None
-    typed = TypedValues(statement.texts, {})
+    assert statement.trees is not None
+    typed = TypedValues(statement.trees, {})
     assert typed.fails_at({"x": Fraction(1, 2)}) is None
     assert typed.failure() is None
 
