@@ -5,6 +5,8 @@ Whatever is built stays small (`bounded_building`); what does not is an error at
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from derive.algebra.bounded_building import (
@@ -40,27 +42,38 @@ def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp
     1/10 - x**2/4
     """
     parser = Parser(text, tokens(text, name), vocabulary, name)
-    return ExpressionBuilder(parser).expression(parser.whole())
+    return ExpressionBuilder.after(parser).expression(parser.whole())
+
+
+def _refused(_: int, words: str) -> ValueError:
+    return ValueError(words)
 
 
 class ExpressionBuilder:
-    """Builds expressions from what a parser has read, in its vocabulary.
+    """Builds expressions in the words of a vocabulary.
 
-    ``divisors`` is what must not be 0, also where it cancels.
+    ``refused`` makes the error for a place of the text, from words.  ``divisors`` is what must not
+    be 0, also where it cancels.
     """
 
-    def __init__(self, parser: Parser) -> None:
-        self._parser = parser
-        self._words = parser.vocabulary
+    def __init__(
+        self, vocabulary: Vocabulary, refused: Callable[[int, str], ValueError] = _refused
+    ) -> None:
+        self._words, self._refused = vocabulary, refused
         self.divisors: list[sp.Expr] = []
 
+    @classmethod
+    def after(cls, parser: Parser) -> ExpressionBuilder:
+        """Of what a parser has read, in its vocabulary."""
+        return cls(parser.vocabulary, parser.error_at)
+
     def expression(self, formula: FormulaTree) -> sp.Expr:
-        """The expression; raises FormulaError, with the place, for one that is too large."""
+        """The expression; raises ValueError, with the place, for one that is too large."""
         parts = [self.expression(part) for part in formula.inner()]
         try:
             return self._made(formula, parts)
         except TooLarge as error:
-            raise self._parser.error_at(formula.at, str(error)) from None
+            raise self._refused(formula.at, str(error)) from None
 
     def _made(self, formula: FormulaTree, parts: list[sp.Expr]) -> sp.Expr:
         match formula:

@@ -300,9 +300,9 @@ def _decided(case: ConstantCase) -> ConstantCase:
     statement = case.statement
     moving = set(statement.variables)
     is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())
-    kept = tuple(e for e in statement.equations if e != 0)
+    kept = [e for e in statement.equations if e != 0]
     case = replace(case, trivial=is_constant or len(kept) < len(statement.equations))
-    explicit = _explicit(replace(statement, equations=kept), case.implicit)
+    explicit = _explicit(statement, case.implicit)
     if explicit is None or not kept:
         return case
     statement = explicit

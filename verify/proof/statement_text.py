@@ -26,7 +26,7 @@ from derive.algebra.formula_text import (
     Token,
     Vocabulary,
 )
-from derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum
+from derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum, Unknown
 from derive.algebra.typing_mistakes import Spelling, misread
 
 from .domains import REAL, Domain, settled_domains
@@ -160,7 +160,7 @@ class _Reading:
 
     def _built(self, parser: Parser, formula: FormulaTree) -> sp.Expr:
         """What SymPy makes of a formula; what the text names and divides by is kept."""
-        builder = ExpressionBuilder(parser)
+        builder = ExpressionBuilder.after(parser)
         found = builder.expression(formula)
         self.used |= parser.used
         self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
@@ -331,7 +331,7 @@ class _Reading:
         found = left - right[0] if right else left
         minus = (Product((MINUS_ONE, side)) for side in sides[1:])
         self.left_sides.append(Sum((sides[0], *minus)) if right else sides[0])
-        if not found.atoms(AppliedUndef):
+        if not any(isinstance(node, Unknown) for node in self.left_sides[-1].nodes()):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")
         return found

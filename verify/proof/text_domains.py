@@ -78,7 +78,7 @@ def condition(part: TextPart, parser: Parser, name: str) -> Domain:
     start = part.words.index(parser.next)
     if parser.next.text in WORDS:
         return WORDS[parser.take().text]
-    build = ExpressionBuilder(parser).expression
+    build = ExpressionBuilder.after(parser).expression
     sides, signs = [build(parser.formula())], []
     while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
         signs.append(sign.text)

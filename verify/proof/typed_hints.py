@@ -1,132 +1,204 @@
-"""What SymPy simplifies while it reads a text, as hints for a proof of the text as it was typed.
+"""A proof of the statement as it was typed, where SymPy has simplified it away.
 
 SymPy reads ``sqrt(pi**2*x**2)`` as ``pi*x`` and ``0*tanh(x)`` as 0, and a proof about that has no
-step for the root and no generator for tanh.  So generators are sought for all functions in the
-texts, and each root and absolute value is said to be what SymPy reads it as, which the checker
-shows.
+step for the root and no generator for tanh.  So generators are sought for every function, power and
+name of the trees, and each root, absolute value and logarithm is said to be what SymPy makes of it,
+which the checker shows.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
+from derive.algebra.formula_expression import ExpressionBuilder
+from derive.algebra.formula_text import Vocabulary
+from derive.algebra.formula_tree import (
+    MINUS_ONE,
+    Call,
+    Derivative,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Unknown,
+    formula_text,
+    mapped,
+)
 from verify.kernel.limits import digest
 
 from .certificate import make_certificate
 from .certificate_writer import Certificate, Data, NodeTable, as_data
 from .problem import problem_points
-from .statement_problem import all_domains, statement_problem
-from .statement_text import read_statement
+from .statement_problem import StatementProblem, all_domains, statement_problem
 from .text_names import FUNCTIONS
 from .text_writer import Written
-from .typed_statement import Statement, StatementTexts
+from .typed_statement import Statement, StatementTexts, StatementTrees
 
-CALL = re.compile(rf"\b({'|'.join(sorted(FUNCTIONS))})\(")
-VALUE_OF = {"sqrt": "sqrt", "abs": "abs", "sign": "abs"}
-"""The functions that have a value by a hint: sign(f) is f/abs(f)."""
+MOST = 80
+"""Functions, powers and names in the trees."""
 
-SITE_OF = re.compile(r"\w\[([^\[\],]*)\]")
+NOTHING = StatementTexts((), (), ())
 
-MOST = 40
-"""Functions in the texts."""
+INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
 
 
-def typed_certificate(statement: Statement, number: int) -> Certificate:
-    """A certificate of an equation as it was typed, with values for what SymPy simplifies.
+@dataclass(frozen=True)
+class Typed:
+    """A part of a tree, without unknowns; what SymPy makes of it, and it as it stands."""
 
-    Raises ValueError where there are no such values, or no proof.
-    """
-    texts = statement.texts
-    if texts is None:
-        raise ValueError("texts must be those of the statement, got none")
-    equation = texts.equations[number - 1]
-    one = replace(texts, equations=(equation,))
-    calls = list(dict.fromkeys(_calls(one)))
-    readings = _readings(one, calls)
+    tree: FormulaTree
+    value: sp.Expr
+    plain: sp.Expr
+
+
+@dataclass(frozen=True, repr=False)
+class TypedProblem(StatementProblem):
+    """An equation as it was typed: the certificate states ``texts``; ``parts`` are theirs."""
+
+    texts: StatementTexts = NOTHING
+    parts: tuple[Typed, ...] = ()
+
+    def certificate(self) -> Certificate:
+        """The certificate, for the checker to accept or not.
+
+        Raises ValueError as `make_certificate` does.
+        """
+        found = make_certificate(self)
+        proof = _with_values(found["proof"], self.parts, self.texts.variables)
+        body = {**found, "statement": as_data(self.texts), "proof": proof}
+        return Certificate(body | {"digest": digest(body)})
+
+
+def typed_problem(statement: Statement, number: int) -> TypedProblem:
+    """The problem that an equation poses as it was typed; raises ValueError if it is too long."""
+    assert statement.texts is not None
+    assert statement.trees is not None
+    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
+    parts = typed_parts(statement, statement.trees.equations[number - 1])
+    also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
-    domains = all_domains(statement, left, *readings)
-    problem = replace(
-        statement_problem(statement, left),
-        domains=domains,
-        points=problem_points(domains, ()),
-        also=readings,
-    )
-    found = make_certificate(problem)
-    proof = _with_values(found["proof"], zip(calls, readings, strict=False), texts)
-    body = {**found, "statement": as_data(one), "proof": proof}
-    return Certificate(body | {"digest": digest(body)})
+    if not left.atoms(AppliedUndef):
+        left = next(iter(statement.solutions))  # the certificate states what was typed anyway
+    problem = statement_problem(statement, left)
+    declared = _vocabulary(statement).names.values()
+    domains = all_domains(statement, left, *also, *declared)
+    known = {f.name: getattr(problem, f.name) for f in fields(problem)}
+    known |= {"domains": domains, "points": problem_points(domains, ()), "also": also}
+    return TypedProblem(**known, texts=texts, parts=tuple(parts))
 
 
-def _with_values(
-    proof: Data, read: Iterable[tuple[tuple[str, str], sp.Expr]], texts: StatementTexts
-) -> Data:
-    """The proof with what each root and absolute value is, and logarithms of one factor."""
+def typed_parts(statement: Statement, equation: FormulaTree) -> list[Typed]:
+    """The functions, powers and names in an equation with the formulas put in, and in all formulas.
+
+    What stands in a formula is named before what is made of it.
+    """
+    assert statement.trees is not None
+    builder = ExpressionBuilder(_vocabulary(statement))
+    whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
+    found = []
+    for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
+        with suppress(ValueError):  # too large for SymPy, or infinite
+            plain = _plain(node, builder)
+            if plain is not None:
+                found.append(Typed(node, builder.expression(node), plain))
+    if len(found) > MOST:
+        raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
+    return found
+
+
+def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
+    """The formula with what unknowns and defined names stand for in their places."""
+
+    def image(node: FormulaTree) -> FormulaTree | None:
+        if isinstance(node, Name) and node.name in trees.definitions:
+            return put_in(trees, trees.definitions[node.name])
+        if not isinstance(node, Unknown):
+            return None
+        found = put_in(trees, trees.solutions[node.name])
+        if node.shift:
+            site = Name(node.site)
+            moved = Sum((site, Number(Fraction(node.shift))))
+            found = mapped(found, lambda inner: moved if inner == site else None)
+        return Derivative((found,), node.steps) if node.steps else found
+
+    return mapped(formula, image)
+
+
+def _vocabulary(statement: Statement) -> Vocabulary:
+    """The symbols of a statement by their names; those of which nothing is known are real."""
+    assert statement.trees is not None
+    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
+    symbols = {s for formula in formulas for s in formula.free_symbols}
+    symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
+    known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
+    variables = {s.name: s for s in statement.variables}
+    names = {n: known.get(n, sp.Symbol(n, real=True)) for n in statement.trees.names}
+    return Vocabulary(FUNCTIONS, variables, names=names)
+
+
+def _plain(node: FormulaTree, builder: ExpressionBuilder) -> sp.Expr | None:
+    """A name, function or power as SymPy has it before it simplifies; None for anything else."""
+    match node:
+        case Name():
+            return builder.expression(node)
+        case Call(name="sqrt", parts=(inner,)):
+            return sp.Pow(builder.expression(inner), sp.S.Half, evaluate=False)
+        case Call(name=name, parts=parts):
+            arguments = map(builder.expression, parts)
+            return FUNCTIONS[name][0](*arguments, evaluate=False)
+        case Power(parts=parts):
+            base, exponent = map(builder.expression, parts)
+            if not exponent.is_Rational:
+                return sp.Pow(base, exponent, evaluate=False)
+            if not _is_read_as_number(parts[1]):
+                logarithm = sp.log(base, evaluate=False)
+                return sp.exp(exponent * logarithm, evaluate=False)
+            if not exponent.is_Integer:
+                return sp.Pow(base, exponent, evaluate=False)
+    return None
+
+
+def _is_read_as_number(exponent: FormulaTree) -> bool:
+    """Whether the checker works the exponent out; any other power is by the logarithm there."""
+    match exponent:
+        case Number():
+            return True
+        case Product(parts=parts):
+            return all(map(_is_read_as_number, parts))
+        case Power(parts=(base, power)):
+            return _is_read_as_number(base) and power == MINUS_ONE
+    return False
+
+
+def _with_values(proof: Data, typed: Iterable[Typed], variables: tuple[str, ...]) -> Data:
+    """The proof with what SymPy makes of each root, absolute value and logarithm."""
     formulas, values, logs = [*proof["formulas"]], [*proof["values"]], [*proof["logs"]]
-    for (name, argument), value in read:
+    for part in typed:
         place = len(formulas)
-        if name in VALUE_OF:
-            formulas += [f"{VALUE_OF[name]}({argument})", _written(value, texts)]
-            values.append([place, place + 1])
-        elif name == "log":
-            formulas += [f"log({argument})", argument]
-            logs.append([place, [["1", place + 1]]])
+        match part.tree:
+            case _ if part.value == part.plain:
+                continue
+            case Call(name="log", parts=(inner,)):
+                formulas += [formula_text(part.tree), formula_text(inner)]
+                logs.append([place, [["1", place + 1]]])
+            case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
+                formulas += [formula_text(part.tree), _written(part.value, variables)]
+                values.append([place, place + 1])
     return {**proof, "formulas": formulas, "values": values, "logs": logs}
 
 
-def _calls(texts: StatementTexts) -> Iterator[tuple[str, str]]:
-    """The functions that SymPy may simplify, innermost first, each with its argument's text.
-
-    Those of a lattice's formula stand at each site that occurs.
-    """
-    formulas = dict(text.split(" = ", 1) for text in texts.solutions)
-    sites = dict.fromkeys(SITE_OF.findall(" ".join(texts.equations)))
-    for text in (*formulas.values(), *texts.equations):
-        for found in reversed(list(CALL.finditer(text))):
-            argument = _bracketed(text, found.end())
-            for name, formula in formulas.items():
-                argument = re.sub(rf"(?<!\w){re.escape(name)}(?![\w\[])", f"({formula})", argument)
-            if any(re.search(rf"(?<!\w){name}(?=[_\[])", argument) for name in formulas):
-                continue
-            yield from ((found[1], re.sub(r"\bn\b", f"({site})", argument)) for site in sites)
-            yield found[1], argument
-
-
-def _bracketed(text: str, start: int) -> str:
-    depth, end = 1, start
-    while depth:
-        depth += (text[end] == "(") - (text[end] == ")")
-        end += 1
-    return text[start : end - 1]
-
-
-def _readings(texts: StatementTexts, calls: list[tuple[str, str]]) -> tuple[sp.Expr, ...]:
-    """What SymPy makes of each call's value, and then of the arguments of those with one."""
-    if not 0 < len(calls) <= MOST:
-        raise ValueError(f"texts must have 1 to {MOST} functions, got {len(calls)}")
-    heading = texts.solutions[0].split(" = ", 1)[0]
-    site = heading[heading.index("[") :] if "[" in heading else ""
-    letter = next(c for c in "QWHGPR" if not re.search(rf"\b{c}\d", " ".join(texts.solutions)))
-    wanted = [f"{VALUE_OF.get(name, name)}({argument})" for name, argument in calls]
-    wanted += [argument for name, argument in calls if FUNCTIONS[name][1] == 1]
-    names = [f"{letter}{place}{site}" for place in range(len(wanted))]
-    read = read_statement(
-        [*texts.equations, *names],
-        [*texts.solutions, *(f"{n} = {t}" for n, t in zip(names, wanted, strict=True))],
-        "; ".join(texts.parameters),
-        "; ".join(texts.domain),
-    )
-    known = {unknown.func.__name__: formula for unknown, formula in read.solutions.items()}
-    return tuple(known[name.removesuffix(site)] for name in names)
-
-
-def _written(value: sp.Expr, texts: StatementTexts) -> str:
+def _written(value: sp.Expr, variables: tuple[str, ...]) -> str:
     table = NodeTable()
     place = table.place(value)
-    written = Written(table.nodes, [place], (), texts.variables)
+    written = Written(table.nodes, [place], (), variables)
     if written.named:
         raise ValueError("values must be short, got one in which a part occurs often")
     return written.text(place)
