@@ -48,23 +48,26 @@ Key = tuple[str, int]
 """A prime or -1, or the place of a factor in the ring's list."""
 
 
-def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificate:
+def make_certificate(
+    problem: Problem, parts: Iterable[Pair] = (), unsplit: tuple[type, ...] = ()
+) -> Certificate:
     """The certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
+    Functions in ``unsplit`` are not written as simpler ones.
     Raises ValueError for a function without an axiom, and without a regular point.
     """
     table = NodeTable()
-    statement = statement_texts(problem)
+    statement = problem.texts or statement_texts(problem)
     rewriting = Rewriting(DomainSigns(problem.domains))
     expressions = with_definitions(problem.expressions)
     for expression in expressions:
         rewriting(expression)
     rewriting.found |= angle_values(expressions, problem.points)
+    known = {f: value for f, value in rewriting.found.items() if not isinstance(f, unsplit)}
     point = regular_point(problem)
 
     def search(expressions: Sequence[sp.Expr], *, moving: bool) -> GeneratorSearch:
-        found = rewriting.found
-        return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
+        return GeneratorSearch(table, expressions, problem.variables, known, moving=moving)
 
     whole = search(expressions, moving=problem.right is None)
     for pair in parts:

@@ -38,7 +38,7 @@ from .statement_problem import (
     with_exponentials,
 )
 from .typed_balls import TextPoint
-from .typed_hints import typed_problem
+from .typed_hints import typed_proof
 from .typed_statement import Statement
 from .typed_values import TypedValues
 
@@ -161,8 +161,7 @@ def _as_typed(
         else:
             return replace(verdict, certificate=restated)
     try:
-        problem = typed_problem(statement, number)
-        proof = prover.accepted(problem, problem.certificate())
+        proof = typed_proof(statement, number)
     except NO_VERDICT as error:
         words = " ".join((reason or verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)

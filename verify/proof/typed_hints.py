@@ -8,9 +8,9 @@ which the checker shows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import sympy as sp
@@ -33,19 +33,19 @@ from derive.algebra.formula_tree import (
     mapped,
 )
 from verify.kernel.limits import digest
+from verify.verdict import ProofVerdict
 
 from .certificate import make_certificate
-from .certificate_writer import Certificate, Data, NodeTable, as_data
+from .certificate_writer import Certificate, Data, NodeTable
 from .problem import problem_points
+from .prover import accepted
 from .statement_problem import StatementProblem, all_domains, statement_problem
 from .text_names import FUNCTIONS
 from .text_writer import Written
-from .typed_statement import Statement, StatementTexts, StatementTrees
+from .typed_statement import Statement, StatementTrees
 
 MOST = 80
 """Functions, powers and names in the trees."""
-
-NOTHING = StatementTexts((), (), ())
 
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
 
@@ -59,40 +59,36 @@ class Typed:
     plain: sp.Expr
 
 
-@dataclass(frozen=True, repr=False)
-class TypedProblem(StatementProblem):
-    """An equation as it was typed: the certificate states ``texts``; ``parts`` are theirs."""
-
-    texts: StatementTexts = NOTHING
-    parts: tuple[Typed, ...] = ()
-
-    def certificate(self) -> Certificate:
-        """The certificate, for the checker to accept or not.
-
-        Raises ValueError as `make_certificate` does.
-        """
-        found = make_certificate(self)
-        proof = _with_values(found["proof"], self.parts, self.texts.variables)
-        body = {**found, "statement": as_data(self.texts), "proof": proof}
-        return Certificate(body | {"digest": digest(body)})
-
-
-def typed_problem(statement: Statement, number: int) -> TypedProblem:
-    """The problem that an equation poses as it was typed; raises ValueError if it is too long."""
+def typed_proof(statement: Statement, number: int) -> ProofVerdict:
+    """A proof of an equation as it was typed; raises ValueError where there is none."""
     assert statement.texts is not None
     assert statement.trees is not None
-    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
     parts = typed_parts(statement, statement.trees.equations[number - 1])
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
     if not left.atoms(AppliedUndef):
         left = next(iter(statement.solutions))  # the certificate states what was typed anyway
+    domains = all_domains(statement, left, *also, *_vocabulary(statement).names.values())
+    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
+    points = problem_points(domains, ())
     problem = statement_problem(statement, left)
-    declared = _vocabulary(statement).names.values()
-    domains = all_domains(statement, left, *also, *declared)
-    known = {f.name: getattr(problem, f.name) for f in fields(problem)}
-    known |= {"domains": domains, "points": problem_points(domains, ()), "also": also}
-    return TypedProblem(**known, texts=texts, parts=tuple(parts))
+    problem = replace(problem, domains=domains, points=points, also=also, texts=texts)
+    try:
+        return accepted(problem, _certificate(problem, parts))
+    except ValueError:
+        return accepted(problem, _certificate(problem, parts, unsplit=(sp.log,)))
+
+
+def _certificate(
+    problem: StatementProblem, parts: Iterable[Typed], unsplit: tuple[type, ...] = ()
+) -> Certificate:
+    """The certificate with what SymPy makes of the parts; some functions may be left as they are.
+
+    Raises ValueError as `make_certificate` does.
+    """
+    found = make_certificate(problem, unsplit=unsplit)
+    body = {**found, "proof": _with_values(found["proof"], parts, found["statement"]["variables"])}
+    return Certificate(body | {"digest": digest(body)})
 
 
 def typed_parts(statement: Statement, equation: FormulaTree) -> list[Typed]:
@@ -118,10 +114,8 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     """The formula with what unknowns and defined names stand for in their places."""
 
     def image(node: FormulaTree) -> FormulaTree | None:
-        if isinstance(node, Name) and node.name in trees.definitions:
-            return put_in(trees, trees.definitions[node.name])
         if not isinstance(node, Unknown):
-            return None
+            return trees.meaning(node)
         found = put_in(trees, trees.solutions[node.name])
         if node.shift:
             site = Name(node.site)
@@ -152,8 +146,9 @@ def _plain(node: FormulaTree, builder: ExpressionBuilder) -> sp.Expr | None:
         case Call(name="sqrt", parts=(inner,)):
             return sp.Pow(builder.expression(inner), sp.S.Half, evaluate=False)
         case Call(name=name, parts=parts):
-            arguments = map(builder.expression, parts)
-            return FUNCTIONS[name][0](*arguments, evaluate=False)
+            arguments = [builder.expression(part) for part in parts]
+            if name not in ("abs", "sign") or arguments != [0]:
+                return FUNCTIONS[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
             base, exponent = map(builder.expression, parts)
             if not exponent.is_Rational:
@@ -178,7 +173,7 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
     return False
 
 
-def _with_values(proof: Data, typed: Iterable[Typed], variables: tuple[str, ...]) -> Data:
+def _with_values(proof: Data, typed: Iterable[Typed], variables: Sequence[str]) -> Data:
     """The proof with what SymPy makes of each root, absolute value and logarithm."""
     formulas, values, logs = [*proof["formulas"]], [*proof["values"]], [*proof["logs"]]
     for part in typed:
@@ -195,7 +190,7 @@ def _with_values(proof: Data, typed: Iterable[Typed], variables: tuple[str, ...]
     return {**proof, "formulas": formulas, "values": values, "logs": logs}
 
 
-def _written(value: sp.Expr, variables: tuple[str, ...]) -> str:
+def _written(value: sp.Expr, variables: Sequence[str]) -> str:
     table = NodeTable()
     place = table.place(value)
     written = Written(table.nodes, [place], (), variables)

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
-from derive.algebra.formula_tree import FormulaTree, Name
+from derive.algebra.formula_tree import (
+    Call,
+    FormulaTree,
+    Name,
+    Number,
+    formula_text,
+    mapped,
+    rational,
+)
 
 from .domains import Domain
 from .text_names import FUNCTIONS
@@ -66,6 +75,65 @@ class StatementTrees:
         """The trees with texts of formulas in the place of any values."""
         made = {name: _tree(text) for name, text in values.items()}
         return replace(self, definitions={**self.definitions, **made})
+
+    def with_ends(self) -> StatementTrees:
+        """The trees with sin, tanh and the like for Jacobi functions of the parameter 0 or 1."""
+        return replace(
+            self,
+            equations=tuple(mapped(formula, self._at_end) for formula in self.equations),
+            solutions={name: mapped(f, self._at_end) for name, f in self.solutions.items()},
+        )
+
+    def _at_end(self, node: FormulaTree) -> FormulaTree | None:
+        if not (isinstance(node, Call) and len(node.parts) == 2):
+            return None
+        z, m = node.parts
+        parameter = rational(mapped(m, self.meaning))
+        end = None if parameter is None else ENDS.get((node.name, parameter))
+        if end is None:
+            return None
+        return Call((mapped(z, self._at_end),), end) if end else Number(Fraction(1))
+
+    def meaning(self, node: FormulaTree) -> FormulaTree | None:
+        """What a defined name stands for; None for anything else."""
+        if isinstance(node, Name) and node.name in self.definitions:
+            return mapped(self.definitions[node.name], self.meaning)
+        return None
+
+
+ENDS: Mapping[tuple[str, Fraction | int], str] = {
+    ("jacobi_sn", 0): "sin",
+    ("jacobi_cn", 0): "cos",
+    ("jacobi_dn", 0): "",
+    ("jacobi_sn", 1): "tanh",
+    ("jacobi_cn", 1): "sech",
+    ("jacobi_dn", 1): "sech",
+}
+"""What the Jacobi functions are at the ends of their parameter; nothing where it is 1."""
+
+
+def typed_case(
+    texts: StatementTexts, trees: StatementTrees, values: Mapping[str, str]
+) -> tuple[StatementTexts, StatementTrees]:
+    """The texts and trees with values for parameters; Jacobi functions are known at their ends."""
+    texts, plain = texts.with_values(values), trees.with_values(values)
+    trees = plain.with_ends()
+    pairs = zip(texts.solutions, trees.solutions.items(), strict=True)
+    return replace(
+        texts,
+        equations=tuple(
+            text if new == old else formula_text(new)
+            for text, old, new in zip(
+                texts.equations, plain.equations, trees.equations, strict=True
+            )
+        ),
+        solutions=tuple(
+            text
+            if new == plain.solutions[name]
+            else f"{text.partition('=')[0].strip()} = {formula_text(new)}"
+            for text, (name, new) in pairs
+        ),
+    ), trees
 
 
 def _tree(text: str) -> FormulaTree:
