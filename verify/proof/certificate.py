@@ -295,13 +295,18 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
     square_roots, dependent = SquareRoots(field, table), dict[int, int]()
     for root in roots:
         value = square_roots.value(field.nodes.places[root])
-        if value is not None:
-            known = _field(table, statement, proof)
-            if known.signs.not_negative(known.nodes.places[value]):
-                dependent[root] = value
+        if value is not None and _is_root(_field(table, statement, proof), root, value):
+            dependent[root] = value
     kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
     values = [*proof["values"], *([root, value] for root, value in dependent.items())]
     return {**proof, "generators": kept, "values": values}
+
+
+def _is_root(field: Field, root: int, value: int) -> bool:
+    """Whether a value is seen to be the root: factors may get lost in the ring."""
+    base, node = field.nodes.all[field.nodes.places[root]][1], field.nodes.places[value]
+    same = (field.image(node) ** 2 - field.image(base)).is_zero
+    return bool(same and field.signs.not_negative(node))
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:

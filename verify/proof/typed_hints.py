@@ -8,10 +8,13 @@ which the checker shows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
+from operator import sub
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -35,8 +38,11 @@ from derive.algebra.formula_tree import (
 from verify.kernel.limits import digest
 from verify.verdict import ProofVerdict
 
+from .balls import ball_value
 from .certificate import make_certificate
 from .certificate_writer import Certificate, Data, NodeTable
+from .domain_signs import is_small_polynomial
+from .linear_forms import BITS
 from .problem import problem_points
 from .prover import accepted
 from .statement_problem import StatementProblem, all_domains, statement_problem
@@ -48,6 +54,8 @@ MOST = 80
 """Functions, powers and names in the trees."""
 
 INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
+KEPT = (sp.log, sp.atan)
+"""Functions that may be generators as they are."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +69,17 @@ class Typed:
 
 def typed_proof(statement: Statement, number: int) -> ProofVerdict:
     """A proof of an equation as it was typed; raises ValueError where there is none."""
+    try:
+        return _proof(statement, number)
+    except ValueError:
+        return _proof(statement, number, KEPT)
+
+
+def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> ProofVerdict:
+    """The proof in which functions of the types ``kept`` stay as they are."""
     assert statement.texts is not None
     assert statement.trees is not None
-    parts = typed_parts(statement, statement.trees.equations[number - 1])
+    parts = typed_parts(statement, statement.trees.equations[number - 1], kept)
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
     if not left.atoms(AppliedUndef):
@@ -73,31 +89,27 @@ def typed_proof(statement: Statement, number: int) -> ProofVerdict:
     points = problem_points(domains, ())
     problem = statement_problem(statement, left)
     problem = replace(problem, domains=domains, points=points, also=also, texts=texts)
-    try:
-        return accepted(problem, _certificate(problem, parts))
-    except ValueError:
-        return accepted(problem, _certificate(problem, parts, unsplit=(sp.log,)))
+    return accepted(problem, _certificate(problem, parts, kept))
 
 
 def _certificate(
-    problem: StatementProblem, parts: Iterable[Typed], unsplit: tuple[type, ...] = ()
+    problem: StatementProblem, parts: Sequence[Typed], kept: tuple[type, ...]
 ) -> Certificate:
-    """The certificate with what SymPy makes of the parts; some functions may be left as they are.
-
-    Raises ValueError as `make_certificate` does.
-    """
-    found = make_certificate(problem, unsplit=unsplit)
-    body = {**found, "proof": _with_values(found["proof"], parts, found["statement"]["variables"])}
+    """The certificate with what SymPy makes of the parts; raises as `make_certificate` does."""
+    found = make_certificate(problem, unsplit=kept)
+    body = {**found, "proof": _with_values(found["proof"], parts, problem)}
     return Certificate(body | {"digest": digest(body)})
 
 
-def typed_parts(statement: Statement, equation: FormulaTree) -> list[Typed]:
+def typed_parts(
+    statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
+) -> list[Typed]:
     """The functions, powers and names in an equation with the formulas put in, and in all formulas.
 
     What stands in a formula is named before what is made of it.
     """
     assert statement.trees is not None
-    builder = ExpressionBuilder(_vocabulary(statement))
+    builder = ExpressionBuilder(_vocabulary(statement, kept))
     whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
     found = []
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
@@ -126,8 +138,13 @@ def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
     return mapped(formula, image)
 
 
-def _vocabulary(statement: Statement) -> Vocabulary:
-    """The symbols of a statement by their names; those of which nothing is known are real."""
+def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
+    """The symbols of a statement by their names; those of which nothing is known are real.
+
+    Functions of the types ``kept`` are not evaluated.
+    """
+    plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
+    functions = {name: plain[name] if f[0] in kept else f for name, f in FUNCTIONS.items()}
     assert statement.trees is not None
     formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
     symbols = {s for formula in formulas for s in formula.free_symbols}
@@ -135,7 +152,7 @@ def _vocabulary(statement: Statement) -> Vocabulary:
     known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
     variables = {s.name: s for s in statement.variables}
     names = {n: known.get(n, sp.Symbol(n, real=True)) for n in statement.trees.names}
-    return Vocabulary(FUNCTIONS, variables, names=names)
+    return Vocabulary(functions, variables, names=names)
 
 
 def _plain(node: FormulaTree, builder: ExpressionBuilder) -> sp.Expr | None:
@@ -173,21 +190,51 @@ def _is_read_as_number(exponent: FormulaTree) -> bool:
     return False
 
 
-def _with_values(proof: Data, typed: Iterable[Typed], variables: Sequence[str]) -> Data:
-    """The proof with what SymPy makes of each root, absolute value and logarithm."""
-    formulas, values, logs = [*proof["formulas"]], [*proof["values"]], [*proof["logs"]]
+def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
+    """The proof with what SymPy makes of each root, absolute value and logarithm.
+
+    The factors of what is under a root show its sign.
+    """
+    formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "logs", "signs")}
+
+    def hint(kind: str, text: str, value: str, pack: Callable[[int], Any]) -> None:
+        hints[kind].append([len(formulas), pack(len(formulas) + 1)])
+        formulas.extend((text, value))
+
+    variables = [str(variable) for variable in problem.variables]
     for part in typed:
-        place = len(formulas)
+        text = formula_text(part.tree)
         match part.tree:
-            case _ if part.value == part.plain:
-                continue
+            case Call(name="sqrt", parts=(base,)) | Power(parts=(base, _)):
+                plain = part.plain.args[0]
+                if is_small_polynomial(plain) and not plain.is_Atom:
+                    factors = _written(sp.factor(plain), variables)
+                    hint("signs", formula_text(base), factors, lambda place: place)
+        if part.value == part.plain:
+            continue
+        match part.tree:
             case Call(name="log", parts=(inner,)):
-                formulas += [formula_text(part.tree), formula_text(inner)]
-                logs.append([place, [["1", place + 1]]])
+                hint("logs", text, formula_text(inner), lambda place: [["1", place]])
+            case Call(name="abs") if (root := _equal_root(part, typed, problem)) is not None:
+                hint("values", text, formula_text(root), lambda place: place)
             case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
-                formulas += [formula_text(part.tree), _written(part.value, variables)]
-                values.append([place, place + 1])
-    return {**proof, "formulas": formulas, "values": values, "logs": logs}
+                hint("values", text, _written(part.value, variables), lambda place: place)
+    return {**proof, "formulas": formulas, **hints}
+
+
+def _equal_root(
+    size: Typed, typed: Sequence[Typed], problem: StatementProblem
+) -> FormulaTree | None:
+    """A root that has the value of a modulus at a point; None for one that SymPy knows as real."""
+    if not size.value.has(sp.I):
+        return None
+    for part in typed:
+        if isinstance(part.tree, Call) and part.tree.name == "sqrt":
+            values = (ball_value(own.plain, problem.points[0], BITS) for own in (size, part))
+            with suppress(ValueError):
+                if sub(*values).contains(0):
+                    return part.tree
+    return None
 
 
 def _written(value: sp.Expr, variables: Sequence[str]) -> str:
