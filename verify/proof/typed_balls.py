@@ -49,6 +49,9 @@ from .typed_statement import StatementTrees
 
 TextPoint = Mapping[str, Fraction]
 
+LARGEST_ROOT = 1000
+"""Degree of a root that is taken; a power beyond is by the logarithm."""
+
 MEAN = ("elliptic_k", "elliptic_e")
 SIZES = ("abs", "sign", "re", "im", "conjugate")
 
@@ -195,7 +198,7 @@ class TypedPlace:
                 return TypedBall.of(powered(below.jet, number), below.is_real)
         self._check_smooth(sp.log, below)
         is_real = below.is_real and below.jet.value.real > 0
-        if number is not None:
+        if number is not None and number.denominator <= LARGEST_ROOT:
             return TypedBall.of(powered(below.jet, number), is_real)
         above = self.value(exponent)
         logarithm = below.jet.composed(ELEMENTARY[sp.log])

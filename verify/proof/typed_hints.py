@@ -82,8 +82,9 @@ def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> Pr
     parts = typed_parts(statement, statement.trees.equations[number - 1], kept)
     also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
-    if not left.atoms(AppliedUndef):
+    if kept or not left.atoms(AppliedUndef):
         left = next(iter(statement.solutions))  # the certificate states what was typed anyway
+        also = tuple(dict.fromkeys(part.plain for part in parts))
     domains = all_domains(statement, left, *also, *_vocabulary(statement).names.values())
     texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
     points = problem_points(domains, ())
@@ -110,11 +111,16 @@ def typed_parts(
     """
     assert statement.trees is not None
     builder = ExpressionBuilder(_vocabulary(statement, kept))
+
+    def expression(formula: FormulaTree) -> sp.Expr:
+        found = builder.expression(formula)
+        return sp.expand_power_exp(found) if kept else found
+
     whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
     found = []
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
         with suppress(ValueError):  # too large for SymPy, or infinite
-            plain = _plain(node, builder)
+            plain = _plain(node, expression)
             if plain is not None:
                 found.append(Typed(node, builder.expression(node), plain))
     if len(found) > MOST:
@@ -155,19 +161,19 @@ def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary
     return Vocabulary(functions, variables, names=names)
 
 
-def _plain(node: FormulaTree, builder: ExpressionBuilder) -> sp.Expr | None:
+def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> sp.Expr | None:
     """A name, function or power as SymPy has it before it simplifies; None for anything else."""
     match node:
         case Name():
-            return builder.expression(node)
+            return expression(node)
         case Call(name="sqrt", parts=(inner,)):
-            return sp.Pow(builder.expression(inner), sp.S.Half, evaluate=False)
+            return sp.Pow(expression(inner), sp.S.Half, evaluate=False)
         case Call(name=name, parts=parts):
-            arguments = [builder.expression(part) for part in parts]
+            arguments = [*map(expression, parts)]
             if name not in ("abs", "sign") or arguments != [0]:
                 return FUNCTIONS[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
-            base, exponent = map(builder.expression, parts)
+            base, exponent = map(expression, parts)
             if not exponent.is_Rational:
                 return sp.Pow(base, exponent, evaluate=False)
             if not _is_read_as_number(parts[1]):
