@@ -1,7 +1,9 @@
 """Catches: a text that the prover evaluates as another one than was typed."""
 
 import cmath
+import itertools
 import math
+import random
 import re
 from fractions import Fraction
 
@@ -12,6 +14,9 @@ from verify.proof.statement_text import read_statement
 from verify.proof.text_prover import prove
 from verify.proof.typed_balls import TypedBalls
 from verify.proof.typed_values import TypedValues
+from verify.studies.statements.random_statement import Truth
+from verify.studies.texts.ball_judge import Judge, Unsaid
+from verify.studies.texts.text_library import TEXT_KINDS, text_statement
 from verify.verdict import Outcome
 
 X, Y, A, N = Fraction(-7, 10), Fraction(13, 10), Fraction(3, 4), -3
@@ -105,6 +110,27 @@ def test_derivatives_are_those_of_what_was_typed(
     equation: str, formula: str, expected: complex
 ) -> None:
     assert abs(complex(ball(equation, formula)) - expected) < 1e-12
+
+
+@pytest.mark.parametrize("kind", TEXT_KINDS)
+@pytest.mark.parametrize("index", range(12))
+def test_the_judge_of_the_searches_finds_the_same_residuals(kind: str, index: int) -> None:
+    """It shares no code with the prover: its reader, series and functions are its own."""
+    draws = (text_statement(kind, 77, number) for number in itertools.count(10 * index))
+    given = next(made for made in draws if made.truth is not Truth.VOID)
+    point = given.point(random.Random(index))
+    texts = list(given.equations), list(given.solutions), given.parameters, given.domain
+    stated = read_statement(*texts)
+    assert stated.trees is not None
+    integers = {str(s) for s, domain in stated.domains.items() if domain.integer}
+    try:
+        others = list(Judge(given).residuals(point, 200))
+    except (Unsaid, ArithmeticError, ValueError):
+        with pytest.raises((ArithmeticError, ValueError)):
+            list(TypedBalls(stated.trees, integers).residuals(point, 200))
+        return
+    own = TypedBalls(stated.trees, integers).residuals(point, 200)
+    assert all((a - b).contains(0) for a, b in zip(own, others, strict=True))
 
 
 @pytest.mark.parametrize(("shift", "expected"), [("-2", 5), ("-3", 6), ("+1", 2), ("", 3)])

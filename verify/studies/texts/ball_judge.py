@@ -15,7 +15,7 @@ from itertools import product
 from flint import acb, acb_series, arb, ctx, fmpq
 
 from verify.studies.texts.text_statement import TextPoint, TextStatement
-from verify.studies.texts.trees import Tree, read
+from verify.studies.texts.trees import DERIVED, Tree, read
 
 BITS = (100, 400, 1600, 6400)
 """Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
@@ -200,7 +200,7 @@ class Judge:
         unknowns = tuple(self.solutions)
         self.equations = [_one_side(text, unknowns) for text in statement.equations]
         self.definitions = {name: read(text) for name, text in statement.definitions}
-        self.letters = [v.name for v in statement.letters if v.name in statement.derived]
+        self.letters = [v.name for v in statement.letters if v.name in DERIVED]
         inner = (*self.solutions.values(), *self.definitions.values())
         self.order = max(map(_order, self.equations)) + max(map(_order, inner), default=0)
 
