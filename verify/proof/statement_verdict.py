@@ -166,7 +166,8 @@ def _as_typed(
         words = " ".join((reason or verdict.detail or str(error)).split())
         return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
     if verdict.outcome is Outcome.PROVED:
-        return replace(verdict, certificate=proof.certificate)
+        places = dict.fromkeys((*verdict.singularities, *proof.singularities))
+        return replace(verdict, certificate=proof.certificate, singularities=tuple(places))
     return _completed(statement, statement.equations[number - 1], proof)
 
 

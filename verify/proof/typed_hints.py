@@ -179,7 +179,7 @@ def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> s
             if not _is_read_as_number(parts[1]):
                 logarithm = sp.log(base, evaluate=False)
                 return sp.exp(exponent * logarithm, evaluate=False)
-            if not exponent.is_Integer:
+            if not exponent.is_Integer or exponent < 0:
                 return sp.Pow(base, exponent, evaluate=False)
     return None
 

@@ -83,6 +83,20 @@ def test_an_identity_is_not_refuted_at_a_point_of_something_else(
     assert found.outcome is not Outcome.REFUTED
 
 
+@pytest.mark.parametrize(
+    ("formula", "place"),
+    [
+        ("x + 0/y", "pole where y = 0"),
+        ("x*log(y)/log(y)", "branch point where y is not positive"),
+        ("x + 0*sqrt(y)", "branch point where y is not positive"),
+    ],
+)
+def test_what_sympy_cancels_is_named_where_it_is_not_smooth(formula: str, place: str) -> None:
+    found = prove("u_x - 1", f"u = {formula}")
+    assert found.outcome is Outcome.PROVED
+    assert place in found.singularities
+
+
 def test_a_case_of_the_constants_is_no_proof_of_what_was_not_typed() -> None:
     found = prove("u_x + (b-1)*u", "u = sign(exp(I*x))**2", solve="b")
     assert found.outcome is Outcome.UNDECIDED
