@@ -5,7 +5,8 @@ from __future__ import annotations
 from sympy import Expr, Integer, Symbol, atan, cos, sin, sqrt
 
 from derive.algebra.exact_numbers import exact, shown
-from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.algebra.formula_expression import read_formula
+from derive.algebra.formula_text import Vocabulary
 from derive.lattice import Lattice
 from derive.scaling import SlowVariable
 from derive.symbols import c

@@ -36,7 +36,8 @@ from typing import Any
 import sympy as sp
 
 from derive.algebra.exact_numbers import shown
-from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.algebra.formula_expression import read_formula
+from derive.algebra.formula_text import Vocabulary
 from derive.lattice import Bond, Cell, Lattice, Stencil, on_site, spring
 from derive.symbols import eps, x
 from derive.user_files import file_stem, read_toml, shown_path

@@ -74,6 +74,16 @@ def test_proof_and_comparison_do_not_import_each_other(room: str, other: str) ->
         assert not {name for name in names if name.startswith(f"verify.{other}")}, path
 
 
+@pytest.mark.parametrize(
+    ("room", "other"),
+    [("proof", "verify.studies"), ("kernel", "verify.studies"), ("kernel", "verify.proof")]
+    + [("studies/texts", other) for other in ("verify.proof", "verify.kernel", "derive")],
+)
+def test_a_prover_shares_no_code_with_its_judge(room: str, other: str) -> None:
+    for path in (HOUSE / "verify" / room).rglob("*.py"):
+        assert not {name for name in imported_modules(path) if name.startswith(other)}, path
+
+
 def test_relative_imports_are_resolved() -> None:
     """The direction test would be blind to `from ..verdict import Verdict` if this failed."""
     text = "from ..verdict import Verdict\nfrom . import scene\nimport solutions.wave\n"

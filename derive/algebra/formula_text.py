@@ -1,28 +1,34 @@
 """Formulas in text, read with a whitelist: tokens, a parser by precedence, errors with a caret.
 
-Nothing is evaluated as Python.  A reader brings a `Vocabulary`: the functions, variables, fields
-and names that its texts may hold.  Numbers are exact (``0.1`` is 1/10), ``**`` binds as in Python,
-``u_xxt`` and ``diff(u, x, x, t)`` are derivatives, ``q[n+1]`` is a field at a lattice site.
+The parser makes a tree (`formula_tree`); nothing is evaluated as Python.  A reader brings a
+`Vocabulary`: the functions, variables, fields and names that its texts may hold.  Numbers are exact
+(``0.1`` is 1/10), ``**`` binds as in Python, ``u_xxt`` and ``diff(u, x, x, t)`` are derivatives,
+``q[n+1]`` is a field at a lattice site.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.bounded_building import (
-    ORDER,
-    TooLarge,
-    applied,
-    derivative,
-    power,
-    product,
-    total,
+from derive.algebra.bounded_building import ORDER
+from derive.algebra.formula_tree import (
+    MINUS_ONE,
+    Call,
+    Derivative,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Unknown,
+    rational,
 )
 from derive.algebra.typing_mistakes import similar
 
@@ -44,9 +50,6 @@ WINDOW = 60
 """Characters of a text that are shown beside an error."""
 
 CONSTANTS = {"pi": sp.pi, "I": sp.I}
-
-INFINITE_AT_ZERO = ("log", "coth", "csch", "cot", "csc")
-"""Functions that have no value at 0."""
 
 _TOKEN = re.compile(
     r"(?P<space>[ \t\r\n]+)"
@@ -125,6 +128,16 @@ class Vocabulary:
     unknown_name: Callable[[str], sp.Expr] | None = None
     site: sp.Symbol | None = None
 
+    def meaning(self, name: str) -> sp.Expr | None:
+        """What a name stands for, that is no field or function; None if nothing.
+
+        Raises ValueError, as ``unknown_name`` does, for a name that may mean another.
+        """
+        for known in (CONSTANTS, self.variables, self.names):
+            if name in known:
+                return known[name]
+        return None if "_" in name or self.unknown_name is None else self.unknown_name(name)
+
 
 def tokens(text: str, name: str = "formula") -> list[Token]:
     """The words of a text, with one of kind end.
@@ -156,23 +169,10 @@ def _strange(sign: str) -> str:
     return f"expected a formula, got {sign!a} ({remedy})"
 
 
-def read_formula(text: str, vocabulary: Vocabulary, name: str = "formula") -> sp.Expr:
-    """The expression that ``text`` spells; raises FormulaError, which calls the text ``name``.
-
-    >>> x = sp.Symbol("x")
-    >>> read_formula("-x**2/4 + 0.1", Vocabulary({}, {"x": x}))
-    1/10 - x**2/4
-    """
-    parser = Parser(text, tokens(text, name), vocabulary, name)
-    found = parser.expression()
-    parser.expect_end()
-    return found
-
-
 class Parser:
-    """Reads expressions from tokens; the place moves on past what has been read.
+    """Reads formulas from tokens; the place moves on past what has been read.
 
-    ``used`` are the names that occur; ``divisors`` is what must not be 0, also where it cancels.
+    ``used`` are the names that occur.
     """
 
     def __init__(
@@ -185,7 +185,6 @@ class Parser:
         self.place = 0
         self._depth = 0
         self.used: set[str] = set()
-        self.divisors: list[sp.Expr] = []
 
     @property
     def next(self) -> Token:
@@ -221,33 +220,41 @@ class Parser:
 
     def error(self, words: str, token: Token | None = None) -> FormulaError:
         """The error at a token, which is the one that comes unless given."""
-        return FormulaError(self.name, words, self.text, (token or self.next).start)
+        return self.error_at((token or self.next).start, words)
 
-    def expression(self) -> sp.Expr:
+    def error_at(self, position: int, words: str) -> FormulaError:
+        """The error at a place of the text."""
+        return FormulaError(self.name, words, self.text, position)
+
+    def formula(self) -> FormulaTree:
         """A sum."""
-        start = self.next
+        start = self.next.start
         terms = [self._term()]
         while sign := self.take_sign("+", "-"):
             term = self._term()
-            terms.append(
-                self._built(sign, product, [sp.S.NegativeOne, term]) if sign.text == "-" else term
-            )
-        return self._built(start, total, terms)
+            minus = sign.text == "-"
+            terms.append(Product((MINUS_ONE, term), at=sign.start) if minus else term)
+        return terms[0] if len(terms) == 1 else Sum(tuple(terms), at=start)
 
-    def _term(self) -> sp.Expr:
-        """A product, built at once, so that a number is not multiplied into a sum beside others."""
-        start = self.next
+    def whole(self) -> FormulaTree:
+        """A sum with nothing behind it."""
+        found = self.formula()
+        self.expect_end()
+        return found
+
+    def _term(self) -> FormulaTree:
+        """A product; a number is no factor of a sum beside others."""
+        start = self.next.start
         factors = self._signed()
         while sign := self.take_sign("*", "/"):
             further = self._signed()
             if sign.text == "/":
-                divisor = self._built(sign, product, further)
-                self.divisors.append(divisor)
-                further = [self._built(sign, power, divisor, sp.S.NegativeOne)]
+                divisor = _product(further, sign.start)
+                further = [Power((divisor, MINUS_ONE), at=sign.start)]
             factors += further
-        return self._built(start, product, factors)
+        return _product(factors, start)
 
-    def _signed(self) -> list[sp.Expr]:
+    def _signed(self) -> list[FormulaTree]:
         """An operand with its sign, as factors; ``**`` binds closer than signs do."""
         start, negative = self.next, False
         while sign := self.take_sign("+", "-"):
@@ -257,41 +264,37 @@ class Parser:
             raise self.error(f"brackets and powers must be at most {DEEPEST} deep", start)
         found = self._power()
         self._depth -= 1
-        return [sp.S.NegativeOne, found] if negative else [found]
+        return [MINUS_ONE, found] if negative else [found]
 
-    def _power(self) -> sp.Expr:
+    def _power(self) -> FormulaTree:
         base = self._operand()
         sign = self.take_sign("**")
         if sign is None:
             return base
-        exponent = self._built(sign, product, self._signed())
-        if not exponent.is_nonnegative:
-            self.divisors.append(base)
-        return self._built(sign, power, base, exponent)
+        return Power((base, _product(self._signed(), sign.start)), at=sign.start)
 
-    def _operand(self) -> sp.Expr:
+    def _operand(self) -> FormulaTree:
         token = self.next
         if token.kind == "number":
             return self._number(self.take())
         if token.kind == "name":
             return self._named(self.take())
         if self.take_sign("("):
-            found = self.expression()
+            found = self.formula()
             self.expect(")", f" for the '(' of column {token.start + 1}")
             return found
         raise self.error(f"expected a number, a name or '(', got {token}")
 
-    def _number(self, token: Token) -> sp.Expr:
+    def _number(self, token: Token) -> Number:
         digits, _, exponent = token.text.lower().partition("e")
         if len(digits) > DIGITS or len(exponent) > 5 or abs(int(exponent or 0)) > DIGITS:
             raise self.error(f"numbers must have at most {DIGITS} digits", token)
         following = self.next
         if following.kind == "name" and following.start == token.start + len(token.text):
             raise self.error(f"expected an operator such as *, got {following}", following)
-        value = Fraction(token.text)
-        return sp.Rational(value.numerator, value.denominator)
+        return Number(Fraction(token.text), at=token.start)
 
-    def _named(self, token: Token) -> sp.Expr:
+    def _named(self, token: Token) -> FormulaTree:
         name, words = token.text, self.vocabulary
         if len(name) > NAME_LENGTH:
             raise self.error(f"names must have at most {NAME_LENGTH} characters", token)
@@ -303,49 +306,45 @@ class Parser:
         if base in words.fields:
             return self._field(token, base, steps)
         self.used.add(name)
-        for known in (CONSTANTS, words.variables, words.names):
-            if name in known:
-                return known[name]
-        if "_" in name:
-            raise self.error(f"expected a name without _, got {token}{self._nearest(name)}", token)
-        if words.unknown_name is None:
-            raise self.error(f"expected a known name, got {token}{self._nearest(name)}", token)
         try:
-            return words.unknown_name(name)
+            known = words.meaning(name) is not None
         except ValueError as error:
             raise self.error(str(error), token) from None
+        if not known:
+            wanted = "a name without _" if "_" in name else "a known name"
+            raise self.error(f"expected {wanted}, got {token}{self._nearest(name)}", token)
+        return Name(name, at=token.start)
 
-    def _field(self, token: Token, base: str, steps: str) -> sp.Expr:
+    def _field(self, token: Token, base: str, steps: str) -> Unknown:
         """The unknown ``base`` with the derivatives of its subscripts, at a site if it has one."""
-        found = self.vocabulary.fields[base]
+        site, arguments = self.vocabulary.site, self.vocabulary.fields[base].args
         self.used.add(base)
-        site = self.vocabulary.site
-        if site is not None and site in found.args:
-            bracket = self.expect("[", f" after the lattice field {base}")
-            index = self.expression()
-            self.expect("]", " after the site")
-            shift = index - site
-            if not (shift.is_Integer and abs(shift) <= SHIFT):
-                words = f"expected a site such as {site}+1, got another index"
-                raise self.error(words, self.words[self.words.index(bracket) + 1])
-            found = found.func(*(index if a == site else a for a in found.args))
-        variables = self._subscripts(token, base, steps, found)
-        return self._built(token, derivative, found, variables)
-
-    def _subscripts(
-        self, token: Token, base: str, steps: str, found: AppliedUndef
-    ) -> list[sp.Symbol]:
-        variables = []
+        index, shift = str(site) if site in arguments else "", 0
+        if index:
+            self.expect("[", f" after the lattice field {base}")
+            shift = self._shift(index)
+        variables = self.vocabulary.variables
+        known = [str(a) for a in arguments if a != site]
         for letter in steps:
-            variable = self.vocabulary.variables.get(letter)
-            if variable is None or variable not in found.args or variable == self.vocabulary.site:
-                known = " ".join(str(a) for a in found.args if a.is_Symbol)
-                words = f"expected variables of {base} behind _ ({known}), got {token}"
+            if letter not in known or letter not in variables:
+                words = f"expected variables of {base} behind _ ({' '.join(known)}), got {token}"
                 raise self.error(words, token)
-            variables.append(variable)
-        return variables
+        return Unknown(base, tuple(steps), index, shift, at=token.start)
 
-    def _call(self, token: Token) -> sp.Expr:
+    def _shift(self, site: str) -> int:
+        """The integer in an index such as ``n+1``, behind its bracket."""
+        start = self.next
+        index = self.formula()
+        self.expect("]", " after the site")
+        terms = index.inner() if isinstance(index, Sum) else (index,)
+        rest = [rational(term) for term in terms if term != Name(site)]
+        shift = sum((value for value in rest if value is not None), Fraction(0))
+        whole = len(rest) == len(terms) - 1 and None not in rest and shift.denominator == 1
+        if not whole or abs(shift) > SHIFT:
+            raise self.error(f"expected a site such as {site}+1, got another index", start)
+        return int(shift)
+
+    def _call(self, token: Token) -> FormulaTree:
         name, functions = token.text, self.vocabulary.functions
         if name == "diff":
             return self._derivative(token)
@@ -355,49 +354,48 @@ class Parser:
             if known or name in self.vocabulary.variables or (len(name) == 1 and not remedy):
                 remedy = f" (write {name}*(...) for a product)"
             raise self.error(f"expected a known function, got '{name}'{remedy}", token)
-        function, arity = functions[name]
-        arguments = self._arguments(token)
+        arity = functions[name][1]
+        arguments = [argument for argument, _ in self._arguments(token)]
         if len(arguments) != arity:
             plural = "" if arity == 1 else "s"
             words = f"expected {arity} argument{plural} of {name}, got {len(arguments)}"
             raise self.error(words, token)
-        if name in INFINITE_AT_ZERO:
-            self.divisors += arguments
-        return self._built(token, applied, function, arguments)
+        return Call(tuple(arguments), name, at=token.start)
 
-    def _arguments(self, token: Token) -> list[sp.Expr]:
-        self.expect("(")
-        found = [self.expression()]
-        while self.take_sign(","):
-            found.append(self.expression())
+    def _arguments(self, token: Token) -> Iterator[tuple[FormulaTree, str]]:
+        """The arguments, each with its text."""
+        sign: Token | None = self.expect("(")
+        while sign:
+            start = self.next.start
+            found = self.formula()
+            yield found, self.text[start : self.next.start].strip()
+            sign = self.take_sign(",")
         self.expect(")", f" for the '(' of {token.text}")
-        return found
 
-    def _derivative(self, token: Token) -> sp.Expr:
+    def _derivative(self, token: Token) -> Derivative:
         """``diff(expression, x, x)``; ``diff(expression, x, 2)`` is the same."""
-        expression, *steps = self._arguments(token)
-        variables: list[sp.Symbol] = []
-        known = [v for v in self.vocabulary.variables.values() if v != self.vocabulary.site]
-        for step in steps:
-            if step in known:
-                variables.append(step)
-            elif variables and step.is_Integer and 0 < step <= ORDER:
-                variables += [variables[-1]] * (int(step) - 1)
+        (expression, _), *steps = self._arguments(token)
+        variables: list[str] = []
+        known = self.vocabulary.variables.keys() - {str(self.vocabulary.site)}
+        for step, text in steps:
+            times = rational(step)
+            if isinstance(step, Name) and step.name in known:
+                variables.append(step.name)
+            elif variables and times and times.denominator == 1 and 0 < times <= ORDER:
+                variables += [variables[-1]] * (int(times) - 1)
             else:
-                words = f"expected variables behind the first argument of diff, got {step}"
+                words = f"expected variables behind the first argument of diff, got {text}"
                 raise self.error(words, token)
         if not variables:
             raise self.error("expected a variable in diff, as in diff(u, x)", token)
-        return self._built(token, derivative, expression, variables)
-
-    def _built(self, token: Token, build: Callable[..., sp.Expr], *parts: object) -> sp.Expr:
-        try:
-            return build(*parts)
-        except TooLarge as error:
-            raise self.error(str(error), token) from None
+        return Derivative((expression,), tuple(variables), at=token.start)
 
     def _nearest(self, name: str, among: Iterable[str] | None = None) -> str:
         words = self.vocabulary
         known = [*words.functions, *words.names, *words.fields] if among is None else [*among]
         close = similar(name, known)
         return f" (did you mean {close}?)" if close else ""
+
+
+def _product(factors: list[FormulaTree], at: int) -> FormulaTree:
+    return factors[0] if len(factors) == 1 else Product(tuple(factors), at=at)

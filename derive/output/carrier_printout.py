@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from sympy import Expr, Rational, pi
 
 from derive.algebra.exact_numbers import Number, shown
-from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.algebra.formula_expression import read_formula
+from derive.algebra.formula_text import Vocabulary
 from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map, wavenumber
 from derive.checks import Check, checks_of_envelope, simple_numbers
 from derive.command_line import check_and_announce

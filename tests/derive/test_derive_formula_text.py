@@ -9,13 +9,13 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from derive.algebra.bounded_building import BITS, TooLarge, applied, power, product, total
+from derive.algebra.formula_expression import read_formula
 from derive.algebra.formula_printing import formula_as_text
 from derive.algebra.formula_text import (
     DEEPEST,
     LONGEST,
     FormulaError,
     Vocabulary,
-    read_formula,
     tokens,
 )
 

@@ -35,7 +35,6 @@ from verify.proof.near_misses import SECONDS as HINT_SECONDS
 from verify.proof.near_misses import with_hint
 from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import (
-    NOTE,
     StatementVerdict,
     undecided,
     verified_sentence,
@@ -385,7 +384,6 @@ def _lines(problem: StatedProblem, verdict: StatementVerdict) -> list[str]:
     if verdict.witness:
         lines.append(f"at {', '.join(f'{name} = {v}' for name, v in verdict.witness.items())}")
     lines += [f"possibly not smooth: {line}" for line in verdict.singularities]
-    lines += [line for line in verdict.assumptions if line == NOTE]
     lines += [verdict.hint] if verdict.hint else []
     lines += [f"expected was {expected}"] if expected else []
     return [lines[0], *(f"    {line}" for line in lines[1:])]

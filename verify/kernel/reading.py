@@ -1,7 +1,7 @@
 """Formulas from text, as they stand: nothing is simplified but the arithmetic of numbers.
 
     sum      product (+|- product)...        product  sign (*|/ sign)...
-    sign     -... power                      power    atom (** sign)?
+    sign     (+|-)... power                  power    atom (** sign)?
     atom     number, name, function(sum, ...), unknown[index, ...], #place, (sum)
 
 ``a/b`` is ``a*b**(-1)`` and ``-a`` is ``(-1)*a``; brackets keep sums and products apart; ``f'(z)``
@@ -200,8 +200,8 @@ class TextReader:
         factors: list[int] = []
         sign = "*"
         while sign:
-            while self.take("-"):
-                number = -number
+            while turned := self.take("+", "-"):
+                number = number if turned == "+" else -number
             factor = self._power()
             value = self._nodes.value(factor)
             if value is not None and (sign == "*" or value != 0):
@@ -219,8 +219,8 @@ class TextReader:
         if not self.take("**"):
             return base
         negative = fmpq(1)
-        while self.take("-"):
-            negative = -negative
+        while turned := self.take("+", "-"):
+            negative = negative if turned == "+" else -negative
         exponent = self._power()
         value = self._nodes.value(exponent)
         if value is not None:

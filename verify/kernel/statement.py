@@ -255,7 +255,7 @@ def _multiplied(parts: Sequence[Monomials | None]) -> Monomials | None:
 
 
 def _check(statement: Statement, left_sides: Sequence[int]) -> None:
-    """Every equation has an unknown; equations alone have derivatives, in real variables."""
+    """Every equation has an unknown, no formula has; derivatives are in real variables."""
     nodes = statement.nodes
     if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
         raise CertificateError("a statement must have 1 to 8 equations and solutions")
@@ -264,9 +264,9 @@ def _check(statement: Statement, left_sides: Sequence[int]) -> None:
             raise CertificateError("an equation does not contain the unknown")
     ends = [end for _, *both in statement.domain for end in both]
     for node in nodes.below([*statement.formulas, *ends]):
-        if nodes.all[node][0] in ("diff", "unknown"):
-            raise CertificateError("formulas must be without derivatives and unknowns")
-    for node in nodes.below(left_sides):
+        if nodes.all[node][0] == "unknown":
+            raise CertificateError("formulas must be without derivatives of unknowns, and these")
+    for node in nodes.below([*left_sides, *statement.formulas, *ends]):
         along = nodes.all[node][2:] if nodes.all[node][0] == "diff" else ()
         if any(nodes.all[v][2] == "integer" for v in along):
             raise CertificateError("derivatives must be in the statement's real variables")

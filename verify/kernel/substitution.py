@@ -40,8 +40,8 @@ class Substitution:
         return self._shifted[shifts, node]
 
     def _moved(self, node: int, shifts: tuple[int, ...]) -> int:
-        if self._nodes.all[node][0] in ("diff", "unknown"):
-            raise CertificateError("formulas must be without derivatives and unknowns")
+        if self._nodes.all[node][0] == "unknown":
+            raise CertificateError("formulas must be without derivatives of unknowns, and these")
         if node in self._variables:
             step = shifts[self._variables.index(node)]
             return self._nodes.made("Add", node, self._nodes.rational(step)) if step else node

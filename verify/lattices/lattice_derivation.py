@@ -18,7 +18,8 @@ from sympy import Expr, pi, sqrt
 
 from derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
 from derive.algebra.exact_numbers import exact
-from derive.algebra.formula_text import Vocabulary, read_formula
+from derive.algebra.formula_expression import read_formula
+from derive.algebra.formula_text import Vocabulary
 from derive.lattice_file import lattice_of
 from derive.symbols import eps
 from solutions import CATALOGUE, ClosedForm, Wave, closed_form

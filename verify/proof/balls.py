@@ -145,6 +145,33 @@ ELEMENTARY = {
 }
 
 
+def touches_cut(function: type, value: acb) -> bool:
+    """Whether a value may lie on a cut of a function; that of a power is the logarithm's."""
+    if function in ENTIRE:
+        return False
+    if function is sp.LambertW:
+        return bool(value.imag.contains(0)) and not value.real > BRANCH_OF_LAMBERT
+    if function in (sp.atan, sp.asinh):
+        return bool(value.real.contains(0)) and not abs(value.imag) < 1
+    if function in (sp.asin, sp.acos, sp.atanh):
+        return bool(value.imag.contains(0)) and not abs(value.real) < 1
+    start = 1 if function is sp.acosh else 0
+    return bool(value.imag.contains(0)) and not value.real > start
+
+
+def powered(base: Jet, exponent: Fraction) -> Jet:
+    """The principal power; a whole one by squaring: base**10**7 costs no more than 24 squares."""
+    if exponent.denominator != 1 or exponent < 0:
+        return base.composed(functions.power(exponent))
+    if exponent == 0:
+        return constant(base.shape, acb(1))
+    found = base
+    for digit in f"{exponent.numerator:b}"[1:]:
+        found = found * found
+        found = found * base if digit == "1" else found
+    return found
+
+
 class BallEvaluator:
     """Jets of expressions at a rational point, at the working precision of python-flint."""
 
@@ -197,7 +224,7 @@ class BallEvaluator:
         if node.is_Pow and node.exp.is_Rational:
             if not node.exp.is_Integer:
                 self._check_smooth(node, node.base)
-            return self._power(self.jet(node.base), Fraction(int(node.exp.p), int(node.exp.q)))
+            return powered(self.jet(node.base), Fraction(int(node.exp.p), int(node.exp.q)))
         if isinstance(node, sp.conjugate | sp.re | sp.im | sp.Abs | sp.sign):
             return self._real_part(node)
         if isinstance(node, JacobiFunction):
@@ -212,7 +239,7 @@ class BallEvaluator:
             return constant(self._shape, m.elliptic_k() if is_first else m.elliptic_e())
         if node.func in QUOTIENTS:
             above, below = (f(node.args[0]) for f in QUOTIENTS[node.func])
-            return self.jet(above) * self._power(self.jet(below), Fraction(-1))
+            return self.jet(above) * powered(self.jet(below), Fraction(-1))
         if node.func in ELEMENTARY:
             if node.func not in PERIODIC:
                 self._check_smooth(node, node.args[0])
@@ -223,38 +250,12 @@ class BallEvaluator:
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
         """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
-        if not inner.free_symbols or not self._touches_cut(node, self.jet(inner).value):
+        if not inner.free_symbols or not touches_cut(node.func, self.jet(inner).value):
             return
         along = node.is_Pow or isinstance(node, sp.log)
         if along and self._signs.is_real(inner) and not self.jet(inner).value.contains(0):
             return
         raise ValueError(f"points must lie off the cuts, got one on that of {node} (take another)")
-
-    @staticmethod
-    def _touches_cut(node: sp.Expr, value: acb) -> bool:
-        if isinstance(node, ENTIRE):
-            return False
-        if isinstance(node, sp.LambertW):
-            return bool(value.imag.contains(0)) and not value.real > BRANCH_OF_LAMBERT
-        if isinstance(node, sp.atan | sp.asinh):
-            return bool(value.real.contains(0)) and not abs(value.imag) < 1
-        if isinstance(node, sp.asin | sp.acos | sp.atanh):
-            return bool(value.imag.contains(0)) and not abs(value.real) < 1
-        start = 1 if isinstance(node, sp.acosh) else 0
-        return bool(value.imag.contains(0)) and not value.real > start
-
-    def _power(self, base: Jet, exponent: Fraction) -> Jet:
-        if exponent.denominator == 1 and exponent > 0:
-            return self._whole_power(base, exponent.numerator)
-        return base.composed(functions.power(exponent))
-
-    def _whole_power(self, base: Jet, exponent: int) -> Jet:
-        """By squaring: base**10**7 costs no more than 24 squares."""
-        found = base
-        for digit in f"{exponent:b}"[1:]:
-            found = found * found
-            found = found * base if digit == "1" else found
-        return found
 
     def _real_part(self, node: sp.Expr) -> Jet:
         inner = self.jet(node.args[0])
@@ -264,9 +265,9 @@ class BallEvaluator:
         if isinstance(node, sp.conjugate):
             return other
         if isinstance(node, sp.Abs):
-            return self._power(inner * other, Fraction(1, 2))
+            return powered(inner * other, Fraction(1, 2))
         if isinstance(node, sp.sign):
-            return inner * self._power(inner * other, Fraction(-1, 2))
+            return inner * powered(inner * other, Fraction(-1, 2))
         if isinstance(node, sp.re):
             return half * (inner + other)
         minus = constant(self._shape, acb(-1))

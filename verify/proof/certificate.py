@@ -49,25 +49,28 @@ Key = tuple[str, int]
 """A prime or -1, or the place of a factor in the ring's list."""
 
 
-def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificate:
+def make_certificate(
+    problem: Problem, parts: Iterable[Pair] = (), unsplit: tuple[type, ...] = ()
+) -> Certificate:
     """The certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
+    Functions in ``unsplit`` are not written as simpler ones.
     Raises ValueError for a function without an axiom, and without a regular point.
     """
     table = NodeTable()
-    statement = statement_texts(problem)
+    statement = problem.texts or statement_texts(problem)
     rewriting = Rewriting(DomainSigns(problem.domains))
     expressions = with_definitions(problem.expressions)
     for expression in expressions:
         rewriting(expression)
     rewriting.found |= angle_values(expressions, problem.points)
+    known = {f: value for f, value in rewriting.found.items() if not isinstance(f, unsplit)}
     point = regular_point(problem)
     order = max((len(d.variables) for d in problem.left.atoms(sp.Derivative)), default=0)
 
     def search(expressions: Sequence[sp.Expr], *, moving: bool) -> GeneratorSearch:
-        found = rewriting.found
         variables = problem.variables
-        return GeneratorSearch(table, expressions, variables, found, moving=moving, order=order)
+        return GeneratorSearch(table, expressions, variables, known, moving=moving, order=order)
 
     whole = search(expressions, moving=problem.right is None)
     for pair in parts:
@@ -303,13 +306,18 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
     square_roots, dependent = SquareRoots(field, table), dict[int, int]()
     for root in roots:
         value = square_roots.value(field.nodes.places[root])
-        if value is not None:
-            known = _field(table, statement, proof)
-            if known.signs.not_negative(known.nodes.places[value]):
-                dependent[root] = value
+        if value is not None and _is_root(_field(table, statement, proof), root, value):
+            dependent[root] = value
     kept = [e for e in proof["generators"] if e[0] != "atom" or e[1] not in dependent]
     values = [*proof["values"], *([root, value] for root, value in dependent.items())]
     return {**proof, "generators": kept, "values": values}
+
+
+def _is_root(field: Field, root: int, value: int) -> bool:
+    """Whether a value is seen to be the root: factors may get lost in the ring."""
+    base, node = field.nodes.all[field.nodes.places[root]][1], field.nodes.places[value]
+    same = (field.image(node) ** 2 - field.image(base)).is_zero
+    return bool(same and field.signs.not_negative(node))
 
 
 def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:

@@ -19,11 +19,11 @@ MOST = 25
 
 def failing_values(statement: Statement) -> dict[str, str] | None:
     """Values of all symbols at which an equation fails; None if none was found."""
-    if statement.texts is None:
+    if statement.trees is None:
         return None
     for chosen in _choices(statement.complexes):
-        texts = statement.texts.with_values(chosen)
-        failing = TypedValues(texts, all_domains(statement, *statement.equations)).failure()
+        trees = statement.trees.with_values(chosen)
+        failing = TypedValues(trees, all_domains(statement, *statement.equations)).failure()
         if failing is not None:
             return {**_shown({k: v for k, v in failing.items() if k not in chosen}), **chosen}
     return None

@@ -11,11 +11,12 @@ import sympy as sp
 from derive.algebra.formula_printing import formula_as_text
 from verify.verdict import Outcome
 
+from .certificate import domain_text
 from .domain_signs import DomainSigns
 from .domains import REAL, Domain, settled_domains
 from .explicit_values import Explicit, Values, put_in, tidy
 from .statement_verdict import StatementVerdict, decide_statement
-from .typed_statement import Statement
+from .typed_statement import Statement, typed_case
 
 ALL = "all values"
 """The case without conditions."""
@@ -153,10 +154,12 @@ def _put_into(
         return None
     if any(divisor == 0 for divisor in divisors):
         return None
-    texts = statement.texts and statement.texts.with_values(
-        {symbol.name: formula_as_text(value) for symbol, value in values.items()}
-    )
-    return Statement(statement.name, equations, solutions, domains, divisors, texts=texts)
+    written = {symbol.name: formula_as_text(value) for symbol, value in values.items()}
+    made = Statement(statement.name, equations, solutions, domains, divisors)
+    if statement.texts is None or statement.trees is None:
+        return made
+    texts, trees = typed_case(statement.texts, statement.trees, written)
+    return replace(made, texts=texts, trees=trees)
 
 
 def _reality(value: sp.Expr) -> Iterator[Restriction]:
@@ -299,9 +302,9 @@ def _decided(case: ConstantCase) -> ConstantCase:
     statement = case.statement
     moving = set(statement.variables)
     is_constant = all(not f.free_symbols & moving for f in statement.solutions.values())
-    kept = tuple(e for e in statement.equations if e != 0)
+    kept = [e for e in statement.equations if e != 0]
     case = replace(case, trivial=is_constant or len(kept) < len(statement.equations))
-    explicit = _explicit(replace(statement, equations=kept), case.implicit)
+    explicit = _explicit(statement, case.implicit)
     if explicit is None or not kept:
         return case
     statement = explicit
@@ -340,14 +343,17 @@ def restricted(statement: Statement, restrictions: Sequence[Restriction]) -> Sta
     >>> restricted(statement, [Restriction(c - 1)]).domains[c].text("c")
     '1 < c'
     """
-    domains = dict(statement.domains)
+    domains, texts = dict(statement.domains), statement.texts
     for restriction in restrictions:
         bound = _bound(restriction, DomainSigns(domains))
         if bound is None:
             return None
         symbol, domain = bound
         domains[symbol] = domains.get(symbol, REAL) & domain
-    return replace(statement, domains=domains) if restrictions else None
+        stated = domain_text(symbol.name, domain, formula_as_text)
+        if texts is not None and stated != symbol.name:
+            texts = replace(texts, parameters=(*texts.parameters, f"{symbol.name}: {stated}"))
+    return replace(statement, domains=domains, texts=texts) if restrictions else None
 
 
 def _bound(restriction: Restriction, signs: DomainSigns) -> tuple[sp.Symbol, Domain] | None:

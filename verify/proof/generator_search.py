@@ -34,6 +34,7 @@ from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
 from .linear_forms import independent_forms, visible
+from .simplification import needs_integers
 
 AIRY = {
     function: pair
@@ -272,7 +273,7 @@ class GeneratorSearch:
             self.need(z.xreplace({sp.I: -sp.I}))
         elif isinstance(node, sp.Abs | sp.sign):
             size, place = sp.Abs(z), self._made("Abs", self._place(z))
-            if node == size:
+            if node == size or needs_integers(node):
                 self._writer.atom(place)
             elif isinstance(size, sp.Abs) and size.args[0] == z:
                 self.need(size)
@@ -318,7 +319,7 @@ class GeneratorSearch:
         """log of a product as a sum of logarithms, and of exponentials' arguments."""
         self.need(node.args[0])
         found = []
-        for term in sp.Add.make_args(value):
+        for term in filter(None, sp.Add.make_args(value)):
             q, rest = term.as_coeff_Mul(rational=True)
             factor = rest.args[0] if isinstance(rest, sp.log) else sp.exp(term)
             q = q if isinstance(rest, sp.log) else sp.S.One

@@ -91,14 +91,16 @@ def _changes(statement: Statement) -> Iterator[NearMiss]:
         for words, changed in changes:
             if variables <= changed.free_symbols:
                 solutions = {**statement.solutions, unknown: changed}
-                yield NearMiss(words, replace(statement, solutions=solutions, texts=None))
+                yield NearMiss(
+                    words, replace(statement, solutions=solutions, texts=None, trees=None)
+                )
     for place, equation in enumerate(statement.equations):
         for words, changed in _terms(equation):
             equations = list(statement.equations)
             equations[place] = changed
             yield NearMiss(
                 f"{words} in the equation",
-                replace(statement, equations=tuple(equations), texts=None),
+                replace(statement, equations=tuple(equations), texts=None, trees=None),
             )
 
 

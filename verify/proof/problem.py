@@ -19,6 +19,7 @@ from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns
 from .domains import Domain, Domains, Point, settled_domains
 from .samples import sample
+from .typed_statement import StatementTexts
 
 POINTS = 8
 """Points at which a formula is looked at before anything is proved."""
@@ -42,6 +43,7 @@ class Problem:
     With ``right``, whether it is the same function as that is asked instead: ``left`` is their
     difference.  ``domains`` has every variable and parameter.  ``points`` are rational points of
     them, for witnesses and for denominators: sampled ones, then those that the caller added.
+    ``texts`` is what a certificate states, if that is known in words.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Problem:
     domains: Domains
     points: tuple[Point, ...]
     right: sp.Expr | None = None
+    texts: StatementTexts | None = None
 
     @property
     def unknown_name(self) -> str:

@@ -17,6 +17,7 @@ from verify.kernel import check_certificate
 from verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
+from .certificate_writer import Certificate
 from .domain_signs import DomainSigns, singularities
 from .domains import Point
 from .problem import Problem, Stated, equality_problem, solution_problem
@@ -135,26 +136,29 @@ def _proved(problem: Problem) -> ProofVerdict:
     reason = ValueError("there is no proof")
     for parts in equal_parts(problem):
         try:
-            certificate = make_certificate(problem, parts)
-            statement = check_certificate(certificate)
+            return accepted(problem, make_certificate(problem, parts))
         except ValueError as error:
             reason = error
-            continue
-        found = singularities(problem.expressions, problem.domains)
-        return _verdict(
-            problem,
-            Outcome.PROVED,
-            f"numerator 0 in {certificate.generators} generators, accepted by the checker",
-            residual=0.0,
-            assumptions=(
-                statement.splitlines()[-1],
-                f"no denominator vanishes identically: see {certificate.point}",
-                *(f"holds where the formula is smooth, possibly not so: {line}" for line in found),
-            ),
-            singularities=found,
-            certificate=certificate,
-        )
     raise reason
+
+
+def accepted(problem: Problem, certificate: Certificate) -> ProofVerdict:
+    """The verdict PROVED with a certificate that the checker accepts; raises its error."""
+    statement = check_certificate(certificate)
+    found = singularities(problem.expressions, problem.domains)
+    return _verdict(
+        problem,
+        Outcome.PROVED,
+        f"numerator 0 in {certificate.generators} generators, accepted by the checker",
+        residual=0.0,
+        assumptions=(
+            statement.splitlines()[-1],
+            f"no denominator vanishes identically: see {certificate.point}",
+            *(f"holds where the formula is smooth, possibly not so: {line}" for line in found),
+        ),
+        singularities=found,
+        certificate=certificate,
+    )
 
 
 def _verdict(problem: Problem, outcome: Outcome, detail: str, **found: Any) -> ProofVerdict:

@@ -84,7 +84,7 @@ class Rewriting:
         elif isinstance(node, sp.log):
             value = self._logarithm(node.args[0])
         elif isinstance(node, sp.Abs | sp.sign):
-            value = self._signed(node)
+            value = None if needs_integers(node) else self._signed(node)
         elif isinstance(node, sp.conjugate | sp.re | sp.im):
             value = self._real_part(node)
         elif node.func in PRINCIPAL and isinstance(node.args[0], PRINCIPAL[node.func][0]):
@@ -360,3 +360,10 @@ def conjugated(expression: sp.Expr, signs: DomainSigns) -> sp.Expr | None:
     if any(argument is None for argument in arguments):
         return None
     return expression.func(*arguments)
+
+
+def needs_integers(size: sp.Expr) -> bool:
+    """Whether a modulus or sign is known only as symbols are integers: abs(n-1) for n > 0."""
+    whole = [s for s in size.free_symbols if s.is_integer]
+    real = {s: sp.Dummy(real=True, positive=s.is_positive, negative=s.is_negative) for s in whole}
+    return bool(whole) and isinstance(sp.Abs(size.args[0].xreplace(real)), sp.Abs)

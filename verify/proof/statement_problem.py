@@ -92,7 +92,10 @@ class StatementProblem(Problem):
 
 def statement_problem(statement: Statement, equation: sp.Expr) -> StatementProblem:
     """The problem that an equation of a statement poses."""
-    unknown, formula = next((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
+    known = ((u, f) for u, f in statement.solutions.items() if equation.has(u.func))
+    unknown, formula = next(known, (None, None))
+    if unknown is None:
+        raise ValueError("equations must have an unknown, got one in which it cancels")
     domains = all_domains(statement, equation)
     points = problem_points(domains, ())
     said = f"{formula_as_text(equation)} = 0"

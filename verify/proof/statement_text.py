@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from derive.algebra.formula_expression import ExpressionBuilder
 from derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
@@ -26,6 +27,7 @@ from derive.algebra.formula_text import (
     Token,
     Vocabulary,
 )
+from derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum, Unknown
 from derive.algebra.typing_mistakes import Spelling, misread
 from solutions.functions.jet_functions import jet_function
 
@@ -35,7 +37,7 @@ from .named_variables import VariableNames, variable_names
 from .samples import sample
 from .text_domains import WORDS, TextPart, condition, inhabited, symbol_of, text_parts
 from .text_names import FUNCTIONS, MISREAD, PARTS, SITE
-from .typed_statement import Statement, StatementTexts
+from .typed_statement import Statement, StatementTexts, StatementTrees
 
 Texts = str | Sequence[str]
 
@@ -116,6 +118,9 @@ class _Reading:
     divisors: dict[sp.Expr, None] = field(default_factory=dict)
     complexes: list[str] = field(default_factory=list)
     functions: list[str] = field(default_factory=list)
+    left_sides: list[FormulaTree] = field(default_factory=list)
+    formulas: dict[str, FormulaTree] = field(default_factory=dict)
+    definitions: dict[str, FormulaTree] = field(default_factory=dict)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -150,13 +155,19 @@ class _Reading:
                 for parts in (self.equations, self.solutions, self.entries, self.limits)
             ),
         )
-        made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
-        return replace(made, complexes=tuple(self.complexes), functions=tuple(self.functions))
+        trees = StatementTrees(
+            texts.variables, tuple(self.left_sides), self.formulas, self.definitions
+        )
+        known = equations, solutions, self.domains, divisors, wanted, texts, trees
+        return Statement(self.name, *known, tuple(self.complexes), tuple(self.functions))
 
-    def _note(self, parser: Parser) -> None:
-        """Keep what a text names, and what it divides by."""
+    def _built(self, parser: Parser, formula: FormulaTree) -> sp.Expr:
+        """What SymPy makes of a formula; what the text names and divides by is kept."""
+        builder = ExpressionBuilder.after(parser)
+        found = builder.expression(formula)
         self.used |= parser.used
-        self.divisors |= dict.fromkeys(d for d in parser.divisors if d.args)
+        self.divisors |= dict.fromkeys(d for d in builder.divisors if d.args)
+        return found
 
     def _letters(self) -> list[str]:
         return self.known.letters(self.names)
@@ -182,9 +193,8 @@ class _Reading:
         sign = entry.words[1]
         if sign.text == "=":
             parser = entry.parser(Vocabulary(FUNCTIONS, names=self.names), 2)
-            self.names[name] = parser.expression()
-            parser.expect_end()
-            self._note(parser)
+            self.definitions[name] = parser.whole()
+            self.names[name] = self._built(parser, self.definitions[name])
         elif [word.text for word in entry.words[1:-1]] in ([":", "complex"], [":", "function"]):
             kind = entry.words[2].text
             if self.asked:
@@ -313,19 +323,20 @@ class _Reading:
                 words = f"expected a formula without unknowns, got {word}"
                 raise part.error(words, place)
         parser = part.parser(self._vocabulary(), equal + 1)
-        found = parser.expression()
-        parser.expect_end()
-        self._note(parser)
-        return self.fields[name], found
+        self.formulas[name] = parser.whole()
+        return self.fields[name], self._built(parser, self.formulas[name])
 
     def _equation(self, part: TextPart) -> sp.Expr:
         parser = part.parser(self._vocabulary())
-        found = parser.expression()
+        sides = [parser.formula()]
         if parser.take_sign("="):
-            found -= parser.expression()
+            sides.append(parser.formula())
         parser.expect_end()
-        self._note(parser)
-        if not found.atoms(AppliedUndef):
+        left, *right = (self._built(parser, side) for side in sides)
+        found = left - right[0] if right else left
+        minus = (Product((MINUS_ONE, side)) for side in sides[1:])
+        self.left_sides.append(Sum((sides[0], *minus)) if right else sides[0])
+        if not any(isinstance(node, Unknown) for node in self.left_sides[-1].nodes()):
             known = ", ".join(self.fields)
             raise part.error(f"expected an equation for {known}, got one without")
         return found

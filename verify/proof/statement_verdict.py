@@ -38,7 +38,8 @@ from .statement_problem import (
     undefined,
     with_exponentials,
 )
-from .typed_hints import typed_certificate
+from .typed_balls import TextPoint
+from .typed_hints import typed_proof
 from .typed_statement import Statement
 from .typed_values import TypedValues
 
@@ -52,8 +53,11 @@ NO_VERDICT = (ValueError, TypeError, RecursionError, NotImplementedError, Overfl
 DRAWN = 40
 """Points that are drawn for what a witness leaves free."""
 
-NOTE = "the certificate states what SymPy reads, with which balls around what was typed agree"
-"""What is said where the checker does not accept the proof for the texts as they were typed."""
+UNSEEN = "what was typed was not seen to fail where what SymPy makes of it does"
+
+EXCLUDED = "a ball around the residual of what was typed excludes 0"
+
+NO_PROOF: dict[str, Any] = {"certificate": None, "residual": None, "assumptions": ()}
 
 WITNESS_BITS = (160, 640)
 
@@ -91,18 +95,25 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
     start = time.perf_counter()
     found: list[ProofVerdict] = []
     count = len(statement.equations)
+    typed = _typed_values(statement)
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
-        found.append(_retyped(statement, number, _decide_equation(statement, equation)))
+        verdict = _decide_equation(statement, equation)
+        found.append(verdict if typed is None else _as_typed(statement, number, verdict, typed))
         if found[-1].outcome is Outcome.REFUTED:
             break
-    verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
-    if verdict.witness is not None:
-        chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
-        verdict = replace(verdict, witness={**verdict.witness, **chosen})
+    verdict = _together(statement, found, time.perf_counter() - start)
+    if verdict.outcome is Outcome.REFUTED:
+        return _with_functions(statement, verdict)
     if statement.complexes and verdict.outcome is Outcome.UNDECIDED:
         failing = failing_values(statement)
-        return verdict if failing is None else _refuted(statement, verdict, failing)
+    else:
+        failing = None if typed is None else _shown(typed.failure())
+    if failing is not None:
+        refuted = replace(
+            verdict, outcome=Outcome.REFUTED, detail=EXCLUDED, witness=failing, **NO_PROOF
+        )
+        return _with_functions(statement, refuted)
     divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
     if divisor is not None:
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
@@ -110,66 +121,62 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
     return verdict
 
 
-def _retyped(statement: Statement, number: int, verdict: ProofVerdict) -> ProofVerdict:
-    """A proof of one equation with a certificate of what was typed, if the checker accepts it."""
-    certificate = verdict.certificate
-    texts = statement.texts
-    if texts is None or not isinstance(certificate, Certificate):
-        return verdict if not (certificate and statement.complexes) else _only_real(verdict)
-    if len(texts.equations) != len(statement.equations):
-        return verdict  # a case of constants in which some equations hold by themselves
-    one = replace(texts, equations=texts.equations[number - 1 : number])
-    reason = ""
-    for made in (lambda: certificate.restated(one), lambda: typed_certificate(statement, number)):
-        try:
-            typed = made()
-            check_certificate(typed)
-        except NO_VERDICT as error:
-            reason = reason or str(error)
-        else:
-            return replace(verdict, certificate=typed)
-    if statement.complexes:
-        return _only_real(verdict, reason)
-    return replace(verdict, assumptions=(*verdict.assumptions, NOTE))
-
-
-def _only_real(verdict: ProofVerdict, reason: str = "what was typed is not known") -> ProofVerdict:
-    """No verdict where the proof is one for real values of the complex parameters alone."""
-    return replace(
-        verdict, outcome=Outcome.UNDECIDED, detail=reason, certificate=None, residual=None
-    )
-
-
-def _as_typed(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
-    """The verdict if what was typed agrees with it, evaluated by itself at points of the domain.
-
-    What fails at a point is refuted there; what holds at a witness is not refuted by it.
-    """
-    if statement.texts is None or verdict.outcome is Outcome.UNDECIDED:
-        return verdict
+def _typed_values(statement: Statement) -> TypedValues | None:
+    """What was typed, to be evaluated; None for a statement that nobody typed."""
+    if statement.trees is None:
+        return None
     domains = all_domains(statement, *statement.equations)
     names = {str(symbol) for symbol in domains}
     others = {s: d for s, d in statement.domains.items() if str(s) not in names}
-    typed = TypedValues(statement.texts, {**domains, **others})
+    return TypedValues(statement.trees, {**domains, **others})
+
+
+def _shown(point: TextPoint | None) -> dict[str, str] | None:
+    return None if point is None else {name: str(value) for name, value in point.items()}
+
+
+def _with_functions(statement: Statement, verdict: StatementVerdict) -> StatementVerdict:
+    """The verdict with what stands for arbitrary functions at the witness."""
+    chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
+    return replace(verdict, witness={**(verdict.witness or {}), **chosen})
+
+
+def _as_typed(
+    statement: Statement, number: int, verdict: ProofVerdict, typed: TypedValues
+) -> ProofVerdict:
+    """The verdict on one equation as it was typed, from that on what SymPy makes of it.
+
+    A proof has a certificate of the texts that the checker accepts; a refutation has a point at
+    which a ball around the residual of what was typed excludes 0.
+    """
     if verdict.outcome is Outcome.REFUTED:
         witness = {name: Fraction(value) for name, value in (verdict.witness or {}).items()}
-        if typed.fails_at(witness) is False:
-            reason = "what was typed holds at the point at which what SymPy makes of it fails"
-            return undecided(statement, reason, verdict.seconds)
-        return verdict
-    failing = typed.failure()
-    if failing is None:
-        return verdict
-    return _refuted(statement, verdict, {name: str(value) for name, value in failing.items()})
-
-
-def _refuted(
-    statement: Statement, verdict: StatementVerdict, failing: Mapping[str, str]
-) -> StatementVerdict:
-    """The verdict that what was typed fails at a point."""
-    reason = "a ball around the residual of what was typed excludes 0"
-    found = undecided(statement, reason, verdict.seconds)
-    return replace(found, outcome=Outcome.REFUTED, witness=failing)
+        if typed.fails_at(witness):
+            return verdict
+        failing = _shown(typed.failure())
+        if failing is not None:
+            return replace(verdict, detail=EXCLUDED, witness=failing)
+        verdict = replace(verdict, outcome=Outcome.UNDECIDED, detail=UNSEEN, witness=None)
+    assert statement.texts is not None
+    certificate, reason = verdict.certificate, ""
+    if isinstance(certificate, Certificate):
+        one = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
+        restated = certificate.restated(one)
+        try:
+            check_certificate(restated)
+        except NO_VERDICT as error:
+            reason = str(error)
+        else:
+            return replace(verdict, certificate=restated)
+    try:
+        proof = typed_proof(statement, number)
+    except NO_VERDICT as error:
+        words = " ".join((reason or verdict.detail or str(error)).split())
+        return replace(verdict, outcome=Outcome.UNDECIDED, detail=words, **NO_PROOF)
+    if verdict.outcome is Outcome.PROVED:
+        places = dict.fromkeys((*verdict.singularities, *proof.singularities))
+        return replace(verdict, certificate=proof.certificate, singularities=tuple(places))
+    return _completed(statement, statement.equations[number - 1], proof)
 
 
 def _together(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.algebra.formula_expression import ExpressionBuilder
 from derive.algebra.formula_text import FormulaError, Parser, Token, Vocabulary, tokens
 
 from .domains import REAL, Domain
@@ -77,10 +78,11 @@ def condition(part: TextPart, parser: Parser, name: str) -> Domain:
     start = part.words.index(parser.next)
     if parser.next.text in WORDS:
         return WORDS[parser.take().text]
-    sides, signs = [parser.expression()], []
+    build = ExpressionBuilder.after(parser).expression
+    sides, signs = [build(parser.formula())], []
     while sign := parser.take_sign("<", "<=", ">", ">=", "!="):
         signs.append(sign.text)
-        sides.append(parser.expression())
+        sides.append(build(parser.formula()))
     if any(side.is_extended_real is False for side in sides):
         raise part.error("expected real bounds, got a complex one", start)
     if not signs:

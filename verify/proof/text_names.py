@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from solutions import functions
@@ -60,3 +62,8 @@ FUNCTIONS = {
     **{function.__name__: (function, 3) for function in (weierstrass_p, weierstrass_p_prime)},
 }
 """The functions of the grammar, each with the number of its arguments."""
+
+
+def function_named(name: str) -> Any:
+    """The function of a text that was read: one of the grammar, or an arbitrary one."""
+    return FUNCTIONS[name][0] if name in FUNCTIONS else jet_function(name)

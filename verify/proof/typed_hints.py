@@ -1,132 +1,253 @@
-"""What SymPy simplifies while it reads a text, as hints for a proof of the text as it was typed.
+"""A proof of the statement as it was typed, where SymPy has simplified it away.
 
 SymPy reads ``sqrt(pi**2*x**2)`` as ``pi*x`` and ``0*tanh(x)`` as 0, and a proof about that has no
-step for the root and no generator for tanh.  So generators are sought for all functions in the
-texts, and each root and absolute value is said to be what SymPy reads it as, which the checker
-shows.
+step for the root and no generator for tanh.  So generators are sought for every function, power and
+name of the trees, and each root, absolute value and logarithm is said to be what SymPy makes of it,
+which the checker shows.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from operator import sub
+from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
+from derive.algebra.formula_expression import ExpressionBuilder
+from derive.algebra.formula_text import Vocabulary
+from derive.algebra.formula_tree import (
+    MINUS_ONE,
+    Call,
+    Derivative,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Unknown,
+    formula_text,
+    mapped,
+)
 from verify.kernel.limits import digest
+from verify.verdict import ProofVerdict
 
+from .balls import ball_value
 from .certificate import make_certificate
-from .certificate_writer import Certificate, Data, NodeTable, as_data
+from .certificate_writer import Certificate, Data, NodeTable
+from .domain_signs import is_small_polynomial
+from .linear_forms import BITS
 from .problem import problem_points
-from .statement_problem import all_domains, statement_problem
-from .statement_text import read_statement
-from .text_names import FUNCTIONS
+from .prover import accepted
+from .statement_problem import StatementProblem, all_domains, statement_problem
+from .text_names import FUNCTIONS, function_named
 from .text_writer import Written
-from .typed_statement import Statement, StatementTexts
+from .typed_statement import Statement, StatementTrees
 
-VALUE_OF = {"sqrt": "sqrt", "abs": "abs", "sign": "abs"}
-"""The functions that have a value by a hint: sign(f) is f/abs(f)."""
+MOST = 80
+"""Functions, powers and names in the trees."""
 
-SITE_OF = re.compile(r"\w\[([^\[\],]*)\]")
+INVERSE = ("asin", "acos", "atan", "asinh", "acosh", "atanh")
+KEPT = (sp.log, sp.atan)
+"""Functions that may be generators as they are."""
 
-MOST = 40
-"""Functions in the texts."""
+
+@dataclass(frozen=True)
+class Typed:
+    """A part of a tree, without unknowns; what SymPy makes of it, and it as it stands."""
+
+    tree: FormulaTree
+    value: sp.Expr
+    plain: sp.Expr
 
 
-def typed_certificate(statement: Statement, number: int) -> Certificate:
-    """A certificate of an equation as it was typed, with values for what SymPy simplifies.
+def typed_proof(statement: Statement, number: int) -> ProofVerdict:
+    """A proof of an equation as it was typed; raises ValueError where there is none."""
+    try:
+        return _proof(statement, number)
+    except ValueError:
+        return _proof(statement, number, KEPT)
 
-    Raises ValueError where there are no such values, or no proof.
-    """
-    texts = statement.texts
-    if texts is None:
-        raise ValueError("texts must be those of the statement, got none")
-    equation = texts.equations[number - 1]
-    one = replace(texts, equations=(equation,))
-    calls = list(dict.fromkeys(_calls(one, (*FUNCTIONS, *statement.functions))))
-    readings = _readings(one, calls)
+
+def _proof(statement: Statement, number: int, kept: tuple[type, ...] = ()) -> ProofVerdict:
+    """The proof in which functions of the types ``kept`` stay as they are."""
+    assert statement.texts is not None
+    assert statement.trees is not None
+    parts = typed_parts(statement, statement.trees.equations[number - 1], kept)
+    also = tuple(dict.fromkeys(e for part in parts for e in (part.plain, part.value)))
     left = statement.equations[number - 1]
-    domains = all_domains(statement, left, *readings)
-    problem = replace(
-        statement_problem(statement, left),
-        domains=domains,
-        points=problem_points(domains, ()),
-        also=readings,
-    )
-    found = make_certificate(problem)
-    proof = _with_values(found["proof"], zip(calls, readings, strict=False), texts)
-    body = {**found, "statement": as_data(one), "proof": proof}
+    if kept or not left.atoms(AppliedUndef):
+        left = next(iter(statement.solutions))  # the certificate states what was typed anyway
+        also = tuple(dict.fromkeys(part.plain for part in parts))
+    domains = all_domains(statement, left, *also, *_vocabulary(statement).names.values())
+    texts = replace(statement.texts, equations=statement.texts.equations[number - 1 : number])
+    points = problem_points(domains, ())
+    problem = statement_problem(statement, left)
+    problem = replace(problem, domains=domains, points=points, also=also, texts=texts)
+    return accepted(problem, _certificate(problem, parts, kept))
+
+
+def _certificate(
+    problem: StatementProblem, parts: Sequence[Typed], kept: tuple[type, ...]
+) -> Certificate:
+    """The certificate with what SymPy makes of the parts; raises as `make_certificate` does."""
+    found = make_certificate(problem, unsplit=kept)
+    body = {**found, "proof": _with_values(found["proof"], parts, problem)}
     return Certificate(body | {"digest": digest(body)})
 
 
-def _with_values(
-    proof: Data, read: Iterable[tuple[tuple[str, str], sp.Expr]], texts: StatementTexts
-) -> Data:
-    """The proof with what each root and absolute value is, and logarithms of one factor."""
-    formulas, values, logs = [*proof["formulas"]], [*proof["values"]], [*proof["logs"]]
-    for (name, argument), value in read:
-        place = len(formulas)
-        if name in VALUE_OF:
-            formulas += [f"{VALUE_OF[name]}({argument})", _written(value, texts)]
-            values.append([place, place + 1])
-        elif name == "log":
-            formulas += [f"log({argument})", argument]
-            logs.append([place, [["1", place + 1]]])
-    return {**proof, "formulas": formulas, "values": values, "logs": logs}
+def typed_parts(
+    statement: Statement, equation: FormulaTree, kept: tuple[type, ...] = ()
+) -> list[Typed]:
+    """The functions, powers and names in an equation with the formulas put in, and in all formulas.
 
-
-def _calls(texts: StatementTexts, functions: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """The functions that SymPy may simplify, innermost first, each with its argument's text.
-
-    Those of a lattice's formula stand at each site that occurs.
+    What stands in a formula is named before what is made of it.
     """
-    call = re.compile(rf"\b({'|'.join(sorted(functions))})\(")
-    formulas = dict(text.split(" = ", 1) for text in texts.solutions)
-    sites = dict.fromkeys(SITE_OF.findall(" ".join(texts.equations)))
-    for text in (*formulas.values(), *texts.equations):
-        for found in reversed(list(call.finditer(text))):
-            argument = _bracketed(text, found.end())
-            for name, formula in formulas.items():
-                argument = re.sub(rf"(?<!\w){re.escape(name)}(?![\w\[])", f"({formula})", argument)
-            if any(re.search(rf"(?<!\w){name}(?=[_\[])", argument) for name in formulas):
-                continue
-            yield from ((found[1], re.sub(r"\bn\b", f"({site})", argument)) for site in sites)
-            yield found[1], argument
+    assert statement.trees is not None
+    builder = ExpressionBuilder(_vocabulary(statement, kept))
+
+    def expression(formula: FormulaTree) -> sp.Expr:
+        found = builder.expression(formula)
+        return sp.expand_power_exp(found) if kept else found
+
+    whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
+    found = []
+    for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
+        with suppress(ValueError):  # too large for SymPy, or infinite
+            plain = _plain(node, expression)
+            if plain is not None:
+                found.append(Typed(node, builder.expression(node), plain))
+    if len(found) > MOST:
+        raise ValueError(f"texts must have at most {MOST} functions, got {len(found)}")
+    return found
 
 
-def _bracketed(text: str, start: int) -> str:
-    depth, end = 1, start
-    while depth:
-        depth += (text[end] == "(") - (text[end] == ")")
-        end += 1
-    return text[start : end - 1]
+def put_in(trees: StatementTrees, formula: FormulaTree) -> FormulaTree:
+    """The formula with what unknowns and defined names stand for in their places."""
+
+    def image(node: FormulaTree) -> FormulaTree | None:
+        if not isinstance(node, Unknown):
+            return trees.meaning(node)
+        found = put_in(trees, trees.solutions[node.name])
+        if node.shift:
+            site = Name(node.site)
+            moved = Sum((site, Number(Fraction(node.shift))))
+            found = mapped(found, lambda inner: moved if inner == site else None)
+        return Derivative((found,), node.steps) if node.steps else found
+
+    return mapped(formula, image)
 
 
-def _readings(texts: StatementTexts, calls: list[tuple[str, str]]) -> tuple[sp.Expr, ...]:
-    """What SymPy makes of each call's value, and then of the arguments of those with one."""
-    if not 0 < len(calls) <= MOST:
-        raise ValueError(f"texts must have 1 to {MOST} functions, got {len(calls)}")
-    heading = texts.solutions[0].split(" = ", 1)[0]
-    site = heading[heading.index("[") :] if "[" in heading else ""
-    letter = next(c for c in "QWHGPR" if not re.search(rf"\b{c}\d", " ".join(texts.solutions)))
-    wanted = [f"{VALUE_OF.get(name, name)}({argument})" for name, argument in calls]
-    wanted += [argument for name, argument in calls if FUNCTIONS.get(name, ("", 1))[1] == 1]
-    names = [f"{letter}{place}{site}" for place in range(len(wanted))]
-    read = read_statement(
-        [*texts.equations, *names],
-        [*texts.solutions, *(f"{n} = {t}" for n, t in zip(names, wanted, strict=True))],
-        "; ".join(texts.parameters),
-        "; ".join(texts.domain),
-    )
-    known = {unknown.func.__name__: formula for unknown, formula in read.solutions.items()}
-    return tuple(known[name.removesuffix(site)] for name in names)
+def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary:
+    """The symbols of a statement by their names; those of which nothing is known are real.
+
+    Functions of the types ``kept`` are not evaluated.
+    """
+    plain = {name: (partial(f, evaluate=False), n) for name, (f, n) in FUNCTIONS.items()}
+    functions = {name: plain[name] if f[0] in kept else f for name, f in FUNCTIONS.items()}
+    functions |= {name: (function_named(name), 1) for name in statement.functions}
+    assert statement.trees is not None
+    formulas = (*statement.equations, *statement.solutions.values(), *statement.divisors)
+    symbols = {s for formula in formulas for s in formula.free_symbols}
+    symbols |= {s for domain in statement.domains.values() for s in domain.symbols}
+    known = {s.name: s for s in (*symbols, *statement.domains, *statement.variables)}
+    variables = {s.name: s for s in statement.variables}
+    names = {n: known.get(n, sp.Symbol(n, real=True)) for n in statement.trees.names}
+    return Vocabulary(functions, variables, names=names)
 
 
-def _written(value: sp.Expr, texts: StatementTexts) -> str:
+def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> sp.Expr | None:
+    """A name, function or power as SymPy has it before it simplifies; None for anything else."""
+    match node:
+        case Name():
+            return expression(node)
+        case Call(name="sqrt", parts=(inner,)):
+            return sp.Pow(expression(inner), sp.S.Half, evaluate=False)
+        case Call(name=name, parts=parts):
+            arguments = [*map(expression, parts)]
+            if name not in ("abs", "sign") or arguments != [0]:
+                return function_named(name)(*arguments, evaluate=False)
+        case Power(parts=parts):
+            base, exponent = map(expression, parts)
+            if not exponent.is_Rational:
+                return sp.Pow(base, exponent, evaluate=False)
+            if not _is_read_as_number(parts[1]):
+                logarithm = sp.log(base, evaluate=False)
+                return sp.exp(exponent * logarithm, evaluate=False)
+            if not exponent.is_Integer or exponent < 0:
+                return sp.Pow(base, exponent, evaluate=False)
+    return None
+
+
+def _is_read_as_number(exponent: FormulaTree) -> bool:
+    """Whether the checker works the exponent out; any other power is by the logarithm there."""
+    match exponent:
+        case Number():
+            return True
+        case Product(parts=parts):
+            return all(map(_is_read_as_number, parts))
+        case Power(parts=(base, power)):
+            return _is_read_as_number(base) and power == MINUS_ONE
+    return False
+
+
+def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem) -> Data:
+    """The proof with what SymPy makes of each root, absolute value and logarithm.
+
+    The factors of what is under a root show its sign.
+    """
+    formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "logs", "signs")}
+
+    def hint(kind: str, text: str, value: str, pack: Callable[[int], Any]) -> None:
+        hints[kind].append([len(formulas), pack(len(formulas) + 1)])
+        formulas.extend((text, value))
+
+    variables = [str(variable) for variable in problem.variables]
+    for part in typed:
+        text = formula_text(part.tree)
+        match part.tree:
+            case Call(name="sqrt", parts=(base,)) | Power(parts=(base, _)):
+                plain = part.plain.args[0]
+                if is_small_polynomial(plain) and not plain.is_Atom:
+                    factors = _written(sp.factor(plain), variables)
+                    hint("signs", formula_text(base), factors, lambda place: place)
+        if part.value == part.plain:
+            continue
+        match part.tree:
+            case Call(name="log", parts=(inner,)):
+                hint("logs", text, formula_text(inner), lambda place: [["1", place]])
+            case Call(name="abs") if (root := _equal_root(part, typed, problem)) is not None:
+                hint("values", text, formula_text(root), lambda place: place)
+            case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
+                hint("values", text, _written(part.value, variables), lambda place: place)
+    return {**proof, "formulas": formulas, **hints}
+
+
+def _equal_root(
+    size: Typed, typed: Sequence[Typed], problem: StatementProblem
+) -> FormulaTree | None:
+    """A root that has the value of a modulus at a point; None for one that SymPy knows as real."""
+    if not size.value.has(sp.I):
+        return None
+    for part in typed:
+        if isinstance(part.tree, Call) and part.tree.name == "sqrt":
+            values = (ball_value(own.plain, problem.points[0], BITS) for own in (size, part))
+            with suppress(ValueError):
+                if sub(*values).contains(0):
+                    return part.tree
+    return None
+
+
+def _written(value: sp.Expr, variables: Sequence[str]) -> str:
     table = NodeTable()
     place = table.place(value)
-    written = Written(table.nodes, [place], (), texts.variables)
+    written = Written(table.nodes, [place], (), variables)
     if written.named:
         raise ValueError("values must be short, got one in which a part occurs often")
     return written.text(place)

@@ -1,8 +1,8 @@
-"""What was typed, evaluated by itself: a guard against a text that SymPy reads as another.
+"""What was typed, evaluated by itself: at points of the domain, and at the first integers in it.
 
 SymPy simplifies while it builds formulas (`sign(z)**2` becomes 1; `abs(n)` becomes n for n > 0, and
-is shifted then).  So a verdict is compared with balls around the residual of the texts as they
-stand, at points of the domain: at some that are drawn, and at the first integers that it holds.
+is shifted then).  So a refutation is a point at which a ball around the residual of the tree of the
+texts excludes 0, and a proof is compared with such balls.
 """
 
 from __future__ import annotations
@@ -12,63 +12,49 @@ from fractions import Fraction
 from itertools import islice, product
 
 import sympy as sp
-
-from verify.studies.statements.random_statement import Truth
-from verify.studies.texts.ball_judge import BITS, Judge, Unsaid
-from verify.studies.texts.text_statement import Letter, TextPoint, TextStatement
+from flint import arb
 
 from .domains import Domain, Domains
 from .samples import sample
-from .text_names import SITE
-from .typed_statement import StatementTexts
+from .typed_balls import TextPoint, TypedBalls
+from .typed_statement import StatementTrees
 
 POINTS = 4
 """Points of the domain that are drawn."""
 
-QUICK = (128,)
-"""Bits of the balls at drawn points: a failure that needs more is no misreading."""
+BITS = (128, 512, 2048, 8192)
+"""Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
+
+QUICK = BITS[:1]
+"""At drawn points: a failure that needs more is no misreading."""
 
 FIRST, MOST = 4, 16
 """Integers next to the end of their domain, or about 0, that are looked at; their combinations."""
 
-CONSTANTS = ("pi", "I")
-
 
 class TypedValues:
-    """The residuals of a statement's texts at points; a text of another grammar has none."""
+    """The residuals of a statement's trees at points of the domains."""
 
-    def __init__(self, texts: StatementTexts, domains: Domains) -> None:
-        self._domains = domains
-        parts = [tuple(map(str.strip, p.split("=", 1))) for p in texts.parameters if ":" not in p]
-        definitions = tuple((name, text) for name, text in parts)
-        try:
-            self._judge: Judge | None = Judge(
-                TextStatement(
-                    "typed",
-                    Truth.TRUE,
-                    texts.equations,
-                    texts.solutions,
-                    tuple(Letter(name) for name in texts.variables),
-                    definitions,
-                    derived=tuple(name for name in texts.variables if name != SITE),
-                )
-            )
-        except (ValueError, KeyError, IndexError):
-            self._judge = None
-            return
-        trees = [*self._judge.equations, *self._judge.solutions.values()]
-        trees += self._judge.definitions.values()
-        names = {*texts.variables, *(name for tree in trees for name in tree.names())}
-        self._names = names - {name for name, _ in definitions} - {*CONSTANTS}
+    def __init__(self, trees: StatementTrees, domains: Domains) -> None:
+        self._domains, self._names = domains, trees.names
+        self._balls = TypedBalls(trees, {str(s) for s, d in domains.items() if d.integer})
 
     def fails_at(self, point: TextPoint, bits: Sequence[int] = BITS) -> bool | None:
         """Whether an equation fails at a point; None where that cannot be said."""
-        if self._judge is None or not self._names <= point.keys():
+        if not self._names <= point.keys():
             return None
-        try:
-            return self._judge.fails_at(point, bits)
-        except (Unsaid, LookupError, ValueError, RuntimeError, OverflowError):
-            return None
+        is_small = False
+        for size in bits:
+            try:
+                found = list(self._balls.residuals(point, size))
+            except (ArithmeticError, ValueError, RuntimeError):
+                is_small = False
+                continue
+            if any(not residual.contains(0) for residual in found):
+                return True
+            least = arb(2) ** (-size // 4)
+            is_small = all(residual.abs_upper() < least for residual in found)
+        return False if is_small else None
 
     def failure(self) -> TextPoint | None:
         """A point of the domain at which an equation fails; None if none was found."""

@@ -106,6 +106,8 @@ def test_numbers_are_exact() -> None:
         ("x*t", "t*x"),
         ("x/2", "1/2*x"),
         ("u[n-1]", "u[-1+n]"),
+        ("+x - +-t", "x + t"),
+        ("x**+2", "x**2"),
     ],
 )
 def test_two_texts_of_one_node(text: str, other: str) -> None:

@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 
 from verify.proof.statement_text import read_statement
-from verify.proof.statement_verdict import NOTE, StatementVerdict
+from verify.proof.statement_verdict import StatementVerdict
 from verify.proof.text_prover import prove
 from verify.proof.typed_statement import StatementTexts
 from verify.proof.typed_values import TypedValues
@@ -55,7 +55,6 @@ def test_the_certificate_states_what_was_typed_where_sympy_simplifies_it(
     found = prove(equation, solution, parameters=parameters, domain=domain)
     assert isinstance(found, StatementVerdict)
     assert found.outcome is Outcome.PROVED
-    assert NOTE not in found.assumptions
     (certificate,) = found.certificates
     assert certificate["statement"]["solutions"] == [solution]
     assert certificate["statement"]["equations"] == [equation]
@@ -69,8 +68,8 @@ def test_what_sympy_reads_as_a_solution_is_refuted_as_it_was_typed(
     found = prove(equation, solution, parameters=parameters, domain=domain)
     assert found.outcome is Outcome.REFUTED
     statement = read_statement(equation, solution, parameters, domain)
-    assert statement.texts is not None
-    typed = TypedValues(statement.texts, statement.domains)
+    assert statement.trees is not None
+    typed = TypedValues(statement.trees, statement.domains)
     point = {name: Fraction(value) for name, value in (found.witness or {}).items()}
     assert typed.fails_at(point)
 
@@ -82,6 +81,20 @@ def test_an_identity_is_not_refuted_at_a_point_of_something_else(
     equation, solution, parameters, domain = texts
     found = prove(equation, solution, parameters=parameters, domain=domain)
     assert found.outcome is not Outcome.REFUTED
+
+
+@pytest.mark.parametrize(
+    ("formula", "place"),
+    [
+        ("x + 0/y", "pole where y = 0"),
+        ("x*log(y)/log(y)", "branch point where y is not positive"),
+        ("x + 0*sqrt(y)", "branch point where y is not positive"),
+    ],
+)
+def test_what_sympy_cancels_is_named_where_it_is_not_smooth(formula: str, place: str) -> None:
+    found = prove("u_x - 1", f"u = {formula}")
+    assert found.outcome is Outcome.PROVED
+    assert place in found.singularities
 
 
 def test_a_case_of_the_constants_is_no_proof_of_what_was_not_typed() -> None:
@@ -105,8 +118,8 @@ def test_texts_are_kept_as_they_were_typed_part_by_part() -> None:
 
 def test_a_text_without_values_says_nothing() -> None:
     statement = read_statement("u_x", "u = log(x)/log(x)*elliptic_k(2)", "", "")
-    assert statement.texts is not None
-    typed = TypedValues(statement.texts, {})
+    assert statement.trees is not None
+    typed = TypedValues(statement.trees, {})
     assert typed.fails_at({"x": Fraction(1, 2)}) is None
     assert typed.failure() is None
 

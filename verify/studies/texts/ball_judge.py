@@ -13,11 +13,10 @@ from math import factorial
 
 from flint import acb, acb_series, arb, ctx, fmpq
 
-from verify.kernel.nodes import generic_shift
 from verify.studies.texts import special_series
 from verify.studies.texts.taylor_sum import TaylorSum
 from verify.studies.texts.text_statement import TextPoint, TextStatement
-from verify.studies.texts.trees import Tree, read
+from verify.studies.texts.trees import DERIVED, Tree, read
 
 BITS = (100, 400, 1600, 6400)
 """Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
@@ -119,12 +118,6 @@ def _theta(place: int, z: TaylorSum, q: TaylorSum) -> TaylorSum:
     return found
 
 
-def _arbitrary(name: str, z: TaylorSum) -> TaylorSum:
-    """What stands for an arbitrary function: `verify.kernel.nodes.generic_shift`."""
-    moved = _series(z.value + acb(arb(generic_shift(name))), z.order)
-    return z.of(_listed(moved.rgamma(), z.order))
-
-
 CUTS: Mapping[str, Callable[[acb], bool]] = {
     "atan": lambda z: z.imag == 0 or not z.real.contains(0) or abs(z.imag) < 1,
     "asinh": lambda z: z.imag == 0 or not z.real.contains(0) or abs(z.imag) < 1,
@@ -152,7 +145,7 @@ class Judge:
         unknowns = tuple(self.solutions)
         self.equations = [_one_side(text, unknowns) for text in statement.equations]
         self.definitions = {name: read(text) for name, text in statement.definitions}
-        self.letters = [v.name for v in statement.letters if v.name in statement.derived]
+        self.letters = [v.name for v in statement.letters if v.name in DERIVED]
         inner = (*self.solutions.values(), *self.definitions.values())
         self.order = max(map(_order, self.equations)) + max(map(_order, inner), default=0)
 
@@ -335,8 +328,6 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
         raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
     if name in CUTS and not CUTS[name](z.value):
         raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
-    if name not in TAYLOR:
-        return _arbitrary(name, z)
     return z.of(TAYLOR[name](z.value, z.order))
 
 

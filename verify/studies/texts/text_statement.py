@@ -9,7 +9,6 @@ from fractions import Fraction
 from math import ceil, floor
 
 from verify.studies.statements.random_statement import Truth
-from verify.studies.texts.trees import DERIVED
 
 TextPoint = Mapping[str, Fraction]
 
@@ -75,8 +74,7 @@ class TextStatement:
     """Equations and solutions in text; ``letters`` has every variable and parameter.
 
     ``definitions`` are parameters that stand for formulas.  ``counterexample`` is a point of the
-    ranges at which one of the equations of a false statement has a residual.  ``derived`` are the
-    variables that a derivative may be by.
+    ranges at which one of the equations of a false statement has a residual.
     """
 
     kind: str
@@ -88,7 +86,6 @@ class TextStatement:
     counterexample: TextPoint | None = None
     seed: int = 0
     index: int = 0
-    derived: tuple[str, ...] = tuple(DERIVED)
 
     @property
     def parameters(self) -> str:

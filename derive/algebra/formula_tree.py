@@ -1,0 +1,169 @@
+"""Formulas as trees of a few kinds of nodes, as they were typed: nothing is simplified.
+
+``a - b`` is ``a + (-1)*b``, ``a/b`` is ``a*b**(-1)``; brackets keep sums and products apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import prod
+
+
+@dataclass(frozen=True)
+class FormulaTree:
+    """A node; ``at`` is where its sign or name stands in the text."""
+
+    at: int = field(default=0, compare=False, kw_only=True)
+
+    def inner(self) -> tuple[FormulaTree, ...]:
+        """The formulas that it is made of."""
+        return ()
+
+    def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
+        """The same node of other parts, as many."""
+        return self
+
+    def nodes(self) -> Iterator[FormulaTree]:
+        """It and everything below, what it is made of first."""
+        for part in self.inner():
+            yield from part.nodes()
+        yield self
+
+
+@dataclass(frozen=True)
+class Number(FormulaTree):
+    """A rational number."""
+
+    value: Fraction
+
+
+@dataclass(frozen=True)
+class Name(FormulaTree):
+    """A variable, a parameter or a constant."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Unknown(FormulaTree):
+    """An unknown with the derivatives of its subscripts, ``shift`` places from its ``site``."""
+
+    name: str
+    steps: tuple[str, ...] = ()
+    site: str = ""
+    shift: int = 0
+
+
+@dataclass(frozen=True)
+class _OfParts(FormulaTree):
+    parts: tuple[FormulaTree, ...]
+
+    def inner(self) -> tuple[FormulaTree, ...]:
+        return self.parts
+
+    def made_of(self, parts: tuple[FormulaTree, ...]) -> FormulaTree:
+        return replace(self, parts=parts)
+
+
+@dataclass(frozen=True)
+class Sum(_OfParts):
+    """Two or more terms."""
+
+
+@dataclass(frozen=True)
+class Product(_OfParts):
+    """Two or more factors."""
+
+
+@dataclass(frozen=True)
+class Power(_OfParts):
+    """A base and an exponent."""
+
+
+@dataclass(frozen=True)
+class Call(_OfParts):
+    """A function of its arguments."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Derivative(_OfParts):
+    """The derivative of one formula in variables one after the other."""
+
+    steps: tuple[str, ...]
+
+
+MINUS_ONE = Number(Fraction(-1))
+
+
+WHOLE = 64
+"""Largest exponent of a number that is worked out."""
+
+
+def rational(formula: FormulaTree) -> Fraction | None:
+    """The value of what is made of numbers by sums, products and whole powers; else None."""
+    values = [rational(part) for part in formula.inner()]
+    known = [value for value in values if value is not None]
+    if len(known) < len(values):
+        return None
+    match formula:
+        case Number(value=value):
+            return value
+        case Sum():
+            return sum(known, Fraction(0))
+        case Product():
+            return Fraction(prod(known))
+        case Power() if known[1].denominator == 1 and abs(known[1]) <= WHOLE:
+            return Fraction(known[0] ** int(known[1])) if known[0] or known[1] > 0 else None
+    return None
+
+
+def mapped(formula: FormulaTree, image: Callable[[FormulaTree], FormulaTree | None]) -> FormulaTree:
+    """The formula with ``image`` of a node in its place, from the top; None leaves it."""
+    found = image(formula)
+    if found is not None:
+        return found
+    parts = tuple(mapped(part, image) for part in formula.inner())
+    return formula.made_of(parts) if parts else formula
+
+
+SUM, PRODUCT, POWER, ATOM = range(4)
+"""How closely a text holds together."""
+
+
+def formula_text(formula: FormulaTree) -> str:
+    """The formula in the grammar, read back as this tree."""
+    return _written(formula)[0]
+
+
+def _written(formula: FormulaTree) -> tuple[str, int]:
+    """The text, and how closely it holds together."""
+
+    def held(part: FormulaTree, closely: int) -> str:
+        text, level = _written(part)
+        return text if level >= closely else f"({text})"
+
+    match formula:
+        case Number(value=value):
+            plain = value.denominator == 1 and value >= 0
+            return (str(value), ATOM) if plain else (f"({value})", ATOM)
+        case Name(name=name):
+            return name, ATOM
+        case Unknown(name=name, steps=steps, site=site, shift=shift):
+            subscripts = f"_{''.join(steps)}" if steps else ""
+            index = f"{site}{shift:+d}" if shift else site
+            return f"{name}{subscripts}" + (f"[{index}]" if site else ""), ATOM
+        case Sum(parts=parts):
+            return " + ".join(held(part, PRODUCT) for part in parts), SUM
+        case Product(parts=parts):
+            return "*".join(held(part, POWER) for part in parts), PRODUCT
+        case Power(parts=(base, exponent)):
+            return f"{held(base, ATOM)}**{held(exponent, ATOM)}", POWER
+        case Call(parts=parts, name=name):
+            return f"{name}({', '.join(held(part, SUM) for part in parts)})", ATOM
+        case Derivative(parts=(inner,), steps=steps):
+            return f"diff({', '.join((held(inner, SUM), *steps))})", ATOM
+    raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")

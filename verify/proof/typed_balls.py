@@ -1,0 +1,306 @@
+"""Balls around the residuals of what was typed: trees in Taylor coefficients at a rational point.
+
+SymPy has no part in it.  What has no certain value, or lies where a formula is not smooth (on a
+branch cut, at a pole, where a modulus is 0), raises ValueError.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache, reduce
+from math import factorial, prod
+from operator import add, mul
+
+import sympy as sp
+from flint import acb, arb, ctx, fmpq
+
+from derive.algebra.formula_text import CONSTANTS
+from derive.algebra.formula_tree import (
+    Call,
+    Derivative,
+    FormulaTree,
+    Name,
+    Number,
+    Power,
+    Product,
+    Sum,
+    Unknown,
+    mapped,
+    rational,
+)
+
+from .balls import (
+    ELEMENTARY,
+    PERIODIC,
+    QUOTIENTS,
+    Index,
+    Jet,
+    JetShape,
+    constant,
+    is_special,
+    powered,
+    special_jet,
+    touches_cut,
+    variable,
+)
+from .taylor import Elliptic
+from .text_names import FUNCTIONS, SITE, function_named
+from .typed_statement import StatementTrees
+
+TextPoint = Mapping[str, Fraction]
+
+LARGEST_ROOT = 1000
+"""Degree of a root that is taken; a power beyond is by the logarithm."""
+
+MEAN = ("elliptic_k", "elliptic_e")
+SIZES = ("abs", "sign", "re", "im", "conjugate")
+
+
+@dataclass(frozen=True)
+class TypedBall:
+    """A jet, and whether the formula is real by the way that it is made."""
+
+    jet: Jet
+    is_real: bool
+
+    @classmethod
+    def of(cls, jet: Jet, is_real: bool) -> TypedBall:
+        """A real formula's jet without what rounding leaves of imaginary parts."""
+        parts = tuple(acb(c.real) for c in jet.coefficients) if is_real else jet.coefficients
+        return cls(Jet(jet.shape, parts), is_real)
+
+
+class TypedBalls:
+    """The residuals of a statement's trees; ``integers`` are the names of integers."""
+
+    def __init__(self, trees: StatementTrees, integers: Collection[str]) -> None:
+        self.trees = trees
+        self.integers = {*integers, SITE}
+        self.letters = tuple(name for name in trees.variables if name != SITE)
+        self._needed: dict[tuple[str, int], set[Index]] = {}
+        for equation in trees.equations:
+            self._need(equation, {(0,) * len(self.letters)})
+
+    def residuals(self, point: TextPoint, bits: int) -> Iterator[acb]:
+        """A ball for each equation; raises ValueError where there is none."""
+        with ctx.workprec(bits):
+            shapes = {key: shape_of(frozenset(tops)) for key, tops in self._needed.items()}
+            top = TypedPlace(self, point, JetShape([(0,) * len(self.letters)]))
+            for (name, shift), shape in shapes.items():
+                moved = {**point, SITE: point[SITE] + shift} if shift else point
+                place = TypedPlace(self, moved, shape)
+                top.unknowns[name, shift] = place.value(self.trees.solutions[name])
+            for equation in self.trees.equations:
+                found = top.value(equation).jet.value
+                if not found.is_finite():
+                    raise ValueError("a residual must have a finite value")
+                yield found
+
+    def steps_of(self, steps: Collection[str]) -> Index:
+        """How often each variable occurs."""
+        return tuple([*steps].count(letter) for letter in self.letters)
+
+    def _need(self, formula: FormulaTree, tops: set[Index]) -> None:
+        """Note the derivatives of the unknowns that the derivatives of a formula take."""
+        if isinstance(formula, Unknown | Derivative):
+            tops = {_sum(top, self.steps_of(formula.steps)) for top in tops}
+        if isinstance(formula, Unknown):
+            self._needed.setdefault((formula.name, formula.shift), set()).update(tops)
+        for part in formula.inner():
+            self._need(part, tops)
+
+
+def _sum(left: Index, right: Index) -> Index:
+    return tuple(map(add, left, right))
+
+
+@lru_cache(maxsize=64)
+def shape_of(tops: frozenset[Index]) -> JetShape:
+    """The multi-indices below some given ones."""
+    return JetShape(sorted(tops))
+
+
+class TypedPlace:
+    """The trees at one point, to the derivatives of one shape."""
+
+    def __init__(self, balls: TypedBalls, point: TextPoint, shape: JetShape) -> None:
+        self._balls, self._point, self._shape = balls, point, shape
+        self.unknowns: dict[tuple[str, int], TypedBall] = {}
+        self._found: dict[FormulaTree, TypedBall] = {}
+
+    def value(self, formula: FormulaTree) -> TypedBall:
+        """The jet of a formula."""
+        if formula not in self._found:
+            found = self._value(formula)
+            fixed = not found.is_real and found.jet.value.imag == 0 and not _varies(formula)
+            self._found[formula] = TypedBall(found.jet, found.is_real or fixed)
+        return self._found[formula]
+
+    def _value(self, formula: FormulaTree) -> TypedBall:
+        match formula:
+            case Number(value=number):
+                return self._constant(_exact(number), True)
+            case Name(name=name):
+                return self._named(name)
+            case Sum(parts=parts) | Product(parts=parts):
+                operation = add if isinstance(formula, Sum) else mul
+                balls = [self.value(part) for part in parts]
+                jet = reduce(operation, (ball.jet for ball in balls))
+                return TypedBall.of(jet, all(ball.is_real for ball in balls))
+            case Power(parts=(base, exponent)):
+                return self._power(base, exponent)
+            case Unknown(name=name, steps=steps, shift=shift):
+                return self._derived(self.unknowns[name, shift], steps)
+            case Derivative(parts=(inner,), steps=steps):
+                further = self._balls.steps_of(steps)
+                shape = shape_of(frozenset(_sum(i, further) for i in self._shape.indices))
+                place = TypedPlace(self._balls, self._point, shape)
+                place.unknowns = self.unknowns
+                return self._derived(place.value(inner), steps)
+            case Call(name=name, parts=parts):
+                return self._call(name, parts)
+        raise TypeError(f"formula must be a node of a tree, got {type(formula).__name__}")
+
+    def _constant(self, value: acb, is_real: bool) -> TypedBall:
+        return TypedBall(constant(self._shape, value), is_real)
+
+    def _named(self, name: str) -> TypedBall:
+        definitions, letters = self._balls.trees.definitions, self._balls.letters
+        if name == "pi":
+            return self._constant(acb.pi(), True)
+        if name == "I":
+            return self._constant(acb(0, 1), False)
+        if name in definitions:
+            return self.value(definitions[name])
+        if name not in letters:
+            return self._constant(_exact(self._point[name]), True)
+        place = letters.index(name)
+        return TypedBall(variable(self._shape, place, _exact(self._point[name])), True)
+
+    def _derived(self, ball: TypedBall, steps: Collection[str]) -> TypedBall:
+        """The derivatives that this shape has, from a jet of more."""
+        known = dict(zip(ball.jet.shape.indices, ball.jet.coefficients, strict=True))
+        further = self._balls.steps_of(steps)
+        found = []
+        for index in self._shape.indices:
+            above = _sum(index, further)
+            weight = prod(map(factorial, above)) // prod(map(factorial, index))
+            found.append(known[above] * weight)
+        return TypedBall(Jet(self._shape, tuple(found)), ball.is_real)
+
+    # powers
+
+    def _power(self, base: FormulaTree, exponent: FormulaTree) -> TypedBall:
+        below, number = self.value(base), self._exact_value(exponent)
+        if number is not None and number.denominator == 1:
+            names = {node.name for node in exponent.nodes() if isinstance(node, Name)}
+            if names <= self._balls.integers or not below.jet.value.contains(0):
+                return TypedBall.of(powered(below.jet, number), below.is_real)
+        self._check_smooth(sp.log, below)
+        is_real = below.is_real and below.jet.value.real > 0
+        if number is not None and number.denominator <= LARGEST_ROOT:
+            return TypedBall.of(powered(below.jet, number), is_real)
+        above = self.value(exponent)
+        logarithm = below.jet.composed(ELEMENTARY[sp.log])
+        jet = (above.jet * logarithm).composed(ELEMENTARY[sp.exp])
+        return TypedBall.of(jet, is_real and above.is_real)
+
+    def _exact_value(self, exponent: FormulaTree) -> Fraction | None:
+        """The value of an exponent that is a rational number at the point, and has no slope."""
+        definitions = self._balls.trees.definitions
+
+        def image(node: FormulaTree) -> FormulaTree | None:
+            if not isinstance(node, Name) or node.name in self._balls.letters:
+                return None
+            if node.name in definitions:
+                return mapped(definitions[node.name], image)
+            return Number(self._point[node.name]) if node.name in self._point else None
+
+        return rational(mapped(exponent, image))
+
+    def _check_smooth(self, function: type, ball: TypedBall) -> None:
+        """Raise ValueError on a cut; a real argument of a logarithm or power stays on it."""
+        value = ball.jet.value
+        along = function is sp.log and ball.is_real and not value.contains(0)
+        if touches_cut(function, value) and not along:
+            raise ValueError("points must lie off the cuts, got one on a cut (take another)")
+
+    # functions
+
+    def _call(self, name: str, parts: tuple[FormulaTree, ...]) -> TypedBall:
+        ball, *further = map(self.value, parts)
+        function = function_named(name)
+        if name == "sqrt":
+            return self._power(parts[0], Number(Fraction(1, 2)))
+        if is_special(function):
+            jets = [ball.jet, *(other.jet for other in further)]
+            is_real = ball.is_real and all(other.is_real for other in further)
+            return TypedBall.of(special_jet(function, jets), is_real)
+        if name in SIZES:
+            return self._size(name, ball)
+        if name in MEAN:
+            return self._constant(getattr(_parameter(ball), name)(), True)
+        if further:
+            elliptic = Elliptic(_parameter(further[0]))
+            taylor = getattr(elliptic, name.removeprefix("jacobi_"))
+            return TypedBall.of(ball.jet.composed(taylor), ball.is_real)
+        if function in QUOTIENTS:
+            return self._quotient(name, ball)
+        if function not in PERIODIC:
+            self._check_smooth(function, ball)
+        is_real = ball.is_real and (
+            function in PERIODIC or not touches_cut(function, ball.jet.value)
+        )
+        return TypedBall.of(ball.jet.composed(ELEMENTARY[function]), is_real)
+
+    def _quotient(self, name: str, ball: TypedBall) -> TypedBall:
+        """tan and the like, by the two functions that they are a quotient of."""
+        above, below = QUOTIENTS[FUNCTIONS[name][0]]
+        divisor = powered(ball.jet.composed(ELEMENTARY[below]), Fraction(-1))
+        if above in ELEMENTARY:
+            divisor = ball.jet.composed(ELEMENTARY[above]) * divisor
+        return TypedBall.of(divisor, ball.is_real)
+
+    def _size(self, name: str, ball: TypedBall) -> TypedBall:
+        jet, other = ball.jet, ball.jet.conjugate()
+        if name in ("abs", "sign") and jet.value.contains(0):
+            raise ValueError("points must be smooth, got one where a modulus is 0 (take another)")
+        if name == "conjugate":
+            return TypedBall(other, ball.is_real)
+        if name == "re":
+            return TypedBall.of(self._times(acb(0.5), jet + other), True)
+        if name == "im":
+            return TypedBall.of(self._times(acb(0, -0.5), jet + self._times(acb(-1), other)), True)
+        if ball.is_real:
+            sign = acb(1 if jet.value.real > 0 else -1)
+            return self._constant(sign, True) if name == "sign" else self._scaled(sign, jet)
+        square = TypedBall.of(jet * other, True).jet
+        if name == "abs":
+            return TypedBall.of(powered(square, Fraction(1, 2)), True)
+        return TypedBall(jet * powered(square, Fraction(-1, 2)), False)
+
+    def _scaled(self, factor: acb, jet: Jet) -> TypedBall:
+        return TypedBall.of(self._times(factor, jet), True)
+
+    def _times(self, factor: acb, jet: Jet) -> Jet:
+        return constant(self._shape, factor) * jet
+
+
+def _varies(formula: FormulaTree) -> bool:
+    """Whether anything but numbers occurs."""
+    names = (node.name for node in formula.nodes() if isinstance(node, Name | Unknown))
+    return not {*names} <= CONSTANTS.keys()
+
+
+def _exact(value: Fraction) -> acb:
+    return acb(arb(fmpq(value.numerator, value.denominator)))
+
+
+def _parameter(ball: TypedBall) -> acb:
+    """The value of an elliptic parameter; raises ValueError for one without real functions."""
+    value, *slopes = ball.jet.coefficients
+    if not (ball.is_real and value.real < 1 and all(slope == 0 for slope in slopes)):
+        raise ValueError("elliptic parameters must be constants below 1, got another")
+    return value
