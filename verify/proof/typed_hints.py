@@ -113,7 +113,8 @@ def typed_parts(
     What stands in a formula is named before what is made of it.
     """
     assert statement.trees is not None
-    builder = ExpressionBuilder(_vocabulary(statement, kept))
+    words = _vocabulary(statement, kept)
+    builder = ExpressionBuilder(words)
 
     def expression(formula: FormulaTree) -> sp.Expr:
         found = builder.expression(formula)
@@ -123,7 +124,7 @@ def typed_parts(
     found = []
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
         with suppress(ValueError):  # too large for SymPy, or infinite
-            plain = _plain(node, expression)
+            plain = _plain(node, expression, words)
             if plain is not None:
                 found.append(Typed(node, builder.expression(node), plain))
     if len(found) > MOST:
@@ -164,7 +165,9 @@ def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary
     return Vocabulary(functions, variables, names=names)
 
 
-def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> sp.Expr | None:
+def _plain(
+    node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr], words: Vocabulary
+) -> sp.Expr | None:
     """A name, function or power as SymPy has it before it simplifies; None for anything else."""
     match node:
         case Name():
@@ -174,7 +177,7 @@ def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> s
         case Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name not in ("abs", "sign") or arguments != [0]:
-                return FUNCTIONS[name][0](*arguments, evaluate=False)
+                return words.functions[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
             base, exponent = map(expression, parts)
             if not exponent.is_Rational:
