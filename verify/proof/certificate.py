@@ -13,7 +13,7 @@ known element.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 
 import sympy as sp
@@ -50,11 +50,14 @@ Key = tuple[str, int]
 
 
 def make_certificate(
-    problem: Problem, parts: Iterable[Pair] = (), unsplit: tuple[type, ...] = ()
+    problem: Problem,
+    parts: Iterable[Pair] = (),
+    unsplit: tuple[type, ...] = (),
+    values: Mapping[sp.Expr, sp.Expr] | None = None,
 ) -> Certificate:
     """The certificate for ``problem``, given equal ``parts`` of both sides of an equality.
 
-    Functions in ``unsplit`` are not written as simpler ones.
+    Functions in ``unsplit`` are not written as simpler ones; ``values`` has what some others are.
     Raises ValueError for a function without an axiom, and without a regular point.
     """
     table = NodeTable()
@@ -65,6 +68,7 @@ def make_certificate(
         rewriting(expression)
     rewriting.found |= angle_values(expressions, problem.points)
     known = {f: value for f, value in rewriting.found.items() if not isinstance(f, unsplit)}
+    known |= values or {}
     point = regular_point(problem)
     order = max((len(d.variables) for d in problem.left.atoms(sp.Derivative)), default=0)
 

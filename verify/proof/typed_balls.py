@@ -242,12 +242,16 @@ class TypedPlace:
             return self._size(name, ball)
         if name in MEAN:
             return self._constant(getattr(_parameter(ball), name)(), True)
-        if further:
-            elliptic = Elliptic(_parameter(further[0]))
+        if name.startswith("jacobi_"):
+            elliptic = Elliptic(_parameter(*further))
             taylor = getattr(elliptic, name.removeprefix("jacobi_"))
             return TypedBall.of(ball.jet.composed(taylor), ball.is_real)
         if function in QUOTIENTS:
             return self._quotient(name, ball)
+        if function not in ELEMENTARY:
+            raise ValueError(
+                f"functions must have ball arithmetic, got {name} (add it to balls.py)"
+            )
         if function not in PERIODIC:
             self._check_smooth(function, ball)
         is_real = ball.is_real and (

@@ -13,6 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from itertools import product
 from operator import sub
 from typing import Any
 
@@ -97,7 +98,9 @@ def _certificate(
     problem: StatementProblem, parts: Sequence[Typed], kept: tuple[type, ...]
 ) -> Certificate:
     """The certificate with what SymPy makes of the parts; raises as `make_certificate` does."""
-    found = make_certificate(problem, unsplit=kept)
+    equal = _equal_parts(parts, problem) if kept else {}
+    found = make_certificate(problem, unsplit=kept, values=equal)
+    parts = [part for part in parts if part.plain not in equal]
     body = {**found, "proof": _with_values(found["proof"], parts, problem)}
     return Certificate(body | {"digest": digest(body)})
 
@@ -110,7 +113,8 @@ def typed_parts(
     What stands in a formula is named before what is made of it.
     """
     assert statement.trees is not None
-    builder = ExpressionBuilder(_vocabulary(statement, kept))
+    words = _vocabulary(statement, kept)
+    builder = ExpressionBuilder(words)
 
     def expression(formula: FormulaTree) -> sp.Expr:
         found = builder.expression(formula)
@@ -120,7 +124,7 @@ def typed_parts(
     found = []
     for node in dict.fromkeys(node for formula in whole for node in formula.nodes()):
         with suppress(ValueError):  # too large for SymPy, or infinite
-            plain = _plain(node, expression)
+            plain = _plain(node, expression, words)
             if plain is not None:
                 found.append(Typed(node, builder.expression(node), plain))
     if len(found) > MOST:
@@ -162,7 +166,9 @@ def _vocabulary(statement: Statement, kept: tuple[type, ...] = ()) -> Vocabulary
     return Vocabulary(functions, variables, names=names)
 
 
-def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> sp.Expr | None:
+def _plain(
+    node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr], words: Vocabulary
+) -> sp.Expr | None:
     """A name, function or power as SymPy has it before it simplifies; None for anything else."""
     match node:
         case Name():
@@ -172,7 +178,7 @@ def _plain(node: FormulaTree, expression: Callable[[FormulaTree], sp.Expr]) -> s
         case Call(name=name, parts=parts):
             arguments = [*map(expression, parts)]
             if name not in ("abs", "sign") or arguments != [0]:
-                return function_named(name)(*arguments, evaluate=False)
+                return words.functions[name][0](*arguments, evaluate=False)
         case Power(parts=parts):
             base, exponent = map(expression, parts)
             if not exponent.is_Rational:
@@ -222,26 +228,26 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
         match part.tree:
             case Call(name="log", parts=(inner,)):
                 hint("logs", text, formula_text(inner), lambda place: [["1", place]])
-            case Call(name="abs") if (root := _equal_root(part, typed, problem)) is not None:
-                hint("values", text, formula_text(root), lambda place: place)
             case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
                 hint("values", text, _written(part.value, variables), lambda place: place)
     return {**proof, "formulas": formulas, **hints}
 
 
-def _equal_root(
-    size: Typed, typed: Sequence[Typed], problem: StatementProblem
-) -> FormulaTree | None:
-    """A root that has the value of a modulus at a point; None for one that SymPy knows as real."""
-    if not size.value.has(sp.I):
-        return None
-    for part in typed:
-        if isinstance(part.tree, Call) and part.tree.name == "sqrt":
-            values = (ball_value(own.plain, problem.points[0], BITS) for own in (size, part))
-            with suppress(ValueError):
+def _equal_parts(typed: Sequence[Typed], problem: StatementProblem) -> dict[sp.Expr, sp.Expr]:
+    """Other functions that roots, moduli and inverse functions may be: equal at a point."""
+    found: dict[sp.Expr, sp.Expr] = {}
+    for part, other in product(typed, typed):
+        name = part.tree.name if isinstance(part.tree, Call) else ""
+        alike = isinstance(other.tree, Call) and other.tree.name == name
+        known = part.plain in (*found, *found.values()) or other.plain in found
+        if name not in ("sqrt", "abs", *INVERSE) or alike or known or other.plain.is_number:
+            continue
+        if part.tree not in other.tree.nodes():
+            values = (ball_value(own.plain, problem.points[0], BITS) for own in (part, other))
+            with suppress(ValueError, ZeroDivisionError):
                 if sub(*values).contains(0):
-                    return part.tree
-    return None
+                    found[part.plain] = other.plain
+    return found
 
 
 def _written(value: sp.Expr, variables: Sequence[str]) -> str:

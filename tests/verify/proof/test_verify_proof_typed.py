@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import pytest
 
+from verify.proof.conditions import ConditionalVerdict
 from verify.proof.statement_text import read_statement
 from verify.proof.statement_verdict import StatementVerdict
 from verify.proof.text_prover import prove
@@ -100,6 +101,31 @@ def test_what_sympy_cancels_is_named_where_it_is_not_smooth(formula: str, place:
 def test_a_case_of_the_constants_is_no_proof_of_what_was_not_typed() -> None:
     found = prove("u_x + (b-1)*u", "u = sign(exp(I*x))**2", solve="b")
     assert found.outcome is Outcome.UNDECIDED
+
+
+def test_a_case_of_the_constants_is_certified_in_its_own_words() -> None:
+    ends = prove("u_xx + 2*u - 2*u**3", "u = jacobi_sn(x, m)", parameters="m: real", solve="m")
+    assert isinstance(ends, ConditionalVerdict)
+    (stated,) = [c["statement"] for case in ends.cases for c in case.verdict.certificates]
+    assert (stated["solutions"], stated["parameters"]) == (["u = tanh(x)"], ["m = 1"])
+    kink = "u = 4*atan(exp(k*x - w*t))"
+    least = prove("u_tt - u_xx + sin(u)", kink, parameters="k: k>0; w: w>0", solve="w")
+    assert isinstance(least, ConditionalVerdict)
+    (stated,) = [c["statement"] for case in least.cases for c in case.verdict.certificates]
+    assert stated["solutions"] == [kink]
+    assert stated["parameters"] == ["w = sqrt(k**2 - 1)", "k: k>0", "k: 1 < k"]
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u - 2", "u = elliptic_k(1 + x**2)"),
+        ("u - 2", "u = elliptic_e(2)"),
+        ("u_x - 2", "u = acosh(-2 - x**2)"),
+    ],
+)
+def test_what_cannot_be_evaluated_is_not_refuted(equation: str, solution: str) -> None:
+    assert prove(equation, solution).outcome is Outcome.UNDECIDED
 
 
 def test_texts_are_kept_as_they_were_typed_part_by_part() -> None:
