@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 
 from flint import fmpq
 
+from .axioms import FUNCTIONS
 from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
-from .nodes import ARITY, Nodes
+from .nodes import Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
@@ -25,11 +26,19 @@ TOKEN = re.compile(
     re.ASCII,
 )
 
-FUNCTIONS = {name.lower(): name for name in ARITY if name not in ("parity", "power")}
-"""The name in a text and that of the node."""
+WRITTEN = {"abs": "Abs", **dict.fromkeys(("Abs", "power", "parity", "diff"), "")}
+"""Functions in a text that are another node, and names of nodes that are no functions there."""
 
-RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS}
-"""Names that mean something everywhere."""
+
+def function_called(name: str) -> str | None:
+    """The function that a name in a text means."""
+    found = WRITTEN.get(name, name)
+    return found if found in FUNCTIONS else None
+
+
+def is_reserved(name: str) -> bool:
+    """Whether a name means something everywhere."""
+    return name in ("I", "pi", "diff", "sqrt") or function_called(name) is not None
 
 
 @dataclass
@@ -51,7 +60,7 @@ class Scope:
             return self.unknown(name, (0,) * len(self.variables))
         if name in self.known:
             return self.known[name]
-        if name in RESERVED or name in self.pending:
+        if is_reserved(name) or name in self.pending:
             raise CertificateError(f"the name {name} has no meaning at this place")
         base, _, steps = name.partition("_")
         if steps and base in self.unknowns:
@@ -67,7 +76,7 @@ class Scope:
 
     def define(self, name: str, node: int) -> None:
         """Let a new name mean ``node``."""
-        if name in self.known or name in RESERVED or name in self.unknowns:
+        if name in (*self.known, *self.unknowns) or is_reserved(name):
             raise CertificateError(f"the name {name[:40]} means two things (rename it)")
         self.known[name] = node
 
@@ -282,11 +291,12 @@ class TextReader:
             return self._nodes.made("diff", inner, *sorted(variables))
         if name == "sqrt" and len(arguments) == 1:
             return self.power(arguments[0], fmpq(1, 2))
-        if name not in FUNCTIONS or ARITY[FUNCTIONS[name]] != len(arguments):
+        function = function_called(name)
+        if function is None or len(FUNCTIONS[function].letters) != len(arguments):
             raise CertificateError(
                 f"no function of {len(arguments)} arguments is called {name[:40]}"
             )
-        return self._nodes.made(FUNCTIONS[name], *arguments)
+        return self._nodes.made(function, *arguments)
 
     def _unknown(self, name: str) -> int:
         """``u[n+1]``: an index for each integer variable, or for each variable."""
@@ -320,3 +330,8 @@ def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
     found = parser.sum()
     parser.end()
     return found
+
+
+def axiom(nodes: Nodes, text: str, **letters: int) -> int:
+    """The node of an axiom, its letters standing for nodes."""
+    return formula(Scope(nodes, known=letters), text)

@@ -12,7 +12,6 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.exact_numbers import shown
 from solutions.record import Equation
-from verify.kernel.limits import JETS
 from verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball

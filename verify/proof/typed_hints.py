@@ -64,17 +64,17 @@ def typed_certificate(statement: Statement, number: int) -> Certificate:
 def _with_values(
     proof: Data, read: Iterable[tuple[tuple[str, str], sp.Expr]], texts: StatementTexts
 ) -> Data:
-    """The proof with what each root and absolute value is, and logarithms of one factor."""
-    formulas, values, logs = [*proof["formulas"]], [*proof["values"]], [*proof["logs"]]
+    """The proof with what each root and absolute value is, and logarithms in their own words."""
+    formulas, values = [*proof["formulas"]], [*proof["values"]]
     for (name, argument), value in read:
         place = len(formulas)
         if name in VALUE_OF:
             formulas += [f"{VALUE_OF[name]}({argument})", _written(value, texts)]
             values.append([place, place + 1])
         elif name == "log":
-            formulas += [f"log({argument})", argument]
-            logs.append([place, [["1", place + 1]]])
-    return {**proof, "formulas": formulas, "values": values, "logs": logs}
+            formulas.append(f"log({argument})")
+            values.append([place, place])
+    return {**proof, "formulas": formulas, "values": values}
 
 
 def _calls(texts: StatementTexts) -> Iterator[tuple[str, str]]:
