@@ -74,8 +74,9 @@ class Balls:
             case (str(name), z, m) if name.startswith("jacobi_"):
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
             case (str(name), *inner) if name in FUNCTIONS:
-                function = BALLS.get(name) or getattr(acb, name)
-                return function(*(known[place] for place in inner))
+                function = BALLS.get(name) or getattr(acb, name, None)
+                if function is not None:
+                    return function(*(known[place] for place in inner))
         raise CertificateError("a node has no value")
 
     def _root(self, node: int, value: acb, degree: int) -> acb:

@@ -201,7 +201,8 @@ class ProofWriter:
 
     def name(self, *, place: int, value: int) -> None:
         """Say that the root or function at ``place`` is the node at ``value``."""
-        self.values[place] = value
+        if place != value:
+            self.values[place] = value
 
     def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
         """Say that the argument of the function at ``place`` is a sum of multiples of others."""

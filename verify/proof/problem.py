@@ -25,6 +25,9 @@ POINTS = 8
 MORE_POINTS = 40
 """Further points at which a formula is looked at that could not be proved."""
 
+JETS = 64
+"""The highest power of a derivative that is written as a product."""
+
 LARGEST_POWER = 13
 """Of a sum with the unknown; from this on it is not multiplied out."""
 

@@ -116,15 +116,14 @@ def test_what_does_not_follow(
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        (["scaled", "x", "y"], "must be a Jacobi function"),
-        (["circle", "sqrt(1 - k**2)", "x"], "must be of a symbol"),
-        (["circle", "sqrt(1 - x**2)", "x"], "of a parameter"),
-        (["quotient", "x", "y"], "of theta functions"),
-        (["forms", ["I"], [[["1"], "0"]]], "cannot be in a linear form"),
-        (["forms", ["x"], [[["y"], "0"]]], "must be constant"),
+        (["atom", "sqrt(1 - x**2)"], "no generator for the symbol x"),
+        (["atom", "sqrt(1 + z**2)"], "no generator for the symbol z"),
+        (["forms", ["tanh(x)"], [[["1"], "0"]]], "tanh is no generator"),
+        (["forms", ["I"], [[["1"], "k"]]], "a multiple of a root, or without roots"),
+        (["forms", ["I", "x"], [[["1", "0"], "0"], [["0", "1"], "0"]]], "without roots"),
         (["forms", ["x"], [[["abs(k)"], "0"]]], "must be analytic"),
         (["forms", ["x", "y"], [[["1", "1"], "0"], [["2", "2"], "0"]]], "must be independent"),
-        (["part", 0, 0], "no generator is written"),
+        (["part", 0], "no generator is written"),
         (["atom"], "no generator is written"),
     ],
 )
@@ -142,5 +141,5 @@ def test_a_generator_that_is_none(entry: list[Any], message: str) -> None:
         rows[2] = [[factors, shift] for factors, shift in rows[2]]
     data["generators"].append(rows)
     data["point"].append([proof.place("k"), "1/5"])
-    statement = {"equations": ["u - k"], "solutions": ["u = k"], **XY}
+    statement = {"equations": ["u - k"], "solutions": ["u = k"], **XY, "parameters": ["z: real"]}
     refused(signed(statement, proof, data), message)

@@ -24,23 +24,23 @@ def certificate(
         "parameters": [],
         "domain": domain,
     }
-    body["proof"] = {"logs": [], "signs": [], "parts": [], "point": [[0, point]], **proof}
+    body["proof"] = {"signs": [], "parts": [], "point": [[0, point]], **proof}
     return {**body, "digest": digest(body)}
 
 
-def arctangents(domain: list[str], value: str, half: str, **parts: str) -> dict[str, Any]:
+def arctangents(
+    domain: list[str], value: str, half: str, times: str = "-2", **parts: str
+) -> dict[str, Any]:
     """atan(x) + atan(1/x), with ``value`` for atan(1/x); ``half`` is the share of pi in it."""
     formulas = ["x", "I", "pi", "atan(#0)", "1/#0", "atan(#4)", value]
-    formulas += ["I*#2", "I*#3", "exp(2*I*#6)"]
-    sums = [[9, [[str(2 * int(half[:-2])) + half[-2:], 7], ["-2", 8]]]]
+    formulas += ["I*#2", "I*#3", "exp(2*I*#6)", f"exp(2*({half})*#7 + ({times})*#8)"]
     return certificate(
         "u = atan(x) + atan(1/x)",
         parts.pop("equation", "u - 1/2*pi"),
         domain,
         formulas=formulas,
         generators=[["atom", 0], ["atom", 1], ["atom", 2], ["atom", 3]],
-        sums=sums,
-        values=[[5, 6]],
+        values=[[5, 6], [9, 10]],
         **parts,
     )
 
@@ -67,9 +67,7 @@ def test_other_branches_are_refused(
 
 
 def test_what_has_another_tangent_is_refused() -> None:
-    wrong = arctangents(["x > 0"], "1/2*pi - 2*atan(x)", "1/2", equation="u - 1/2*pi + atan(x)")
-    wrong["proof"]["sums"][0][1][1][0] = "-4"
-    wrong["proof"]["point"] = [[0, "1/2"]]
-    body = {key: part for key, part in wrong.items() if key != "digest"}
+    equation = "u - 1/2*pi + atan(x)"
+    wrong = arctangents(["x > 0"], "1/2*pi - 2*atan(x)", "1/2", "-4", equation=equation)
     with pytest.raises(CertificateError, match="is that of another argument"):
-        check_certificate({**body, "digest": digest(body)})
+        check_certificate(wrong)

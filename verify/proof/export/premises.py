@@ -15,7 +15,7 @@ from functools import partial
 
 from flint import fmpq
 
-from verify.kernel.images import Images
+from verify.kernel.field import Field
 from verify.kernel.nodes import Nodes
 from verify.kernel.signs import Signs
 
@@ -62,7 +62,7 @@ class Asker:
 class TracedSigns(Signs):
     """The checker's signs, which note what was asked and holds."""
 
-    def __init__(self, images: Images, positive: Mapping[int, bool]) -> None:
+    def __init__(self, images: Field, positive: Mapping[int, bool]) -> None:
         super().__init__(images.nodes, images.image, positive, images.hints.signs)
         self.askers = [Asker()]
         self.kept: dict[Question, str] = {}

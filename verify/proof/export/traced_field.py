@@ -8,8 +8,7 @@ from functools import cached_property
 from flint import fmpq
 
 from verify.kernel.derivations import Slopes
-from verify.kernel.field import Field
-from verify.kernel.images import Hints
+from verify.kernel.field import Field, Hints
 from verify.kernel.nodes import Nodes
 from verify.kernel.ring import Element
 
@@ -209,8 +208,8 @@ class TracedField(Field):
     def generator_words(self, place: int) -> str:
         """A generator as the function that it stands for, if it is one; its name otherwise."""
         found = self.generators[place]
-        is_plain = not found.form and found.scale is None and found.below is None
-        return self.words.told("{}", found.node) if is_plain else f"g{place}"
+        is_plain = found.scale.is_one() and found.formula == found.form[0][1]
+        return self.words.told("{}", found.formula) if is_plain else f"g{place}"
 
     def written(self, node: int) -> str:
         """A function of named arguments in words; nothing for sums, products and powers."""
@@ -229,12 +228,8 @@ class TracedField(Field):
         if place >= len(self.generators):
             return "not used"
         found = self.generators[place]
-        if found.form:
-            products = [f"{self._short(f)} * {self.written(n)}" for f, n in found.form]
-            return " + ".join([self._short(found.shift), *products])
-        text = self.written(found.node) or self._short(found.node)
-        text += "" if found.scale is None else f", times ({found.scale})"
-        return text + ("" if found.below is None else f", over {self._short(found.below)}")
+        text = self.written(found.formula) or self._short(found.formula)
+        return text + ("" if found.scale.is_one() else f", times ({found.scale})")
 
     def _short(self, node: int) -> str:
         """The name of a node, or its text where it has none."""
@@ -252,12 +247,10 @@ class TracedField(Field):
                 return f"{self._short(base)}^({exponent})"
         return self.written(node)
 
-    def _algebraic(
-        self, node: int, degree: int, value: Element, scale: Element | None = None
-    ) -> None:
-        place = len(self.generators)
-        super()._algebraic(node, degree, value, scale)
-        whole = value if scale is None else value * scale**degree
+    def relate(self, place: int, degree: int, value: Element, factor: Element) -> None:
+        """Enter a relation, and note it."""
+        super().relate(place, degree, value, factor)
+        whole = value * factor**degree
         term, below = term_of(whole), whole.denominator()
         if not below.is_one():
             factor = terms.polynomial_term(below)
