@@ -13,7 +13,16 @@ class FormulaPrinter(StrPrinter):
     """SymPy's text, with derivatives as ``u_xx``, sites as ``q[n+1]`` and ``abs``."""
 
     def _print_LambertW(self, node: sp.Expr) -> str:
-        return f"lambertw({self._print(node.args[0])})"
+        return f"lambert_w({self._print(node.args[0])})"
+
+    def _print_AiryBase(self, node: sp.Expr) -> str:
+        kind = type(node).__name__.removeprefix("airy")
+        tail = "_prime" if len(kind) > 2 else ""
+        return f"airy_{kind[:2]}{tail}({self._print(node.args[0])})"
+
+    def _print_BesselBase(self, node: sp.Expr) -> str:
+        kind = type(node).__name__
+        return f"{kind[:-1]}_{kind[-1]}({', '.join(map(self._print, node.args))})"
 
     def _print_Abs(self, node: sp.Expr) -> str:
         return f"abs({self._print(node.args[0])})"

@@ -30,7 +30,7 @@ class Function:
     ``values`` has its values at real arguments of which the first is ``between`` two numbers (None:
     they are not known to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of
     the sign of a real z, and "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial
-    relation, and may be a generator.  ``below_one``: it is taken for m < 1 alone.
+    relation, and may be a generator.  ``below_one`` and ``above_zero``: it is taken for such parameters alone.
     """
 
     kind: str
@@ -42,10 +42,15 @@ class Function:
     symmetry: str = ""
     free: bool = False
     below_one: bool = False
+    above_zero: bool = False
 
     def arguments(self, *nodes: int) -> dict[str, int]:
         """The arguments by their letters."""
         return dict(zip(self.letters, nodes, strict=True))
+
+    def parameters(self, *nodes: int) -> list[int]:
+        """The arguments besides z."""
+        return [node for letter, node in self.arguments(*nodes).items() if letter != "z"]
 
 
 def _elliptic(kind: str, slope: str, symmetry: str, **more: object) -> Function:
@@ -87,8 +92,8 @@ FUNCTIONS: dict[str, Function] = {
     "jacobi_zeta": _elliptic("regular", "jacobi_dn(z, m)**2 - elliptic_e(m)/elliptic_k(m)", "odd",
                              free=True, below_one=True),
     "jacobi_theta": _elliptic("regular", "jacobi_theta(z, m)*jacobi_zeta(z, m)", "even",
-                              values=POSITIVE, free=True, below_one=True),
-    "jacobi_eta": Function("regular", letters="zm", values=None, below_one=True,
+                              values=POSITIVE, free=True, below_one=True, above_zero=True),
+    "jacobi_eta": Function("regular", letters="zm", below_one=True, above_zero=True,
                            definition="m**(1/4)*jacobi_sn(z, m)*jacobi_theta(z, m)"),
 }  # fmt: skip
 

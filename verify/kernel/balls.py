@@ -11,7 +11,7 @@ from flint import acb, arb, ctx, fmpq, fmpq_mpoly
 from .axioms import FUNCTIONS
 from .jacobi_values import Jacobi
 from .limits import CertificateError
-from .nodes import Nodes
+from .nodes import Nodes, children
 
 BITS = 320
 """Precision of balls: they only show that something is not 0."""
@@ -73,10 +73,11 @@ class Balls:
                 return self._unit(node) if node in self._turns else _parity(known[inner])
             case (str(name), z, m) if name.startswith("jacobi_"):
                 return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
-            case (str(name), *inner) if name in FUNCTIONS:
+            case (str(name), *rest) if name in FUNCTIONS:
+                inner = children(self._nodes.all[node])
                 function = BALLS.get(name) or getattr(acb, name, None)
                 if function is not None:
-                    return function(*(known[place] for place in inner))
+                    return function(*(known[place] for place in inner), *rest[len(inner) :])
         raise CertificateError("a node has no value")
 
     def _root(self, node: int, value: acb, degree: int) -> acb:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from flint import fmpq_mpoly
@@ -13,6 +13,9 @@ from .ring import Element, Ring, common
 
 if TYPE_CHECKING:
     from .field import Field
+
+RATES: dict[str, Callable[[Slopes, Field, int, int], Element]] = {}
+"""Derivatives of functions that are told by no formula, along a variable."""
 
 
 class Derivation:
@@ -95,14 +98,14 @@ class Slopes:
 
     def _slope(self, place: int, variable: int) -> Element:
         generator = self._of.generators[place]
-        rate, scale = self._rate(generator.formula, variable), generator.scale
+        rate, scale = self.rate(generator.formula, variable), generator.scale
         if scale.is_one():
             return rate
         factor = Element(self._of.ring, scale)
         image = self._of.ring.generator(place) / factor
         return rate * factor + image * self.derivative(factor, variable)
 
-    def _rate(self, node: int, variable: int) -> Element:
+    def rate(self, node: int, variable: int) -> Element:
         """The derivative of a formula, by its structure and the axioms."""
         if (node, variable) not in self._rates:
             moves = variable in self._of.nodes.below([node])
@@ -115,27 +118,29 @@ class Slopes:
             case ("symbol", *_):
                 return field.one
             case ("Add", *terms):
-                return field.sum([self._rate(term, variable) for term in terms])
+                return field.sum([self.rate(term, variable) for term in terms])
             case ("Mul", *factors):
                 parts = [field.zero]
                 for i, factor in enumerate(factors):
-                    rate = self._rate(factor, variable)
+                    rate = self.rate(factor, variable)
                     if not rate.is_zero:
                         others = [f for j, f in enumerate(factors) if j != i]
                         parts.append(rate * field.product(others) if others else rate)
                 return field.sum(parts)
             case ("Pow", base, exponent) if node in field.primitives("Pow"):
-                rate = field.ring.number(exponent) * self._rate(base, variable)
+                rate = field.ring.number(exponent) * self.rate(base, variable)
                 return rate if rate.is_zero else rate * field.image(node) / field.image(base)
             case ("Pow", base, exponent) if exponent.q == 1:
                 outer = field.image(base) ** (int(exponent.p) - 1)
-                return field.ring.number(exponent) * outer * self._rate(base, variable)
+                return field.ring.number(exponent) * outer * self.rate(base, variable)
             case ("Abs", f) if node in field.primitives("Abs"):
                 rate = self.derivative(field.squared(f), variable)
                 return rate if rate.is_zero else rate / (field.image(node) + field.image(node))
+            case (str(name), *_) if name in RATES:
+                return RATES[name](self, field, node, variable)
             case (str(name), *arguments) if name in FUNCTIONS and FUNCTIONS[name].slope:
                 letters = FUNCTIONS[name].arguments(*arguments)
-                rate = self._rate(letters["z"], variable)
+                rate = self.rate(letters["z"], variable)
                 return rate if rate.is_zero else rate * field.read(FUNCTIONS[name].slope, **letters)
             case (name, *_) if node in field.primitives(name):
                 raise CertificateError("a generator's derivative does not follow from the axioms")

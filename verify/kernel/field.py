@@ -399,18 +399,18 @@ class Field:
         raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
 
     def need_parameters(self, node: int) -> None:
-        """All arguments but z must be constant; K and what is made with it need m < 1."""
-        name, *arguments = self.nodes.all[node]
+        """The arguments besides z must be constant, or a nome, and in their range."""
+        name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return
         own = FUNCTIONS[name]
-        letters = own.arguments(*arguments)
-        if any(self.moves(inner) for letter, inner in letters.items() if letter != "z"):
-            raise CertificateError(f"all arguments of {name} but z must be constant")
-        if own.below_one and not self.signs.below_one(letters["m"]):
-            raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
-        if name in ("jacobi_theta", "jacobi_eta") and not self.signs.positive(letters["m"]):
+        rest = own.parameters(*arguments)
+        if name != "theta" and any(map(self.moves, rest)):
+            raise CertificateError(f"the parameters of {name} must be constant")
+        if own.above_zero and not all(map(self.signs.positive, rest)):
             raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
+        if own.below_one and not all(map(self.signs.below_one, rest)):
+            raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
 
     def balls(self, balls: Balls) -> list[acb]:
         """The values of the generators at a point."""

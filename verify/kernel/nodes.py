@@ -3,7 +3,8 @@
 A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol", name, kind)`` with
 the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
 ``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("diff", node,
-*variables)`` is a derivative; all others are functions of nodes that stand earlier.
+*variables)`` is a derivative; ``("jet", z, (name, order))`` one of an arbitrary function, and
+``("theta", z, q, (name, order))`` one in z of a theta function of the nome q; all others are functions of nodes that stand earlier.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from flint import fmpq
 from .limits import DEPTH, DIGITS, NODES, CertificateError, within
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
-KINDS = ("real", "integer", "complex")
+KINDS = ("real", "integer", "complex", "function")
 
 Node = tuple[Any, ...]
 
@@ -133,8 +134,8 @@ class Nodes:
         return self.made("Mul", *factors)
 
     def is_constant(self, node: int) -> bool:
-        """Whether a node has no symbols."""
-        return all(self.all[inner][0] != "symbol" for inner in self.below([node]))
+        """Whether a node has no symbols and no arbitrary functions."""
+        return all(self.all[inner][0] not in ("symbol", "jet") for inner in self.below([node]))
 
     def is_integer(self, node: int) -> bool:
         """Whether a node is evidently an integer at every point."""
@@ -172,6 +173,8 @@ def children(node: Node) -> tuple[int, ...]:
     match node[0]:
         case "number" | "symbol" | "I" | "pi" | "unknown":
             return ()
-        case "Pow" | "diff":
+        case "diff":
             return (node[1],)
+        case "Pow" | "jet" | "theta":
+            return node[1:-1]
     return node[1:]

@@ -17,7 +17,7 @@ from .axioms import FUNCTIONS, HALF_PI, Function
 from .balls import Balls
 from .bounds import POSITIVE, UNIT, Interval, of_constant
 from .limits import CertificateError
-from .nodes import Nodes
+from .nodes import Nodes, children
 from .ring import Element
 
 ANALYTIC = ("number", "symbol", "I", "pi", "Add", "Mul", "Pow")
@@ -61,17 +61,24 @@ class Signs:
                 return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
             case ("power", base, exponent):
                 return self.not_negative(base) and self.is_real(exponent)
-            case ("jacobi_eta", z, m):
-                return self.is_real(z) and self.not_negative(m) and self.below_one(m)
+            case (("bessel_j" | "bessel_i"), v, z) if self._nodes.is_integer(v):
+                return self.is_real(z)
             case (("Add" | "Mul"), *inner):
                 return all(map(self.is_real, inner))
-            case (str(name), z, *more) if name in FUNCTIONS and FUNCTIONS[name].values is not None:
-                if FUNCTIONS[name].below_one and not self.below_one([z, *more][-1]):
-                    return False
-                ends = FUNCTIONS[name].between
-                shown = self.is_real(z) if ends == (None, None) else self.is_between(z, *ends)
-                return shown and all(map(self.is_real, more))
+            case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].values is not None:
+                return self._is_real_function(FUNCTIONS[name], *children(self._nodes.all[node]))
         return False
+
+    def _is_real_function(self, own: Function, *arguments: int) -> bool:
+        """Whether a function is real at these arguments."""
+        rest = own.parameters(*arguments) if len(own.letters) == len(arguments) else arguments[1:]
+        if own.below_one and not all(map(self.below_one, rest)):
+            return False
+        if own.above_zero and not all(map(self.positive, rest)):
+            return False
+        z = arguments[own.letters.find("z")]
+        shown = own.between == (None, None) or self.is_between(z, *own.between)
+        return shown and all(map(self.is_real, arguments))
 
     def sign(self, node: int) -> frozenset[int]:
         """The signs that a node may have if it is real; any if it is not shown to be."""
@@ -129,6 +136,8 @@ class Signs:
                 return Interval(fmpq(0), None, self.positive(base))
             case ("Abs", inner):
                 return self.interval(inner).absolute()
+            case ("exp", z) if self.interval(z).is_below:
+                return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
             case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
                 return POSITIVE & UNIT
             case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
@@ -181,9 +190,10 @@ class Signs:
                 return int(inner)
             case ("diff", inner, *variables):
                 return made("diff", inside(inner), *variables)
-            case (str(name), z, *more) if name in FUNCTIONS and all(map(self.is_real, more)):
-                if FUNCTIONS[name].kind in ("entire", "regular", "poles"):
-                    return made(name, inside(z), *more)
+            case (str(name), z, *rest) if name in FUNCTIONS:
+                through = FUNCTIONS[name].kind in ("entire", "regular", "poles")
+                if through and all(map(self.is_real, children(self._nodes.all[node])[1:])):
+                    return made(name, inside(z), *rest)
         name = self._nodes.all[node][0]
         raise CertificateError(f"the conjugate of {name} does not follow from the domain")
 

@@ -76,7 +76,7 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
         if len(tokens(text)) > 1:
             raise CertificateError("variables must be names")
         kind = kinds.pop(name, "integer" if name in INTEGERS else "real")
-        if kind == "complex":
+        if kind not in ("real", "integer"):
             raise CertificateError("variables must be real or integers")
         scope.variables.append(scope.declare(name, kind))
     if not 0 < len(scope.variables) <= 8:

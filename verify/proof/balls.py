@@ -19,10 +19,13 @@ import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
 from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.jet_functions import JetFunction
+from solutions.functions.weierstrass import WeierstrassFunction, weierstrass_p_prime
 
 from . import taylor as functions
-from .domain_signs import DomainSigns
+from .domain_signs import DomainSigns, is_entire
 from .domains import Point
+from .text_names import BESSEL
 
 Index = tuple[int, ...]
 
@@ -128,6 +131,9 @@ ENTIRE = (sp.exp, sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime)
 BRANCH_OF_LAMBERT = fmpq(-36, 100)
 """A little more than -1/e, where the cut of W begins."""
 
+ORDERS = {kind: name for name, kind in BESSEL.items()}
+"""Bessel functions with their names."""
+
 INVERSE = (sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh)
 ELEMENTARY = {
     sp.exp: functions.exponential,
@@ -198,6 +204,17 @@ class BallEvaluator:
             elliptic = self._parameter(node.args[1])
             taylor = getattr(elliptic, node.func.__name__.removeprefix("jacobi_"))
             return self.jet(node.args[0]).composed(taylor)
+        if isinstance(node, JetFunction):
+            return self._jet_function(node)
+        if isinstance(node, WeierstrassFunction):
+            g2, g3 = map(self._constant, node.args[1:])
+            slopes = int(isinstance(node, weierstrass_p_prime))
+            return self.jet(node.args[0]).composed(functions.weierstrass(g2, g3, slopes))
+        if node.func in ORDERS:
+            order, z = node.args
+            if not is_entire(node):
+                self._check_smooth(node, z)
+            return self.jet(z).composed(functions.bessel(ORDERS[node.func], self._constant(order)))
         if isinstance(node, sp.elliptic_k | sp.elliptic_e):
             m = self._constant(node.args[0])
             is_first = isinstance(node, sp.elliptic_k)
@@ -212,6 +229,22 @@ class BallEvaluator:
         raise ValueError(
             f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
         )
+
+    def _jet_function(self, node: sp.Expr) -> Jet:
+        """An arbitrary function, or a theta function, of which f_w = -f_zz/4 for w = log q."""
+        z, *nome = map(self.jet, node.args)
+        at = [q.value for q in nome]
+        found = z.composed(functions.free(node.label, node.order, *at))
+        for q in nome:
+            if not q.value.real > 0:
+                raise ValueError(f"nomes must be between 0 and 1, got {q.value.str(5)}")
+            logarithm = q.composed(functions.logarithm).coefficients[1:]
+            power = step = Jet(self._shape, (acb(0), *logarithm))
+            for n in range(1, self._shape.order + 1):
+                power = power * constant(self._shape, acb(-1) / (4 * n))
+                slope = z.composed(functions.free(node.label, node.order + 2 * n, *at))
+                found, power = found + slope * power, power * step
+        return found
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
         """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
@@ -270,10 +303,10 @@ class BallEvaluator:
         return self._elliptic[m]
 
     def _constant(self, m: sp.Expr) -> acb:
-        """The value of an elliptic parameter; raises ValueError if it has derivatives."""
+        """The value of a parameter, order or invariant; raises ValueError if it has derivatives."""
         value, *slopes = self.jet(m).coefficients
         if not all(slope == 0 for slope in slopes):
-            raise ValueError(f"elliptic parameters must be constant, got {m} (hold it fixed)")
+            raise ValueError(f"parameters must be constant, got {m} (hold it fixed)")
         return value
 
 

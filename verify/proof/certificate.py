@@ -19,6 +19,7 @@ from itertools import product
 import sympy as sp
 from flint import acb, ctx, fmpq_mpoly
 
+from solutions.functions.jet_functions import THETA, JetFunction
 from verify.kernel.check import opened, registered
 from verify.kernel.field import Field
 from verify.kernel.limits import NAME
@@ -61,10 +62,12 @@ def make_certificate(problem: Problem, parts: Iterable[Pair] = ()) -> Certificat
         rewriting(expression)
     rewriting.found |= angle_values(expressions, problem.points)
     point = regular_point(problem)
+    order = max((len(d.variables) for d in problem.left.atoms(sp.Derivative)), default=0)
 
     def search(expressions: Sequence[sp.Expr], *, moving: bool) -> GeneratorSearch:
         found = rewriting.found
-        return GeneratorSearch(table, expressions, problem.variables, found, moving=moving)
+        variables = problem.variables
+        return GeneratorSearch(table, expressions, variables, found, moving=moving, order=order)
 
     whole = search(expressions, moving=problem.right is None)
     for pair in parts:
@@ -107,6 +110,7 @@ def statement_texts(problem: Problem) -> StatementTexts:
         f"{name}: {', '.join(part[name] for part in (kinds, own) if name in part)}"
         for name in {**kinds, **own}
     ]
+    stated += [f"{name}: function" for name in arbitrary_functions(problem)]
     return StatementTexts(
         tuple(variables),
         (written.text(left),),
@@ -114,6 +118,13 @@ def statement_texts(problem: Problem) -> StatementTexts:
         (*named, *stated),
         tuple(limit for name, limit in limits.items() if name in variables),
     )
+
+
+def arbitrary_functions(problem: Problem) -> list[str]:
+    """The names of the functions of which nothing is known."""
+    parts = (problem.left, *problem.solutions.values())
+    labels = {node.label for part in parts for node in part.atoms(JetFunction)}
+    return sorted(labels - THETA.keys())
 
 
 def domain_text(name: str, domain: Domain, text: Callable[[sp.Expr], str]) -> str:

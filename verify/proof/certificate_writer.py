@@ -17,10 +17,13 @@ from flint import fmpq_mpoly
 from sympy.core.function import AppliedUndef
 
 from solutions import functions
+from solutions.functions.jet_functions import JetFunction
+from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 from verify.kernel.limits import FORMAT, digest
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .domains import Point
+from .text_names import BESSEL, OTHERS
 from .text_writer import Node, numbered
 from .typed_statement import StatementTexts
 
@@ -28,14 +31,14 @@ FUNCTIONS: dict[str, type] = {
     function.__name__: function
     for function in (
         *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
-        *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime, sp.LambertW),
-        *(sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
+        *(sp.erf, sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
         *HYPERBOLIC,
         *TRIGONOMETRIC,
         *(getattr(functions, name) for name in functions.__all__),
+        *(weierstrass_p, weierstrass_p_prime, *OTHERS.values(), *BESSEL.values()),
     )
 }
-RENAMED = {"LambertW": "lambertw"}
+RENAMED = {kind.__name__: name for name, kind in (*OTHERS.items(), *BESSEL.items())}
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
@@ -91,7 +94,7 @@ class NodeTable:
         if isinstance(expression, AppliedUndef):
             return self._unknown(expression)
         name = expression.func.__name__
-        if FUNCTIONS.get(name) is not expression.func:
+        if FUNCTIONS.get(name) is not expression.func and not isinstance(expression, JetFunction):
             raise ValueError(
                 f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
             )

@@ -15,9 +15,12 @@ from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 
 import sympy as sp
+from sympy.functions.special.bessel import BesselBase
 
 from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
 from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.jet_functions import JetFunction
+from solutions.functions.weierstrass import WeierstrassFunction
 from verify.subexpressions import abbreviated, distinct_nodes
 
 from .domains import INFINITY, Domain, Domains, Number, ValueRange
@@ -124,6 +127,8 @@ class DomainSigns:
             return self.range(node.args[0])
         if isinstance(node, JacobiFunction):
             return self._jacobi(node)
+        if isinstance(node, JetFunction | WeierstrassFunction | BesselBase):
+            return self._special(node)
         rule = RULES.get(node.func)
         inner = self.range(node.args[0]) if rule else None
         return None if rule is None or inner is None else rule(inner)
@@ -199,6 +204,17 @@ class DomainSigns:
             return NONNEGATIVE
         return _fractional(base, node.exp)
 
+    def _special(self, node: sp.Expr) -> ValueRange | None:
+        """Arbitrary functions, theta functions, those of Weierstrass and Bessel."""
+        found = [self.range(inner) for inner in node.args]
+        last = found[-1]
+        if last is None or None in found:
+            return None
+        nome = isinstance(node, JetFunction) and len(found) > 1
+        if (nome or isinstance(node, BesselBase)) and not (last.is_positive or is_entire(node)):
+            return None
+        return POSITIVE if isinstance(node, sp.besselk) else REAL
+
     def _jacobi(self, node: sp.Expr) -> ValueRange | None:
         argument, parameter = (self.range(inner) for inner in node.args)
         if argument is None or parameter is None:
@@ -208,6 +224,11 @@ class DomainSigns:
         if isinstance(node, jacobi_dn | jacobi_theta):
             return POSITIVE if _is_below_one(parameter) else REAL
         return UNIT if parameter.is_nonnegative and _is_below_one(parameter) else REAL
+
+
+def is_entire(node: sp.Expr) -> bool:
+    """Whether a Bessel function is J or I of an integer order."""
+    return isinstance(node, sp.besselj | sp.besseli) and bool(node.order.is_Integer)
 
 
 def _gaps(domains: Domains) -> Iterator[tuple[sp.Expr, ValueRange]]:
@@ -351,6 +372,10 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
         lines.append(f"branch point of {_short(node)}")
     if isinstance(node, sp.LambertW) and not signs.is_nonnegative(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
+    if isinstance(node, BesselBase) and not (is_entire(node) or signs.is_positive(node.args[1])):
+        lines.append(f"branch point where {_short(node.args[1])} is not positive")
+    if isinstance(node, WeierstrassFunction):
+        lines.append(f"poles of {_short(node)}")
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):
         lines.append(f"branch point of {_short(node)}")
     return lines

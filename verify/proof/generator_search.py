@@ -8,13 +8,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import sympy as sp
+from sympy.functions.special.bessel import BesselBase
 
 from solutions.functions import jacobi_epsilon
 from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.jet_functions import JetFunction, jet_function
+from solutions.functions.weierstrass import (
+    WeierstrassFunction,
+    weierstrass_p,
+    weierstrass_p_prime,
+)
 from verify.subexpressions import distinct_nodes
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, TURN, Arguments, definition
-from .certificate_writer import Data, NodeTable, ProofWriter
+from .certificate_writer import RENAMED, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
 from .elliptic_search import EllipticSearch
@@ -32,7 +39,7 @@ class GeneratorSearch:
     """The generators and hints with which a checker can find the images of ``expressions``.
 
     ``values`` are the simpler forms of roots and absolute values that a domain allows; with
-    ``moving`` the derivatives of the generators are wanted too.
+    ``moving`` the derivatives of the generators are wanted too, up to the order ``order``.
     """
 
     def __init__(
@@ -43,10 +50,12 @@ class GeneratorSearch:
         values: Mapping[sp.Expr, sp.Expr],
         *,
         moving: bool,
+        order: int = 0,
     ) -> None:
         self._writer, self._place, self._made = ProofWriter(table), table.place, table.made
         self._variables, self._expressions = tuple(variables), list(expressions)
-        self._values, self._moving = values, moving
+        self._values, self._moving, self._order = values, moving, order
+        self._orders: set[tuple[type, sp.Expr, sp.Expr]] = set()
         self._done: set[sp.Expr] = set()
         self._has_epsilon = any(
             isinstance(node, jacobi_epsilon) for e in expressions for node in distinct_nodes(e)
@@ -220,9 +229,12 @@ class GeneratorSearch:
         if isinstance(node, JacobiFunction):
             self._elliptic.provide(node)
             return
-        (z,) = node.args
-        self.need(z)
-        if isinstance(node, (sp.exp, *HYPERBOLIC)):
+        for argument in node.args:
+            self.need(argument)
+        z = node.args[0]
+        if isinstance(node, JetFunction | WeierstrassFunction | BesselBase):
+            self._special(node)
+        elif isinstance(node, (sp.exp, *HYPERBOLIC)):
             self._exponential(z, self._place(z))
         elif isinstance(node, TRIGONOMETRIC):
             self.need(sp.I)
@@ -261,6 +273,25 @@ class GeneratorSearch:
                 self.need(size)
         else:
             raise ValueError(f"no generator is known for {node.func.__name__}")
+
+    def _special(self, node: sp.Expr) -> None:
+        """The functions that make the derivatives of an arbitrary one, theta, p or Bessel's."""
+        if isinstance(node, JetFunction):
+            steps = self._order * len(node.args) if self._moving else 0
+            found = [jet_function(node.label, node.order + n)(*node.args) for n in range(steps + 1)]
+        elif isinstance(node, WeierstrassFunction):
+            found = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
+        else:
+            v, z = node.args
+            key = (node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z)
+            if key not in self._orders:  # all other orders follow from two
+                self._orders.add(key)
+                name, argument = RENAMED[node.func.__name__], self._place(z)
+                for order in (v, v + 1):
+                    self._writer.atom(self._made(name, self._place(order), argument))
+            return
+        for function in found:
+            self._writer.atom(self._place(function))
 
     def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
         """log of a product as a sum of logarithms, and of exponentials' arguments."""

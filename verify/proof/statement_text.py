@@ -2,7 +2,8 @@
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
-    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression; b: complex
+    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression;
+                b: complex; f: function
     domain      t > 0                             of the variables x, y, z, t and the site n
 
 Several equations or solutions stand in one text with ``;;`` between them, or in a list.
@@ -26,6 +27,7 @@ from derive.algebra.formula_text import (
     Vocabulary,
 )
 from derive.algebra.typing_mistakes import Spelling, misread
+from solutions.functions.jet_functions import jet_function
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error
@@ -113,6 +115,7 @@ class _Reading:
     used: set[str] = field(default_factory=set)
     divisors: dict[sp.Expr, None] = field(default_factory=dict)
     complexes: list[str] = field(default_factory=list)
+    functions: list[str] = field(default_factory=list)
 
     def statement(self) -> Statement:
         for part in (*self.equations, *self.solutions, *self.entries, *self.limits):
@@ -148,7 +151,7 @@ class _Reading:
             ),
         )
         made = Statement(self.name, equations, solutions, self.domains, divisors, wanted, texts)
-        return replace(made, complexes=tuple(self.complexes))
+        return replace(made, complexes=tuple(self.complexes), functions=tuple(self.functions))
 
     def _note(self, parser: Parser) -> None:
         """Keep what a text names, and what it divides by."""
@@ -174,7 +177,7 @@ class _Reading:
             raise entry.error(f"expected a name of its own, got {word} (rename the parameter)")
         if "_" in name:
             raise entry.error(f"expected a name without _, got {word} (write k1 for k_1)")
-        if name in self.names:
+        if name in self.names or name in self.functions:
             raise entry.error(f"expected each parameter once, got {word} again")
         sign = entry.words[1]
         if sign.text == "=":
@@ -182,11 +185,13 @@ class _Reading:
             self.names[name] = parser.expression()
             parser.expect_end()
             self._note(parser)
-        elif [word.text for word in entry.words[1:-1]] == [":", "complex"]:
+        elif [word.text for word in entry.words[1:-1]] in ([":", "complex"], [":", "function"]):
+            kind = entry.words[2].text
             if self.asked:
-                raise entry.error("expected real parameters beside solve, got a complex one", 2)
-            self.names[name] = symbol_of(name, REAL)
-            self.complexes.append(name)
+                raise entry.error(f"expected real parameters beside solve, got a {kind} one", 2)
+            if kind == "complex":
+                self.names[name] = symbol_of(name, REAL)
+            (self.complexes if kind == "complex" else self.functions).append(name)
         elif sign.text == ":":
             domain = self._domain(entry, 2, name, {})
             self.names[name] = symbol_of(name, domain)
@@ -293,7 +298,7 @@ class _Reading:
     def _check_unknown(self, part: TextPart, name: str) -> None:
         if name in self.known.reserved or name in CONSTANTS or name in FUNCTIONS or "_" in name:
             raise part.error(f"expected an unknown such as u, got {part.words[0]}")
-        if name in self.names:
+        if name in self.names or name in self.functions:
             raise part.error(f"expected an unknown, got the parameter {name}")
 
     def _solution(self, part: TextPart) -> tuple[AppliedUndef, sp.Expr]:
@@ -327,8 +332,14 @@ class _Reading:
 
     def _vocabulary(self) -> Vocabulary:
         site = self.variables.get(SITE)
+        own = {name: (jet_function(name), 1) for name in self.functions}
         return Vocabulary(
-            FUNCTIONS, self.variables, self.fields, self.names, self._real_parameter, site
+            {**FUNCTIONS, **own},
+            self.variables,
+            self.fields,
+            self.names,
+            self._real_parameter,
+            site,
         )
 
     def _real_parameter(self, name: str) -> sp.Symbol:
@@ -360,8 +371,9 @@ class _Reading:
         return found
 
     def _check_use(self) -> None:
+        words = {word.text for part in (*self.solutions, *self.equations) for word in part.words}
         for name, entry in self.declared.items():
-            if name not in self.used:
+            if name not in self.used and not (name in self.functions and name in words):
                 raise entry.error(f"expected a parameter that is used, got {name} (leave it out)")
         for part in self.solutions:
             name = part.words[0].text

@@ -19,6 +19,7 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
 from verify.kernel.check import check_certificate
+from verify.kernel.further.jets import generic_shift
 from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 
@@ -96,6 +97,9 @@ def decide_statement(statement: Statement, progress: Progress = lambda _: None) 
         if found[-1].outcome is Outcome.REFUTED:
             break
     verdict = _as_typed(statement, _together(statement, found, time.perf_counter() - start))
+    if verdict.witness is not None:
+        chosen = {name: f"1/gamma(z + {generic_shift(name)})" for name in statement.functions}
+        verdict = replace(verdict, witness={**verdict.witness, **chosen})
     if statement.complexes and verdict.outcome is Outcome.UNDECIDED:
         failing = failing_values(statement)
         return verdict if failing is None else _refuted(statement, verdict, failing)

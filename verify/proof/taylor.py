@@ -8,6 +8,8 @@ from math import factorial
 
 from flint import acb, acb_series, fmpq
 
+from verify.kernel.balls import BALLS
+from verify.kernel.further.special import CYLINDER
 from verify.kernel.jacobi_values import Jacobi
 
 Series = list[acb]
@@ -75,6 +77,44 @@ def special(name: str) -> Callable[[acb, int], Series]:
         return [found[n] for n in range(order + 1)]
 
     return taylor
+
+
+def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
+    """A Bessel function of order ``v``."""
+    sign, up = -1 if name in ("bessel_i", "bessel_k") else 1, CYLINDER[name][0]
+
+    def taylor(z: acb, order: int) -> Series:
+        value = BALLS[name](v, z)
+        found = [value, v / z * value + up * BALLS[name](v + 1, z)]
+        for n in range(order - 1):
+            rest = (n * n + sign * z * z - v * v) * found[n] + (n + 1) * (2 * n + 1) * z * found[-1]
+            rest += sign * (2 * z * found[n - 1] if n else acb(0))
+            rest += sign * (found[n - 2] if n > 1 else acb(0))
+            found.append(-rest / ((n + 2) * (n + 1) * z * z))
+        return found[: order + 1]
+
+    return taylor
+
+
+def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
+    """Weierstrass' function of the invariants, or with ``slopes`` = 1 its derivative."""
+
+    def taylor(z: acb, order: int) -> Series:
+        found = [BALLS["weierstrass_p"](z, g2, g3), BALLS["weierstrass_p_prime"](z, g2, g3)]
+        for n in range(order + slopes - 1):
+            rest = 6 * _product(found, found, n) - (g2 / 2 if n == 0 else 0)
+            found.append(rest / ((n + 2) * (n + 1)))
+        return [c * (n or 1) if slopes else c for n, c in enumerate(found)][slopes:][: order + 1]
+
+    return taylor
+
+
+def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
+    """The derivative of order ``start`` of a theta function, or of an arbitrary function."""
+    ball = BALLS["theta" if nome else "jet"]
+    return lambda z, order: [
+        ball(z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
+    ]
 
 
 def arctangent(z: acb, order: int) -> Series:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sympy as sp
 
 from solutions import functions
+from solutions.functions.jet_functions import THETA, jet_function
+from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 
 CONTINUOUS, SITE = "xyzt", "n"
 
@@ -29,13 +31,32 @@ _ONE = (
     *(sp.exp, sp.log, sp.sqrt, sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc),
     *(sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch),
     *(sp.asin, sp.acos, sp.atan, sp.asinh, sp.acosh, sp.atanh),
-    *(sp.erf, sp.airyai, sp.airyaiprime, sp.airybi, sp.airybiprime),
-    *(sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
+    *(sp.erf, sp.sign, sp.conjugate, sp.re, sp.im, sp.elliptic_k, sp.elliptic_e),
 )
+BESSEL = {
+    "bessel_j": sp.besselj,
+    "bessel_y": sp.bessely,
+    "bessel_i": sp.besseli,
+    "bessel_k": sp.besselk,
+}
+"""Bessel functions of (order, z)."""
+
+OTHERS = {
+    "airy_ai": sp.airyai,
+    "airy_ai_prime": sp.airyaiprime,
+    "airy_bi": sp.airybi,
+    "airy_bi_prime": sp.airybiprime,
+    "lambert_w": sp.LambertW,
+}
+"""Functions of z that SymPy calls otherwise."""
+
 FUNCTIONS = {
     "abs": (sp.Abs, 1),
-    "lambertw": (sp.LambertW, 1),
     **{function.__name__: (function, 1) for function in _ONE},
     **{name: (getattr(functions, name), 2) for name in functions.__all__},
+    **{name: (function, 1) for name, function in OTHERS.items()},
+    **{name: (function, 2) for name, function in BESSEL.items()},
+    **{name: (jet_function(name), 2) for name in THETA},
+    **{function.__name__: (function, 3) for function in (weierstrass_p, weierstrass_p_prime)},
 }
 """The functions of the grammar, each with the number of its arguments."""

@@ -25,7 +25,6 @@ from .text_names import FUNCTIONS
 from .text_writer import Written
 from .typed_statement import Statement, StatementTexts
 
-CALL = re.compile(rf"\b({'|'.join(sorted(FUNCTIONS))})\(")
 VALUE_OF = {"sqrt": "sqrt", "abs": "abs", "sign": "abs"}
 """The functions that have a value by a hint: sign(f) is f/abs(f)."""
 
@@ -45,7 +44,7 @@ def typed_certificate(statement: Statement, number: int) -> Certificate:
         raise ValueError("texts must be those of the statement, got none")
     equation = texts.equations[number - 1]
     one = replace(texts, equations=(equation,))
-    calls = list(dict.fromkeys(_calls(one)))
+    calls = list(dict.fromkeys(_calls(one, (*FUNCTIONS, *statement.functions))))
     readings = _readings(one, calls)
     left = statement.equations[number - 1]
     domains = all_domains(statement, left, *readings)
@@ -77,15 +76,16 @@ def _with_values(
     return {**proof, "formulas": formulas, "values": values}
 
 
-def _calls(texts: StatementTexts) -> Iterator[tuple[str, str]]:
+def _calls(texts: StatementTexts, functions: Iterable[str]) -> Iterator[tuple[str, str]]:
     """The functions that SymPy may simplify, innermost first, each with its argument's text.
 
     Those of a lattice's formula stand at each site that occurs.
     """
+    call = re.compile(rf"\b({'|'.join(sorted(functions))})\(")
     formulas = dict(text.split(" = ", 1) for text in texts.solutions)
     sites = dict.fromkeys(SITE_OF.findall(" ".join(texts.equations)))
     for text in (*formulas.values(), *texts.equations):
-        for found in reversed(list(CALL.finditer(text))):
+        for found in reversed(list(call.finditer(text))):
             argument = _bracketed(text, found.end())
             for name, formula in formulas.items():
                 argument = re.sub(rf"(?<!\w){re.escape(name)}(?![\w\[])", f"({formula})", argument)
@@ -111,7 +111,7 @@ def _readings(texts: StatementTexts, calls: list[tuple[str, str]]) -> tuple[sp.E
     site = heading[heading.index("[") :] if "[" in heading else ""
     letter = next(c for c in "QWHGPR" if not re.search(rf"\b{c}\d", " ".join(texts.solutions)))
     wanted = [f"{VALUE_OF.get(name, name)}({argument})" for name, argument in calls]
-    wanted += [argument for name, argument in calls if FUNCTIONS[name][1] == 1]
+    wanted += [argument for name, argument in calls if FUNCTIONS.get(name, ("", 1))[1] == 1]
     names = [f"{letter}{place}{site}" for place in range(len(wanted))]
     read = read_statement(
         [*texts.equations, *names],

@@ -46,7 +46,8 @@ class Statement:
     ``divisors`` is what the texts divide by or take the logarithm of; ``wanted`` are parameters of
     which the values are asked for, rather than taken as any.  ``texts`` are what was typed.
     ``complexes`` are parameters that may have complex values; the symbols of all are real, and a
-    proof is one for complex values only if the checker accepts it for them.
+    proof is one for complex values only if the checker accepts it for them.  ``functions`` are the
+    names of arbitrary functions.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Statement:
     wanted: tuple[sp.Symbol, ...] = ()
     texts: StatementTexts | None = field(default=None, compare=False)
     complexes: tuple[str, ...] = ()
+    functions: tuple[str, ...] = ()
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

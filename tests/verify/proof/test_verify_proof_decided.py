@@ -183,12 +183,12 @@ SPECIAL = [
     ("u_t - u_xx", "u_t - 2*u_xx", "u = erf(x/(2*sqrt(t)))", "t>0"),
     ("u + erf(x)", "u - erf(x)", "u = erf(-x)", ""),
     ("abs(u) - u", "abs(u) + u", "u = 1 + erf(x)", ""),
-    ("conjugate(u) - u", "conjugate(u) + u", "u = airyai(x) + erf(x)", ""),
-    ("u_xx - x*u", "u_xx + x*u", "u = a*airyai(x) + b*airybi(x)", ""),
-    ("I*u_t + u_xx + x*u", "I*u_t + u_xx - x*u", "u = airyai(-x)", ""),
-    ("u_x - x*airybi(x)", "u_x - airybi(x)", "u = airybiprime(x)", ""),
-    ("u*exp(u) - x", "u*exp(2*u) - x", "u = lambertw(x)", "x>0"),
-    ("u_t + u*u_x", "u_t - u*u_x", "u = lambertw(t*exp(x))/t", "t>0"),
+    ("conjugate(u) - u", "conjugate(u) + u", "u = airy_ai(x) + erf(x)", ""),
+    ("u_xx - x*u", "u_xx + x*u", "u = a*airy_ai(x) + b*airy_bi(x)", ""),
+    ("I*u_t + u_xx + x*u", "I*u_t + u_xx - x*u", "u = airy_ai(-x)", ""),
+    ("u_x - x*airy_bi(x)", "u_x - airy_bi(x)", "u = airy_bi_prime(x)", ""),
+    ("u*exp(u) - x", "u*exp(2*u) - x", "u = lambert_w(x)", "x>0"),
+    ("u_t + u*u_x", "u_t - u*u_x", "u = lambert_w(t*exp(x))/t", "t>0"),
 ]
 
 
@@ -201,6 +201,158 @@ def test_functions_that_are_known_by_their_differential_equations(
 
 
 def test_the_branch_of_lamberts_function_is_named() -> None:
-    verdict = prove("u_x*x*(1 + u) - u", "u = lambertw(x)")
+    verdict = prove("u_x*x*(1 + u) - u", "u = lambert_w(x)")
     assert verdict.singularities == ("branch point of LambertW(x)",)
-    assert outcome("u - x", "u = lambertw(x*exp(x))") == Outcome.REFUTED
+    assert outcome("u - x", "u = lambert_w(x*exp(x))") == Outcome.REFUTED
+
+
+WAVES = {"u_tt - u_rr - u_r/r": "u_tt - u_rr - 2*u_r/r", "u_t - u_rr - u_r/r": "u_t - u_rr + u_r/r"}
+
+BESSEL = [
+    ("x**2*u_xx + x*u_x + (x**2 - a**2)*u", "u_x", "u = bessel_j(a, x) + b*bessel_y(a, x)", "x>0"),
+    ("x**2*u_xx + x*u_x - (x**2 + a**2)*u", "u_x", "u = bessel_i(a, x) + b*bessel_k(a, x)", "x>0"),
+    ("x*u_xx + u_x + x*u", "u_x", "u = bessel_j(0, x)", ""),
+    ("u_x + bessel_j(1, x)", "bessel_j(1, x)", "u = bessel_j(0, x)", ""),
+    ("u_x + bessel_k(1, x)", "u", "u = bessel_k(0, x)", "x>0"),
+    ("u - 4*bessel_j(2, x)/x + bessel_j(3, x)", "bessel_j(3, x)", "u = bessel_j(1, x)", "x>0"),
+    ("u - bessel_i(3/2, x) - bessel_i(1/2, x)/x", "u", "u = bessel_i(-1/2, x)", "x>0"),
+    ("u + bessel_j(1, x)", "u", "u = bessel_j(-1, x)", ""),
+    ("abs(u) - u", "u", "u = bessel_k(a, x)", "x>0"),
+    ("conjugate(u) - u", "u", "u = bessel_j(2, x)", ""),
+    ("I*u_t + u_xx + u_x/x - u/x**2", "u_x", "u = bessel_j(1, x)*exp(-I*t)", "x>0"),
+]
+
+
+@pytest.mark.parametrize(("equation", "change", "solution", "domain"), BESSEL)
+def test_bessels_functions(equation: str, change: str, solution: str, domain: str) -> None:
+    assert outcome(equation, solution, domain=domain) == Outcome.PROVED
+    assert outcome(f"{equation} + {change}/10**30", solution, domain=domain) == Outcome.REFUTED
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u_tt - u_rr - u_r/r", "u = bessel_j(0, k*r)*cos(k*t) + bessel_y(0, k*r)*sin(k*t)"),
+        ("u_t - u_rr - u_r/r", "u = bessel_i(0, k*r)*exp(k**2*t) + bessel_k(0, k*r)*exp(k**2*t)"),
+    ],
+)
+def test_bessels_functions_in_cylindrical_waves(equation: str, solution: str) -> None:
+    parts = {"parameters": "k: k>0", "domain": "r>0", "variables": "r,t"}
+    assert outcome(equation, solution, **parts) == Outcome.PROVED
+    assert outcome(WAVES[equation], solution, **parts) == Outcome.REFUTED
+    moved = outcome(equation, solution.replace("(0, k*r)", "(1, k*r)"), **parts)
+    assert moved == Outcome.REFUTED
+
+
+WEIERSTRASS = [
+    ("u_x**2 - 4*u**3 + g*u + h", "u", "u = weierstrass_p(x, g, h)"),
+    ("u_xx - 6*u**2 + g/2", "u", "u = weierstrass_p(x, g, h)"),
+    ("u_xx - 6*u**2", "u", "u = weierstrass_p(x - 3, 0, h)"),
+    ("u_t + 6*u*u_x + u_xxx", "u_x", "u = c/6 - 2*weierstrass_p(x - c*t, g, h)"),
+    ("u_x - weierstrass_p_prime(x, g, h)", "u", "u = weierstrass_p(x, g, h)"),
+    ("u + weierstrass_p_prime(x, g, h)", "u", "u = weierstrass_p_prime(-x, g, h)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("equation", "change", "solution"), WEIERSTRASS)
+def test_weierstrass_function(equation: str, change: str, solution: str) -> None:
+    assert outcome(equation, solution) == Outcome.PROVED
+    assert outcome(f"{equation} + {change}/10**30", solution) == Outcome.REFUTED
+
+
+def test_the_poles_of_weierstrass_function_are_named() -> None:
+    verdict = prove("u_xx - 6*u**2 + g/2", "u = weierstrass_p(x, g, h)")
+    assert verdict.singularities == ("poles of weierstrass_p(x, g, h)",)
+
+
+THETA = [
+    ("u_t - u_xx", "u_xx", "u = jacobi_theta_3(x, exp(-4*t))", "t>0"),
+    ("u_t - u_xx", "u", "u = jacobi_theta_1(x, exp(-4*t)) + a*jacobi_theta_2(x, exp(-4*t))", "t>0"),
+    ("u_t - u_xx", "u", "u = 2*jacobi_theta_4(x, exp(-4*t))", "t>0"),
+    ("u + jacobi_theta_1(x, q)", "u", "u = jacobi_theta_1(-x, q)", ""),
+    ("conjugate(u) - u", "u", "u = jacobi_theta_4(x, q)", ""),
+    ("4*q*t*u_t + q*u_xx", "u", "u = jacobi_theta_2(x, t)*q", "0<t<1"),
+]
+
+
+@pytest.mark.parametrize(("equation", "change", "solution", "domain"), THETA)
+def test_theta_functions(equation: str, change: str, solution: str, domain: str) -> None:
+    parts = {"parameters": "q: 0<q<1", "domain": domain}
+    if "q" not in equation + solution:
+        del parts["parameters"]
+    assert outcome(equation, solution, **parts) == Outcome.PROVED
+    assert outcome(f"{equation} + {change}/10**30", solution, **parts) == Outcome.REFUTED
+
+
+def test_a_nome_that_may_be_no_nome_is_left_undecided() -> None:
+    verdict = prove("u_t - u_xx", "u = jacobi_theta_3(x, exp(-4*t))")
+    assert verdict.outcome == Outcome.UNDECIDED
+    assert "which is not shown on the domain" in verdict.detail
+
+
+ARBITRARY = [
+    ("u_t + c*u_x", "u_x", "u = f(x - c*t)", ""),
+    ("u_tt - c**2*u_xx", "u_xx", "u = f(x - c*t) + g(x + c*t)", ""),
+    ("u_tt - u_xx - 2*u_x/x", "u_x/x", "u = (f(x - t) + g(x + t))/x", "x>0"),
+    ("u_t + c*u_x + a*u", "u", "u = exp(-a*t)*f(x - c*t)", ""),
+    ("u_x - t*diff(f(x), x) + 0*g(x)", "u", "u = t*f(x)", ""),
+    ("u_x*u_xt - u_t*u_xx", "u", "u = f(x + g(t))", ""),
+    ("abs(u)**2 - f(x)**2", "u", "u = f(x)*exp(I*g(t))", ""),
+    ("u_xx + u_yy", "u", "u = f(x + I*y) + g(x - I*y)", ""),
+    ("u*u_xt - u_x*u_t", "u", "u = f(x)*g(t)", ""),
+    ("u[n+1] - u[n] - f(t) + 0*g(t)", "u[n]", "u[n] = n*f(t)", ""),
+]
+
+
+@pytest.mark.parametrize(("equation", "change", "solution", "domain"), ARBITRARY)
+def test_arbitrary_functions(equation: str, change: str, solution: str, domain: str) -> None:
+    names = [f"{name}: function" for name in "fg" if f"{name}(" in equation + solution]
+    parts = {"parameters": "; ".join(names), "domain": domain}
+    assert outcome(equation, solution, **parts) == Outcome.PROVED
+    verdict = prove(f"{equation} + {change}/10**30", solution, **parts)
+    assert verdict.outcome == Outcome.REFUTED
+    assert verdict.witness is not None
+    assert verdict.witness["f"] == "1/gamma(z + 13/97)"
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u_xx - u", "u = f(x)"),
+        ("u_xx + u", "u = f(x)"),
+        ("u*u_xx - u_x**2", "u = f(x)"),
+        ("abs(u) + u", "u = f(0)"),
+        ("u - f(x)", "u = f(-x)"),
+        ("u + f(x)", "u = f(-x)"),
+        ("u - f(x)", "u = f(x + 1)"),
+        ("u - f(x)", "u = f(abs(x))"),
+    ],
+)
+def test_what_holds_for_some_functions_alone_is_refuted(equation: str, solution: str) -> None:
+    assert outcome(equation, solution, parameters="f: function") == Outcome.REFUTED
+
+
+def test_what_holds_for_the_function_that_is_tried_is_not_proved_of_all() -> None:
+    assert outcome("abs(u) - u", "u = f(0)", parameters="f: function") == Outcome.UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("solution", "parts", "words"),
+    [
+        ("u = f(x) + f", {}, "expected '(' after the function f"),
+        ("u = f(x, t)", {}, "expected 1 argument of f, got 2"),
+        ("u = c*f(x)", {"solve": "c"}, "expected real parameters beside solve, got a function one"),
+        ("u = x", {}, "expected a parameter that is used, got f"),
+        ("f = x", {}, "expected an unknown, got the parameter f"),
+    ],
+)
+def test_a_function_is_called_with_one_argument(
+    solution: str, parts: dict[str, str], words: str
+) -> None:
+    with pytest.raises(FormulaError, match=re.escape(words)):
+        prove("u_x - 1", solution, parameters="f: function", **parts)
+
+
+def test_a_name_that_means_a_function_and_a_number_is_refused() -> None:
+    with pytest.raises(FormulaError, match="expected each parameter once"):
+        prove("u_x - 1", "u = f(x)", parameters="f: function; f: real")

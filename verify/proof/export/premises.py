@@ -16,7 +16,7 @@ from functools import partial
 from flint import fmpq
 
 from verify.kernel.field import Field
-from verify.kernel.nodes import Nodes
+from verify.kernel.nodes import Node, Nodes, children
 from verify.kernel.signs import Signs
 
 from .terms import Term
@@ -194,7 +194,7 @@ class FormulaWords:
         return text
 
     def _text(self, node: int, part: Callable[[int], str]) -> str:
-        match self._nodes.all[node]:
+        match found := self._nodes.all[node]:
             case ("number", value):
                 return _number(value)
             case ("symbol", name, _) | (name,):
@@ -212,19 +212,25 @@ class FormulaWords:
                 return f"{_atom(part(base))}^{power}"
             case ("poly", monomials, *places):
                 texts = [_atom(part(place)) for place in places]
-                found = [_monomial(c, powers, texts) for c, powers in monomials]
-                return f"({written_sum(found)})"
+                return f"({written_sum([_monomial(c, n, texts) for c, n in monomials])})"
             case ("power", base, exponent):
                 return f"{_atom(part(base))}^({_bare(part(exponent))})"
             case ("parity", inner):
                 return f"(-1)^({_bare(part(inner))})"
-            case (name, *inner):
-                return f"{name}({', '.join(_bare(part(place)) for place in inner)})"
-        raise AssertionError(node)
+        return f"{called(found)}({', '.join(_bare(part(place)) for place in children(found))})"
 
     def _parted(self, parts: list[int]) -> list[int]:
         """Numbers before all others."""
         return sorted(parts, key=lambda part: self._nodes.value(part) is None)
+
+
+def called(node: Node) -> str:
+    """The name of a node's function; the second derivative of f is f^(2)."""
+    name, *_, last = node
+    if name not in ("jet", "theta"):
+        return str(name)
+    label, order = last
+    return f"{label}^({order})" if order else str(label)
 
 
 def written_sum(texts: Sequence[str]) -> str:

@@ -9,11 +9,11 @@ from flint import fmpq
 
 from verify.kernel.derivations import Slopes
 from verify.kernel.field import Field, Hints
-from verify.kernel.nodes import Nodes
+from verify.kernel.nodes import Nodes, children
 from verify.kernel.ring import Element
 
 from . import terms
-from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns
+from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns, called
 from .terms import Definition, Premise, Rate, Relation, SlopeAxiom, Step, Term
 from .traced_ring import Trace, TracedElement, TracedRing, plain, term_of, traced
 
@@ -52,8 +52,9 @@ class TracedSlopes(Slopes):
         """The derivative of what is made of generators."""
         return self._left(super().derivative(element, variable), element, variable)
 
-    def _rate(self, node: int, variable: int) -> Element:
-        return self._left(super()._rate(node, variable), self._field.image(node), variable)
+    def rate(self, node: int, variable: int) -> Element:
+        """The derivative of a formula."""
+        return self._left(super().rate(node, variable), self._field.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
         """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
@@ -221,7 +222,8 @@ class TracedField(Field):
             return f"({self._short(base)})^({exponent})" if exponent.q > 1 else ""
         if name in ("number", "Add", "Mul", "poly"):
             return ""
-        return f"{name}({', '.join(map(self._short, arguments))})"
+        found = self.nodes.all[node]
+        return f"{called(found)}({', '.join(map(self._short, children(found)))})"
 
     def meaning(self, place: int) -> str:
         """What a generator stands for, in words."""

@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
+from itertools import permutations, product
+from math import comb, factorial
 
-from flint import acb, acb_series, arb, ctx, fmpq
+from flint import acb, acb_poly, acb_series, arb, ctx, fmpq
 
+from verify.kernel.further.jets import generic_shift
 from verify.studies.texts.text_statement import TextPoint, TextStatement
 from verify.studies.texts.trees import Tree, read
 
@@ -151,11 +153,9 @@ def _inverse(name: str, slope: Callable[[acb_series], acb_series]) -> AtBall:
 
 TAYLOR: Mapping[str, AtBall] = {
     **{name: _plain(name) for name in ("exp", "log", "sqrt", "sin", "cos", "tan", "atan")},
-    **{name: _plain(name) for name in ("erf", "lambertw")},
-    "airyai": _plain("airy_ai"),
-    "airyaiprime": _plain("airy_ai_prime"),
-    "airybi": _plain("airy_bi"),
-    "airybiprime": _plain("airy_bi_prime"),
+    **{f"airy_{name}": _plain(f"airy_{name}") for name in ("ai", "ai_prime", "bi", "bi_prime")},
+    "erf": _plain("erf"),
+    "lambert_w": _plain("lambertw"),
     "cot": _ratio("cos", "sin"),
     "sec": _ratio("", "cos"),
     "csc": _ratio("", "sin"),
@@ -173,6 +173,67 @@ TAYLOR: Mapping[str, AtBall] = {
 }
 
 
+def _bessel(name: str, z: TaylorSum, v: acb) -> TaylorSum:
+    """A Bessel function, by its derivatives in those of other orders."""
+    entire = name in ("bessel_j", "bessel_i") and v.unique_fmpz() is not None
+    if not entire and z.value.imag.contains(0) and not z.value.real > 0:
+        raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
+    turn, sign = (-1 if name == "bessel_k" else 1), (-1 if name in ("bessel_j", "bessel_y") else 1)
+    values = {n: getattr(z.value, name)(v + n) for n in range(-z.order, z.order + 1)}
+    slopes = [
+        sum((sign**i * comb(n, i) * values[2 * i - n] for i in range(n + 1)), acb(0)) * turn**n
+        for n in range(z.order + 1)
+    ]
+    return z.of([slope / (2**n * factorial(n)) for n, slope in enumerate(slopes)])
+
+
+def _weierstrass(name: str, z: TaylorSum, g: acb, h: acb) -> TaylorSum:
+    """p = e3 + w**2/sn(w z)**2 with w**2 = e1 - e3, and further by the differential equation."""
+    for e1, e2, e3 in permutations(acb_poly([-h, -g, 0, 4]).roots()):
+        m, w = (e2 - e3) / (e1 - e3), (e1 - e3).sqrt()
+        if not m.imag.contains(0) or 0 < m.real < 1:
+            break
+    quarter = m.elliptic_k()
+    tau, place = acb(0, 1) * (1 - m).elliptic_k() / quarter, w * z.value / (2 * quarter)
+    one, two, three, four = acb.modular_theta(place, tau)
+    _, two0, three0, four0 = acb.modular_theta(acb(0), tau)
+    s, c, d = (
+        three0 * one / (two0 * four),
+        four0 * two / (two0 * four),
+        four0 * three / three0 / four,
+    )
+    p = [e3 + (w / s) ** 2, -2 * w**3 * c * d / s**3]
+    for n in range(z.order):
+        p.append((6 * _convolved(p, p, n) - (g / 2 if n == 0 else 0)) / ((n + 1) * (n + 2)))
+    return z.of(p[:-1] if name == "weierstrass_p" else [n * c for n, c in enumerate(p)][1:])
+
+
+def _theta(place: int, z: TaylorSum, q: TaylorSum) -> TaylorSum:
+    """A theta function; by w = log q its slope is -1/4 of the second one by z."""
+    if not q.value.real > 0:
+        raise Unsaid(f"a theta function of the nome {q.value}")
+    w = _applied("log", [q])
+    tau, order = w.value / (acb(0, 1) * acb.pi()), max(z.order, 0)
+    slopes = [
+        (z.value / acb.pi()).modular_theta(tau, n)[place] / acb.pi() ** n
+        for n in range(3 * order + 1)
+    ]
+    step = w + TaylorSum(order, {(0,) * len(next(iter(w.terms))): -w.value})
+    found = None
+    for n in range(order, -1, -1):
+        series = z.of([slopes[2 * n + i] / factorial(i) for i in range(order + 1)])
+        part = series.times(acb(-1) ** n / (4**n * factorial(n)))
+        found = part if found is None else found * step + part
+    assert found is not None
+    return found
+
+
+def _arbitrary(name: str, z: TaylorSum) -> TaylorSum:
+    """What stands for an arbitrary function: `verify.kernel.nodes.generic_shift`."""
+    moved = _series(z.value + acb(arb(generic_shift(name))), z.order)
+    return z.of(_listed(moved.rgamma(), z.order))
+
+
 CUTS: Mapping[str, Callable[[acb], bool]] = {
     "atan": lambda z: z.imag == 0 or not z.real.contains(0) or abs(z.imag) < 1,
     "asinh": lambda z: z.imag == 0 or not z.real.contains(0) or abs(z.imag) < 1,
@@ -180,7 +241,7 @@ CUTS: Mapping[str, Callable[[acb], bool]] = {
     "acos": lambda z: not z.imag.contains(0) or abs(z.real) < 1,
     "atanh": lambda z: not z.imag.contains(0) or abs(z.real) < 1,
     "acosh": lambda z: not z.imag.contains(0) or z.real > 1,
-    "lambertw": lambda z: not z.imag.contains(0) or z.real > fmpq(-36, 100),
+    "lambert_w": lambda z: not z.imag.contains(0) or z.real > fmpq(-36, 100),
 }
 """Where a function is known to be off its cuts."""
 
@@ -364,6 +425,12 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
     z = parts[0]
     if name in ("conjugate", "re", "im", "abs", "sign"):
         return _by_conjugate(name, z)
+    if name.startswith("jacobi_theta_"):
+        return _theta(int(name[-1]) - 1, *parts)
+    if name.startswith("bessel_"):
+        return _bessel(name, parts[1], _constant_of(z))
+    if name.startswith("weierstrass_"):
+        return _weierstrass(name, z, *map(_constant_of, parts[1:]))
     if name.startswith("jacobi_"):
         return _elliptic(name, *parts)
     if name in ("elliptic_k", "elliptic_e"):
@@ -373,7 +440,15 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
         raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
     if name in CUTS and not CUTS[name](z.value):
         raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
+    if name not in TAYLOR:
+        return _arbitrary(name, z)
     return z.of(TAYLOR[name](z.value, z.order))
+
+
+def _constant_of(parameter: TaylorSum) -> acb:
+    if not parameter.is_constant:
+        raise Unsaid("a parameter that has a slope")
+    return parameter.value
 
 
 def _by_conjugate(name: str, z: TaylorSum) -> TaylorSum:
