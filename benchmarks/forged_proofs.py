@@ -31,7 +31,9 @@ class Proof:
     def combination(self, terms: Pairs, wrapped: str = "{}") -> str:
         """A sum of multiples of formulas, each within another."""
         texts = [wrapped.format(f"#{self.place(u)}") for u in terms]
-        products = [t if n == "1" else f"({n})*({t})" for t, n in zip(texts, terms.values(), strict=True)]
+        products = [
+            t if n == "1" else f"({n})*({t})" for t, n in zip(texts, terms.values(), strict=True)
+        ]
         return " + ".join(products) or "0"
 
     def words(self, functions: Sums) -> Pairs:
@@ -57,7 +59,9 @@ class Proof:
     ) -> Data:
         """All of the proof but its formulas."""
         named = {**(values or {}), **self.words(sums or {})}
-        named |= {log: self.combination(factors, "log({})") for log, factors in (logs or {}).items()}
+        named |= {
+            log: self.combination(factors, "log({})") for log, factors in (logs or {}).items()
+        }
         return {
             "generators": [*more, *(["atom", self.place(atom)] for atom in atoms)],
             "values": self.pairs(named),

@@ -15,7 +15,6 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from random import Random
-from typing import Any
 
 from flint import acb, arb, ctx, fmpq
 
@@ -258,13 +257,14 @@ def sign_claims(nodes: Nodes, statement: Statement, scope: Scope, text: str) -> 
         kernel = field_of(nodes, statement, [node]).signs
         if not kernel.is_real(node):
             return []
-        found, bounds = kernel.sign(node), kernel.interval(node)
+        bounds = kernel.interval(node)
     except ERRORS:
         return []
     claims: list[Claim] = [("real", text, lambda v: v.imag.contains(0))]
-    if len(found) < 3:
-        allowed = {-1: lambda r: not r >= 0, 0: lambda r: r.contains(0), 1: lambda r: not r <= 0}
-        claims.append(("sign", text, lambda v: any(allowed[s](v.real) for s in found)))
+    if bounds.is_positive:
+        claims.append(("sign", text, lambda v: not v.real <= 0))
+    if (-bounds).is_positive:
+        claims.append(("sign", text, lambda v: not v.real >= 0))
     if bounds.low is not None:
         low = bounds.low
         claims.append(("bound", text, lambda v: not v.real < arb(low)))

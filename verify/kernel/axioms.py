@@ -16,6 +16,8 @@ from .bounds import POSITIVE, UNIT, Interval
 HALF_PI = fmpq(15707963, 10**7)
 """A little less than pi/2."""
 
+ANYWHERE = Interval()
+
 Ends = tuple[fmpq | None, fmpq | None]
 """Two numbers; None is no end."""
 
@@ -27,17 +29,17 @@ class Function:
     ``kind`` says where it is analytic: "entire"; "regular", but for poles off the real
     axis; "poles", also on it; "arc", but for cuts off the real axis; "cut", also on it; "tame",
     nowhere, but without poles and jumps; "jump".
-    ``values`` has its values at real arguments of which the first is ``between`` two numbers (None:
-    they are not known to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of
-    the sign of a real z, and "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial
-    relation, and may be a generator.  ``below_one`` and ``above_zero``: it is taken for such parameters alone.
+    ``values`` has its values at real arguments, z ``between`` two numbers (None: they are not known
+    to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of the sign of a real
+    z, "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial relation, and may be a
+    generator.  ``below_one``, ``above_zero``: its parameter is.
     """
 
     kind: str
     slope: str = ""
     definition: str = ""
     letters: str = "z"
-    values: Interval | None = Interval()
+    values: Interval | None = ANYWHERE
     between: Ends = (None, None)
     symmetry: str = ""
     free: bool = False
@@ -97,7 +99,7 @@ FUNCTIONS: dict[str, Function] = {
                            definition="m**(1/4)*jacobi_sn(z, m)*jacobi_theta(z, m)"),
 }  # fmt: skip
 
-SQUARES: Mapping[tuple[str, str], str] = {
+SQUARES: dict[tuple[str, str], str] = {
     ("jacobi_sn", "jacobi_cn"): "1 - jacobi_cn(z, m)**2",
     ("jacobi_sn", "jacobi_dn"): "(1 - jacobi_dn(z, m)**2)/m",
     ("jacobi_cn", "jacobi_sn"): "1 - jacobi_sn(z, m)**2",

@@ -39,6 +39,11 @@ class Interval:
         return self.low is not None and self.low >= 0
 
     @property
+    def is_not_zero(self) -> bool:
+        """Whether all of it is greater than 0, or less."""
+        return self.is_positive or (-self).is_positive
+
+    @property
     def is_below(self) -> bool:
         """Whether all of it is at most 0, and some of it less."""
         return self.high is not None and self.high <= 0 and not self.is_not_negative

@@ -9,7 +9,7 @@ from flint import fmpq_mpoly
 
 from .axioms import FUNCTIONS
 from .limits import CertificateError
-from .ring import Element, Ring, common
+from .ring import Element, Ring, common, total
 
 if TYPE_CHECKING:
     from .field import Field
@@ -39,28 +39,16 @@ class Derivation:
 
     def __call__(self, element: Element) -> Element:
         """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
-        ring, numerator = self.ring, element.numerator
-        result = self.along(numerator)
-        raised = []
-        for place, power in element.powers.items():
-            slope, divides = self._factor_slope(place)
-            if divides:
-                result -= ring.product(power * slope, numerator)
-            else:
-                raised.append((place, power, slope))
-        for place, _, _ in raised:
-            result = ring.product(result, ring.factors[place])
-        for place, power, slope in raised:
-            term = ring.product(power * slope, numerator)
-            for other, _, _ in raised:
-                term = ring.product(term, ring.factors[other]) if other != place else term
-            result -= term
         powers = dict(element.powers)
-        for place, _, _ in raised:
-            powers[place] += 1
         for place, power in self.below.items():
             powers[place] = powers.get(place, 0) + power
-        return Element(ring, result, powers).cancelled()
+        parts = [Element(self.ring, self.along(element.numerator), powers)]
+        for place, power in element.powers.items():
+            slope, divides = self._factor_slope(place)
+            above = self.ring.product(-power * slope, element.numerator)
+            raised = powers if divides else {**powers, place: powers[place] + 1}
+            parts.append(Element(self.ring, above, raised))
+        return total(self.ring, parts).cancelled()
 
     def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
         """The derivative of a factor (times the common denominator), over it where that goes."""
@@ -109,7 +97,9 @@ class Slopes:
         """The derivative of a formula, by its structure and the axioms."""
         if (node, variable) not in self._rates:
             moves = variable in self._of.nodes.below([node])
-            self._rates[node, variable] = self._made_rate(node, variable) if moves else self._of.zero
+            self._rates[node, variable] = (
+                self._made_rate(node, variable) if moves else self._of.zero
+            )
         return self._rates[node, variable]
 
     def _made_rate(self, node: int, variable: int) -> Element:

@@ -120,12 +120,12 @@ def elliptic(field: Field, node: int) -> Element | None:
             return field.read(SPECIAL_VALUES[name][int(times.p)], m=m)
     elif times == 1:
         raise CertificateError("there is no generator for a function of a sum")
-    half = abs(whole(times)) // 2
-    parts = [nodes.product(*([nodes.rational(n)] if n != 1 else []), u) for n in (half, abs(int(times.p)) - half)]
-    if times > 0:
-        return field.read(SUMS[name], u=parts[0], v=parts[1], m=m, z=z)
-    value = field.made(name, nodes.product(nodes.rational(-int(times.p)), u) if times != -1 else u, m)
-    return value if name in ("jacobi_cn", "jacobi_dn") else -value
+    if times < 0:
+        value = field.made(name, nodes.times(whole(-times), u), m)
+        return value if name in ("jacobi_cn", "jacobi_dn") else -value
+    half = whole(times) // 2
+    rest = nodes.times(whole(times) - half, u)
+    return field.read(SUMS[name], u=nodes.times(half, u), v=rest, m=m, z=z)
 
 
 @rule("jacobi_theta")

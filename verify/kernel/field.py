@@ -35,7 +35,7 @@ Relation = Callable[["Field", int], tuple[int, Element] | None]
 RELATIONS: dict[str, Relation] = {}
 """For a function the degree of an algebraic one and that power of it; None for one without."""
 
-CONTINUITY: list[Callable[["Field", str, int, int], bool]] = []
+CONTINUITY: list[Callable[[Field, str, int, int], bool]] = []
 """What may show that a value, of which a function is f, is the principal one of its inverse."""
 
 
@@ -49,6 +49,10 @@ def rule(*names: str, first: bool = False) -> Callable[[Rule], Rule]:
         return found
 
     return entered
+
+
+Row = tuple[Sequence[int], int]
+"""The factors of some functions in a linear form, and what is added."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +236,9 @@ class Field:
 
     def known(self, node: int) -> Element | None:
         """The image of the same function of equal arguments, if a generator is made of it."""
-        alike = (other for other in self.primitives(self.nodes.all[node][0]) if self._alike(node, other))
+        alike = (
+            other for other in self.primitives(self.nodes.all[node][0]) if self._alike(node, other)
+        )
         return next((self._images[other] for other in alike), None)
 
     def hinted(self, node: int) -> int | None:
@@ -301,7 +307,9 @@ class Field:
             one, zero = self.nodes.rational(1), self.nodes.rational(0)
             self.register_forms([node], [((one,), zero)])
 
-    def register_forms(self, nodes: Sequence[int], rows: Sequence[tuple[Sequence[int], int]]) -> None:
+    def register_forms(
+        self, nodes: Sequence[int], rows: Sequence[tuple[Sequence[int], int]]
+    ) -> None:
         """The next generators are linear in as many symbols or functions, of which images follow.
 
         Of an algebraic function it is a multiple, times what makes its power a polynomial.
@@ -318,36 +326,25 @@ class Field:
             parts = [p if self.nodes.value(f) == 1 else self.nodes.product(f, p) for f, p in pairs]
             parts += [] if self.nodes.value(shift) == 0 else [shift]
             formula = parts[0] if len(parts) == 1 else self.nodes.made("Add", *parts)
-            scale = self._related(place, relations, factors, shift)
+            scale = self.ring.context.constant(1)
+            if relations[0] is not None and len(nodes) == 1 and self.nodes.value(shift) == 0:
+                scale = self.relate(place, *relations[0], self.image(factors[0]))
+            elif any(relations):
+                raise CertificateError("a linear form must be a multiple of a root, or have none")
             self.generators.append(Generator(formula, scale, pairs))
             image = self.ring.generator(place) / Element(self.ring, scale) - self.image(shift)
             table.append([*map(self.image, factors), image])
         for node, value in zip(nodes, solved(table), strict=True):
             self._add(node, value)
 
-    def _related(
-        self,
-        place: int,
-        relations: Sequence[tuple[int, Element] | None],
-        factors: Sequence[int],
-        shift: int,
-    ) -> fmpq_mpoly:
-        """The scale by which the power of a multiple of a root is a polynomial; 1 for no root."""
-        if not any(relations):
-            return self.ring.context.constant(1)
-        if len(relations) > 1 or relations[0] is None or self.nodes.value(shift) != 0:
-            raise CertificateError("a linear form must be a multiple of a root, or without roots")
-        self.relate(place, *relations[0], self.image(factors[0]))
-        degree, value = relations[0]
-        return (value * self.image(factors[0]) ** degree).denominator()
-
-    def relate(self, place: int, degree: int, value: Element, factor: Element) -> None:
-        """Enter that a power of a factor times a root is ``value`` times that of the factor."""
+    def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
+        """Enter the power of a root times a factor, and times what makes it a polynomial."""
         value = value * factor**degree
         below, power = value.denominator(), value.numerator
         for _ in range(degree - 1):
             power = self.ring.product(power, below)
         self.ring.relate(place, degree, power)
+        return below
 
     def register_part(self, left: int, right: int) -> None:
         """The next generator stands for either of two formulas that were proved equal."""
@@ -366,10 +363,10 @@ class Field:
     def _enter_circle(self, root: int) -> None:
         """Take sqrt(1 - s**2), of a parameter s without an image, for a generator before s."""
         for symbol in self.nodes.below([root]):
-            is_symbol = self.nodes.all[symbol][0] == "symbol" and symbol not in self._images
-            if is_symbol and symbol not in self.variables:
-                if root == axiom(self.nodes, "sqrt(1 - z**2)", z=symbol):
-                    self.circles[symbol] = root
+            is_symbol = self.nodes.all[symbol][0] == "symbol" and symbol not in self.variables
+            of = axiom(self.nodes, "sqrt(1 - z**2)", z=symbol) if is_symbol else None
+            if root == of and symbol not in self._images:
+                self.circles[symbol] = root
 
     def _relation(self, node: int) -> tuple[int, Element] | None:
         """The degree of an algebraic function and that power of it; None if there is none."""
@@ -403,14 +400,11 @@ class Field:
         name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return
-        own = FUNCTIONS[name]
-        rest = own.parameters(*arguments)
-        if name != "theta" and any(map(self.moves, rest)):
+        if name != "theta" and any(map(self.moves, FUNCTIONS[name].parameters(*arguments))):
             raise CertificateError(f"the parameters of {name} must be constant")
-        if own.above_zero and not all(map(self.signs.positive, rest)):
-            raise CertificateError(f"{name} needs m > 0, which is not shown on the domain")
-        if own.below_one and not all(map(self.signs.below_one, rest)):
-            raise CertificateError(f"{name} needs m < 1, which is not shown on the domain")
+        needed = self.signs.needed(name, *arguments)
+        if needed:
+            raise CertificateError(f"{name} needs {needed}, which is not shown on the domain")
 
     def balls(self, balls: Balls) -> list[acb]:
         """The values of the generators at a point."""

@@ -4,7 +4,8 @@ A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol",
 the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
 ``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("diff", node,
 *variables)`` is a derivative; ``("jet", z, (name, order))`` one of an arbitrary function, and
-``("theta", z, q, (name, order))`` one in z of a theta function of the nome q; all others are functions of nodes that stand earlier.
+``("theta", z, q, (name, order))`` one in z of a theta function of the nome q; all others are
+functions of nodes that stand earlier.
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ class Nodes:
 
     def negative(self, node: int) -> int:
         """The node times -1."""
-        return self.made("Mul", self.rational(-1), node)
+        return self.times(-1, node)
 
     def gap(self, left: int, right: int) -> int:
         """The node of ``right - left``."""
@@ -126,6 +127,10 @@ class Nodes:
             else:
                 number *= value
         return number, self.product(*rest)
+
+    def times(self, number: int, node: int) -> int:
+        """A multiple of a node."""
+        return node if number == 1 else self.made("Mul", self.rational(number), node)
 
     def product(self, *factors: int) -> int:
         """The product of some nodes, of none 1."""

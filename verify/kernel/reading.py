@@ -251,7 +251,11 @@ class TextReader:
         if value is None or value > 0 or not self._nodes.is_integer(exponent):
             return made("power", base, exponent)
         turn = made("parity", exponent)
-        return turn if value == -1 else made("Mul", turn, made("power", made("number", -value), exponent))
+        return (
+            turn
+            if value == -1
+            else made("Mul", turn, made("power", made("number", -value), exponent))
+        )
 
     def atom(self) -> int:
         """A formula that binds its parts together."""
@@ -302,7 +306,9 @@ class TextReader:
         if name == "sqrt" and len(arguments) == 1:
             return self.power(arguments[0], fmpq(1, 2))
         if arity(name) != len(arguments):
-            raise CertificateError(f"no function of {len(arguments)} arguments is called {name[:40]}")
+            raise CertificateError(
+                f"no function of {len(arguments)} arguments is called {name[:40]}"
+            )
         return made("Abs" if name == "abs" else name, *arguments)
 
     def _unknown(self, name: str) -> int:

@@ -66,27 +66,21 @@ class Signs:
             case (("Add" | "Mul"), *inner):
                 return all(map(self.is_real, inner))
             case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].values is not None:
-                return self._is_real_function(FUNCTIONS[name], *children(self._nodes.all[node]))
+                arguments = children(self._nodes.all[node])
+                own, z = FUNCTIONS[name], arguments[FUNCTIONS[name].letters.find("z")]
+                inside = own.between == (None, None) or self.is_between(z, *own.between)
+                real = all(map(self.is_real, arguments))
+                return inside and real and not self.needed(name, *arguments)
         return False
 
-    def _is_real_function(self, own: Function, *arguments: int) -> bool:
-        """Whether a function is real at these arguments."""
-        rest = own.parameters(*arguments) if len(own.letters) == len(arguments) else arguments[1:]
-        if own.below_one and not all(map(self.below_one, rest)):
-            return False
-        if own.above_zero and not all(map(self.positive, rest)):
-            return False
-        z = arguments[own.letters.find("z")]
-        shown = own.between == (None, None) or self.is_between(z, *own.between)
-        return shown and all(map(self.is_real, arguments))
-
-    def sign(self, node: int) -> frozenset[int]:
-        """The signs that a node may have if it is real; any if it is not shown to be."""
-        found = self.interval(node)
-        below = set[int]() if found.is_not_negative else {-1}
-        above = set[int]() if (-found).is_not_negative else {1}
-        zero = set[int]() if found.is_positive or (-found).is_positive else {0}
-        return frozenset(below | zero | above)
+    def needed(self, name: str, *arguments: int) -> str:
+        """What a function needs of its parameter, if that is not shown."""
+        own = FUNCTIONS[name]
+        if own.above_zero and not all(map(self.positive, own.parameters(*arguments))):
+            return "m > 0"
+        if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
+            return "m < 1"
+        return ""
 
     def positive(self, node: int) -> bool:
         """Whether ``node`` is shown to be real and greater than 0."""
@@ -114,7 +108,7 @@ class Signs:
         if node not in self._intervals:
             self._intervals[node] = Interval()  # no rule asks for its own node
             found = self._interval(node) & self._stated(node)
-            if node in self._witnesses and not (found.is_positive or (-found).is_positive):
+            if node in self._witnesses and not found.is_not_zero:
                 found = found & self.interval(self._witness(node))
             self._intervals[node] = found
         return self._intervals[node]
@@ -155,16 +149,16 @@ class Signs:
         found = Interval()
         if node in self._positive:
             found = Interval(fmpq(0), None, not self._positive[node])
-        if self._nodes.all[node][0] in ("Add", "Mul", "symbol") and not self._nodes.is_constant(node):
-            for bound, weak in self._positive.items():
-                try:
-                    multiple = _multiple(self._image(node), self._image(bound))
-                except CertificateError:  # what the proof has no generator for
-                    continue
-                if multiple is not None:
-                    ratio, gap = multiple
-                    up, down = Interval(gap, None, not weak), Interval(None, gap, False, not weak)
-                    found = found & (up if ratio > 0 else down)
+        linear = self._nodes.all[node][0] in ("Add", "Mul", "symbol")
+        for bound, weak in self._positive.items() if linear else ():
+            try:
+                multiple = _multiple(self._image(node), self._image(bound))
+            except CertificateError:  # what the proof has no generator for
+                continue
+            if multiple is not None:
+                ratio, gap = multiple
+                up, down = Interval(gap, None, not weak), Interval(None, gap, False, not weak)
+                found = found & (up if ratio > 0 else down)
         return found
 
     def _witness(self, node: int) -> int:
@@ -228,7 +222,7 @@ class Signs:
     def _is_tame(self, node: int) -> bool:
         name, *arguments = self._nodes.all[node]
         if name in ANALYTIC:
-            return not (name == "Pow" and arguments[1] < 0 and 0 in self.sign(arguments[0]))
+            return name != "Pow" or arguments[1] > 0 or self.interval(arguments[0]).is_not_zero
         own = FUNCTIONS.get(name, Function("jump"))
         if own.kind in ("regular", "arc") and not own.below_one:
             return self.is_real(node)

@@ -114,9 +114,9 @@ def is_kept(field: Field, name: str, f: int, value: int) -> bool:
     one, square = field.nodes.rational(1), field.nodes.made("Pow", f, fmpq(2))
     if name != "atan" and not field.signs.positive(field.nodes.gap(square, one)):
         return False
-    low, high = PRINCIPAL[name]
     ball = Balls(field.nodes, field.point).ball(value)
-    return bool(ball.imag == 0 and ball.real > low and ball.real < high)
+    turn = ball.real / HALF_PI - (1 if name == "acos" else 0)
+    return bool(ball.imag == 0 and turn > -1 and turn < 1)
 
 
 CONTINUITY.append(is_kept)
@@ -145,5 +145,5 @@ def _is_continuous(field: Field, node: int) -> bool:
         case "log":
             return field.signs.positive(arguments[0])
         case "Pow":
-            return arguments[1] > 0 or 0 not in field.signs.sign(arguments[0])
+            return arguments[1] > 0 or field.signs.interval(arguments[0]).is_not_zero
     return name in FUNCTIONS and FUNCTIONS[name].kind in ("entire", "regular", "arc")

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import reduce
-from math import comb
 from operator import mul
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
@@ -52,44 +51,23 @@ def shape(nodes: Nodes, node: int) -> Shape | None:
             return 1, frozenset({0})
         case ("diff", inner, *along) if nodes.all[inner][0] == "unknown" and shape(nodes, inner):
             return 1 + len(along), frozenset({len(along) % 2})
-        case ("Add", *terms):
-            parts = [shape(nodes, term) for term in terms]
+        case (("Add" | "Mul") as name, *inner):
+            parts = [shape(nodes, part) for part in inner]
             known = [part for part in parts if part is not None]
             if len(known) == len(parts):
-                return max(top for top, _ in known), frozenset().union(*(p for _, p in known))
-        case ("Mul", *factors):
-            parts = [shape(nodes, factor) for factor in factors]
-            known = [part for part in parts if part is not None]
-            if len(known) == len(parts):
-                return reduce(_times, known)
+                return reduce(_plus if name == "Add" else _times, known)
         case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
-            inner_shape = shape(nodes, base)
-            return None if inner_shape is None else reduce(_times, [inner_shape] * int(exponent.p))
+            own = shape(nodes, base)
+            return None if own is None else reduce(_times, [own] * int(exponent.p))
     return None
+
+
+def _plus(left: Shape, right: Shape) -> Shape:
+    return max(left[0], right[0]), left[1] | right[1]
 
 
 def _times(left: Shape, right: Shape) -> Shape:
     return left[0] + right[0], frozenset((a + b) % 2 for a in left[1] for b in right[1])
-
-
-class Quotient:
-    """``image``, a quotient of polynomials in the ring's generators ``x`` and ``t``."""
-
-    def __init__(self, nodes: Nodes, image: Element, x: int, t: int, rates: Rates) -> None:
-        self._nodes, self._ring, self._rates = nodes, image.ring, rates
-        parts = (image.numerator, image.denominator())
-        self._even = not any(sum(exponents) % 2 for part in parts for exponents in part.monoms())
-        self._rows = [_rows(part, x, t) for part in parts]
-        self._degree = max(map(len, self._rows)) - 1
-        self._length = max(len(row) for part in self._rows for row in part)
-
-    def vanishes(self, equation: int, top: int, orders: frozenset[int]) -> bool:
-        """Whether an equation of this shape holds for the quotient."""
-        last = (top * self._degree + 1) // 2
-        first = 0 if self._even and len(orders) == 1 else -last
-        self._ring.spend((last + 1 - first) * top * self._length * WORK_PER_TERM)
-        partials = (_Partials(self._nodes, *self._rows, t, self._rates) for t in range(first, last + 1))
-        return not any(at.value(equation)[0] for at in partials)
 
 
 class _Partials:
@@ -128,7 +106,9 @@ class _Partials:
         for variable in along:
             moved: dict[tuple[int, int], fmpq] = {}
             for (a, b), weight in total.items():
-                for place, rate in zip(((a + 1, b), (a, b + 1)), self._rates[variable], strict=True):
+                for place, rate in zip(
+                    ((a + 1, b), (a, b + 1)), self._rates[variable], strict=True
+                ):
                     moved[place] = moved.get(place, fmpq(0)) + weight * rate
             total = {place: weight for place, weight in moved.items() if weight != 0}
         return sum((w * self._partial(*place) for place, w in total.items()), fmpq_poly([0]))
@@ -159,8 +139,8 @@ def _slope(rows: Rows, t: int) -> fmpq_poly:
     return _value([power * row for power, row in enumerate(rows)][1:], t)
 
 
-def quotient(field: Field, statement: Statement) -> Quotient | None:
-    """The formula as a long quotient in two generators of constant slopes; None if it is none."""
+def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int, Rates] | None:
+    """The formula if it is a long quotient in two generators x and t of constant slopes."""
     if field.ring.relations or len(field.generators) != 2 or len(statement.formulas) > 1:
         return None
     image = field.image(statement.formulas[0])
@@ -174,13 +154,24 @@ def quotient(field: Field, statement: Statement) -> Quotient | None:
             return None
         zero = (0,) * len(field.ring.names)
         rates[variable] = (slopes[0].numerator[zero], slopes[1].numerator[zero])
-    return Quotient(field.nodes, image, x, t, rates)
+    return image, x, t, rates
 
 
 def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool | None:
     """Whether an equation holds for a long quotient; None if the formula or equation is another."""
-    found, own = shape(field.nodes, equation), quotient(field, statement)
-    return None if found is None or own is None else own.vanishes(equation, *found)
+    own, found = shape(field.nodes, equation), long_quotient(field, statement)
+    if own is None or found is None:
+        return None
+    (top, orders), (image, x, t, rates) = own, found
+    parts = image.numerator, image.denominator()
+    above, below = (_rows(part, x, t) for part in parts)
+    last = (top * (max(len(above), len(below)) - 1) + 1) // 2
+    is_even = not any(sum(exponents) % 2 for part in parts for exponents in part.monoms())
+    first = 0 if is_even and len(orders) == 1 else -last
+    length = max(map(len, (*above, *below)))
+    field.ring.spend((last + 1 - first) * top * length * WORK_PER_TERM)
+    values = (_Partials(field.nodes, above, below, t, rates) for t in range(first, last + 1))
+    return not any(partials.value(equation)[0] for partials in values)
 
 
 SHORTCUTS.append(quotient_vanishes)

@@ -38,7 +38,8 @@ FUNCTIONS |= {
     "airy_ai_prime": _row("entire", "z*airy_ai(z)"),
     "airy_bi": _row("entire", "airy_bi_prime(z)"),
     "airy_bi_prime": _row("entire", "z*airy_bi(z)"),
-    "lambert_w": _row("cut", "lambert_w(z)/(z*(1 + lambert_w(z)))", values=Interval(fmpq(0)), **ABOVE),
+    "lambert_w": _row("cut", "lambert_w(z)/(z*(1 + lambert_w(z)))",
+                      values=Interval(fmpq(0)), **ABOVE),
     **{
         name: _row("cut", f"v/z*{name}(v, z) + ({up})*{name}(v + 1, z)", letters="vz",
                    values=POSITIVE if name == "bessel_k" else Interval(), **ABOVE)

@@ -72,8 +72,8 @@ def root_of_unity(field: Field, node: int) -> Element | None:
     if share is None:
         return None
     for other in field.primitives("exp"):
-        own = share_of_turn(field.nodes, field.nodes.all[other][1])
-        for times in range(2 * int(own.q) if own is not None else 0):
+        own = share_of_turn(field.nodes, field.nodes.all[other][1]) or fmpq(0)
+        for times in range(2 * int(own.q)):
             if ((times * own - share) / 2).q == 1:
                 return field.image(other) ** times
     if int(share.q) not in UNITY:

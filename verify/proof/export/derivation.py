@@ -12,11 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from flint import fmpq
-
 from verify.kernel.check import opened, registered
 from verify.kernel.denominators import Denominators
-from verify.kernel.further.quotients import quotient, shape
+from verify.kernel.further.quotients import long_quotient, shape
 from verify.kernel.limits import CertificateError
 from verify.kernel.nodes import number
 from verify.kernel.ring import Element, Ring
@@ -153,7 +151,7 @@ class _Equations:
                 self._field.walk([residual])
                 term = term_of(self._field.image(residual))
             else:
-                self._long = quotient(self._field, self._statement) is not None
+                self._long = long_quotient(self._field, self._statement) is not None
                 term = self._polynomial(equation)
             self._field.trace.steps.append((Vanishing(term, f"equation {place}"), None))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
 from verify.kernel.derivations import Slopes
 from verify.kernel.field import Field, Hints
@@ -168,7 +168,7 @@ class TracedField(Field):
         self.note(Definition(terms.node(node), term, None, comment), value)
         return traced(plain(value), terms.node(node))
 
-    def sum(self, parts: list[Element]) -> Element:
+    def sum(self, parts: Sequence[Element]) -> Element:
         """The sum."""
         whole = super().sum([plain(part) for part in parts])
         return traced(plain(whole), terms.added([term_of(part) for part in parts]))
@@ -230,7 +230,12 @@ class TracedField(Field):
         if place >= len(self.generators):
             return "not used"
         found = self.generators[place]
-        text = self.written(found.formula) or self._short(found.formula)
+        known = [self.nodes.product(*pair) for pair in found.form]
+        terms_of = [t for t in self.nodes.terms(found.formula) if t not in known]
+        texts = [f"{self._short(f)} * {self.written(node)}" for f, node in found.form]
+        if not texts or found.formula == found.form[0][1]:
+            texts, terms_of = [], [found.formula]
+        text = " + ".join([*texts, *(self.written(t) or self._short(t) for t in terms_of)])
         return text + ("" if found.scale.is_one() else f", times ({found.scale})")
 
     def _short(self, node: int) -> str:
@@ -249,20 +254,21 @@ class TracedField(Field):
                 return f"{self._short(base)}^({exponent})"
         return self.written(node)
 
-    def relate(self, place: int, degree: int, value: Element, factor: Element) -> None:
+    def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
         """Enter a relation, and note it."""
-        super().relate(place, degree, value, factor)
+        scale = super().relate(place, degree, value, factor)
         whole = value * factor**degree
         term, below = term_of(whole), whole.denominator()
         if not below.is_one():
-            factor = terms.polynomial_term(below)
+            own = terms.polynomial_term(below)
             above = terms.polynomial_term(whole.numerator)
-            gap = [terms.multiplied([term, factor]), terms.negated(above)]
+            gap = [terms.multiplied([term, own]), terms.negated(above)]
             self.trace.vanishing(terms.added(gap), "a radicand times its denominator")
-            term = terms.multiplied([above, terms.raised(factor, degree - 1)])
+            term = terms.multiplied([above, terms.raised(own, degree - 1)])
         self.note(Relation(place, degree, term, None), self.one)
         power = plain(self.ring.generator(place)) ** degree
         self._roots.append((place, degree, traced(power, term)))
+        return scale
 
     def note_slopes_of_relations(self) -> None:
         """Note that the slopes of roots are those which follow from their relations."""
