@@ -30,8 +30,8 @@ class Function:
     axis; "poles", also on it; "arc", but for cuts off the real axis; "cut", also on it; "tame",
     nowhere, but without poles and jumps; "jump".
     ``values`` has its values at real arguments, z ``between`` two numbers (None: they are not known
-    to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of the sign of a real
-    z, "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial relation, and may be a
+    to be real).  ``symmetry`` is "odd" or "even" in z, "same" if it is odd and of a real z's
+    sign, "inverse" if f(-z) = 1/f(z).  ``free``: it satisfies no polynomial relation, and may be a
     generator.  ``below_one``, ``above_zero``: its parameter is.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from . import elementary as _elementary  # its rules
+from . import elementary  # noqa: F401  (its rules)
 from .balls import Balls
 from .denominators import Denominators, is_linear
 from .field import Field, Hints

@@ -8,7 +8,7 @@ from flint import acb, arb, ctx, fmpq
 
 from verify.kernel.axioms import FUNCTIONS
 from verify.kernel.balls import BITS, Balls
-from verify.kernel.bounds import Interval
+from verify.kernel.bounds import Interval, of_constant
 from verify.kernel.field import Field, Hints
 from verify.kernel.further.inverse import PRINCIPAL
 from verify.kernel.nodes import Nodes
@@ -126,6 +126,9 @@ def test_open_ends_are_kept_through_products_and_powers() -> None:
     assert (one + Interval(fmpq(-1), fmpq(-1))).is_positive is False
     assert Interval(fmpq(0), fmpq(1)) * one == Interval(fmpq(0), fmpq(1), False, True)
     assert half.inverse() == Interval()
+    assert half.power(22) == Interval(fmpq(0))
+    assert of_constant(arb("inf")) == Interval()
+    assert of_constant(arb(2)) == Interval(fmpq(2), fmpq(2))
     assert (one * half) == Interval(fmpq(-1), fmpq(1), True, True)
 
 

@@ -76,9 +76,8 @@ def root_of_unity(field: Field, node: int) -> Element | None:
         for times in range(2 * int(own.q)):
             if ((times * own - share) / 2).q == 1:
                 return field.image(other) ** times
-    if int(share.q) not in UNITY:
-        return None
-    return field.read(UNITY[int(share.q)]) ** (int(share.p) % (2 * int(share.q)))
+    first = UNITY.get(int(share.q))
+    return None if first is None else field.read(first) ** (int(share.p) % (2 * int(share.q)))
 
 
 @rule("exp", first=True)
@@ -122,8 +121,7 @@ def power_of_negative(field: Field, node: int) -> Element | None:
     """f**n for f < 0, unless f has a logarithm among the generators."""
     _, base, exponent = field.nodes.all[node]
     negative = field.nodes.negative(base)
-    if not field.nodes.is_integer(exponent) or not field.signs.positive(negative):
-        return None
-    if field.known(field.nodes.made("log", base)) is not None:
+    turns = field.nodes.is_integer(exponent) and field.signs.positive(negative)
+    if not turns or field.known(field.nodes.made("log", base)) is not None:
         return None
     return field.made("parity", exponent) * field.made("power", negative, exponent)
