@@ -38,6 +38,9 @@ class JetFunction(Function):
         z, *nome = self.args
         return True if z.is_real and all(q.is_positive for q in nome) else None
 
+    def _eval_is_finite(self) -> bool | None:
+        return self._eval_is_extended_real()
+
     def _eval_conjugate(self) -> Expr:
         return self.func(*(argument.conjugate() for argument in self.args))
 

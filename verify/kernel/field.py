@@ -213,8 +213,9 @@ class Field:
         return left == right or (self.image(left) - self.image(right)).is_zero
 
     def moves(self, node: int) -> bool:
-        """Whether a formula contains a variable of the equation."""
-        return any(inner in self.variables for inner in self.nodes.below([node]))
+        """Whether a formula contains a variable along which there are derivatives."""
+        real = {v for v in self.variables if self.nodes.all[v][2] == "real"}
+        return not real.isdisjoint(self.nodes.below([node]))
 
     def is_kept(self, name: str, f: int, value: int) -> bool:
         """Whether ``value``, of which the function is ``f``, is principal by continuity."""
@@ -392,7 +393,7 @@ class Field:
         raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
 
     def need_parameters(self, node: int) -> None:
-        """The arguments besides z must be constant, or a nome, and in their range."""
+        """The arguments besides z are constant, or integers, or a nome, and in their range."""
         name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
         if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
             return

@@ -201,9 +201,9 @@ class Signs:
             root = name == "Pow" and arguments[1].q != 1
             return not root or (self.positive(arguments[0]) and self.is_bounded(arguments[0]))
         own = FUNCTIONS.get(name, Function("jump"))
-        if own.below_one:
-            return self.is_bounded(arguments[-1])
-        return own.kind == "entire" or name.startswith("jacobi_")
+        if name.startswith(("jacobi_", "elliptic_")):
+            return not own.below_one or self.is_bounded(arguments[-1])
+        return own.kind == "entire"
 
     def is_bounded(self, node: int) -> bool:
         """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
@@ -224,9 +224,9 @@ class Signs:
         if name in ANALYTIC:
             return name != "Pow" or arguments[1] > 0 or self.interval(arguments[0]).is_not_zero
         own = FUNCTIONS.get(name, Function("jump"))
-        if own.kind in ("regular", "arc") and not own.below_one:
-            return self.is_real(node)
-        return own.kind in ("entire", "tame")
+        return own.kind in ("entire", "tame") or (
+            own.kind in ("regular", "arc") and self.is_real(node)
+        )
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:

@@ -23,7 +23,7 @@ from solutions.functions.jet_functions import JetFunction
 from solutions.functions.weierstrass import WeierstrassFunction, weierstrass_p_prime
 
 from . import taylor as functions
-from .domain_signs import DomainSigns, is_entire
+from .domain_signs import DomainSigns
 from .domains import Point
 from .text_names import BESSEL
 
@@ -204,17 +204,8 @@ class BallEvaluator:
             elliptic = self._parameter(node.args[1])
             taylor = getattr(elliptic, node.func.__name__.removeprefix("jacobi_"))
             return self.jet(node.args[0]).composed(taylor)
-        if isinstance(node, JetFunction):
-            return self._jet_function(node)
-        if isinstance(node, WeierstrassFunction):
-            g2, g3 = map(self._constant, node.args[1:])
-            slopes = int(isinstance(node, weierstrass_p_prime))
-            return self.jet(node.args[0]).composed(functions.weierstrass(g2, g3, slopes))
-        if node.func in ORDERS:
-            order, z = node.args
-            if not is_entire(node):
-                self._check_smooth(node, z)
-            return self.jet(z).composed(functions.bessel(ORDERS[node.func], self._constant(order)))
+        if is_special(node.func):
+            return special_jet(node.func, [self.jet(argument) for argument in node.args])
         if isinstance(node, sp.elliptic_k | sp.elliptic_e):
             m = self._constant(node.args[0])
             is_first = isinstance(node, sp.elliptic_k)
@@ -229,22 +220,6 @@ class BallEvaluator:
         raise ValueError(
             f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
         )
-
-    def _jet_function(self, node: sp.Expr) -> Jet:
-        """An arbitrary function, or a theta function, of which f_w = -f_zz/4 for w = log q."""
-        z, *nome = map(self.jet, node.args)
-        at = [q.value for q in nome]
-        found = z.composed(functions.free(node.label, node.order, *at))
-        for q in nome:
-            if not q.value.real > 0:
-                raise ValueError(f"nomes must be between 0 and 1, got {q.value.str(5)}")
-            logarithm = q.composed(functions.logarithm).coefficients[1:]
-            power = step = Jet(self._shape, (acb(0), *logarithm))
-            for n in range(1, self._shape.order + 1):
-                power = power * constant(self._shape, acb(-1) / (4 * n))
-                slope = z.composed(functions.free(node.label, node.order + 2 * n, *at))
-                found, power = found + slope * power, power * step
-        return found
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:
         """Raise ValueError where ``node`` may jump: on a cut that its argument may cross."""
@@ -304,10 +279,54 @@ class BallEvaluator:
 
     def _constant(self, m: sp.Expr) -> acb:
         """The value of a parameter, order or invariant; raises ValueError if it has derivatives."""
-        value, *slopes = self.jet(m).coefficients
-        if not all(slope == 0 for slope in slopes):
-            raise ValueError(f"parameters must be constant, got {m} (hold it fixed)")
-        return value
+        return constant_value(self.jet(m), str(m))
+
+
+def constant_value(jet: Jet, shown: str = "one with slopes") -> acb:
+    """The value of a parameter; raises ValueError if it has derivatives."""
+    value, *slopes = jet.coefficients
+    if not all(slope == 0 for slope in slopes):
+        raise ValueError(f"parameters must be constant, got {shown} (hold it fixed)")
+    return value
+
+
+def is_special(function: type) -> bool:
+    """Whether a function is one of Bessel, Weierstrass, theta, or arbitrary."""
+    return function in ORDERS or issubclass(function, JetFunction | WeierstrassFunction)
+
+
+def special_jet(function: type, jets: Sequence[Jet]) -> Jet:
+    """Such a function of jets; raises ValueError where it is not smooth or not known."""
+    z, *others = jets
+    if issubclass(function, WeierstrassFunction):
+        g2, g3 = map(constant_value, others)
+        slopes = int(issubclass(function, weierstrass_p_prime))
+        return z.composed(functions.weierstrass(g2, g3, slopes))
+    if issubclass(function, JetFunction):
+        return _jet_of(function, z, *others)
+    order, (argument,) = constant_value(z), others
+    entire = function in (sp.besselj, sp.besseli) and order.unique_fmpz() is not None
+    if not entire and argument.value.imag.contains(0) and not argument.value.real > 0:
+        raise ValueError(
+            "points must lie off the cuts, got one on a Bessel function's (take another)"
+        )
+    return argument.composed(functions.bessel(ORDERS[function], order))
+
+
+def _jet_of(function: type[JetFunction], z: Jet, *nome: Jet) -> Jet:
+    """An arbitrary function, or a theta function, of which f_w = -f_zz/4 for w = log q."""
+    label, start, at = function.label, function.order, [q.value for q in nome]
+    found = z.composed(functions.free(label, start, *at))
+    for q in nome:
+        if not q.value.real > 0:
+            raise ValueError("nomes must be between 0 and 1, got one that is not positive")
+        logarithm = q.composed(functions.logarithm).coefficients[1:]
+        power = step = Jet(z.shape, (acb(0), *logarithm))
+        for n in range(1, z.shape.order + 1):
+            power = power * constant(z.shape, acb(-1) / (4 * n))
+            slope = z.composed(functions.free(label, start + 2 * n, *at))
+            found, power = found + slope * power, power * step
+    return found
 
 
 def exact(value: sp.Rational) -> acb:

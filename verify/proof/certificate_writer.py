@@ -27,8 +27,9 @@ from .text_names import BESSEL, OTHERS
 from .text_writer import Node, numbered
 from .typed_statement import StatementTexts
 
+RENAMED = {kind.__name__: name for name, kind in (*OTHERS.items(), *BESSEL.items())}
 FUNCTIONS: dict[str, type] = {
-    function.__name__: function
+    RENAMED.get(function.__name__, function.__name__): function
     for function in (
         *(sp.Add, sp.Mul, sp.exp, sp.log, sp.atan, *INVERSE),
         *(sp.erf, sp.conjugate, sp.re, sp.im, sp.Abs, sp.sign, sp.elliptic_k, sp.elliptic_e),
@@ -38,7 +39,6 @@ FUNCTIONS: dict[str, type] = {
         *(weierstrass_p, weierstrass_p_prime, *OTHERS.values(), *BESSEL.values()),
     )
 }
-RENAMED = {kind.__name__: name for name, kind in (*OTHERS.items(), *BESSEL.items())}
 CONSTANTS = {sp.I: "I", sp.pi: "pi"}
 
 
@@ -93,12 +93,12 @@ class NodeTable:
             return ["diff", *map(self.place, (expression.expr, *expression.variables))]
         if isinstance(expression, AppliedUndef):
             return self._unknown(expression)
-        name = expression.func.__name__
+        name = RENAMED.get(expression.func.__name__, expression.func.__name__)
         if FUNCTIONS.get(name) is not expression.func and not isinstance(expression, JetFunction):
             raise ValueError(
                 f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
             )
-        return [RENAMED.get(name, name), *map(self.place, expression.args)]
+        return [name, *map(self.place, expression.args)]
 
     def _unknown(self, unknown: AppliedUndef) -> Node:
         for place, own in enumerate(self.unknowns):

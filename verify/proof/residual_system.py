@@ -22,6 +22,7 @@ import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
 from solutions.functions.jacobi import JacobiFunction
+from solutions.functions.jet_functions import jet_function
 from verify.kernel.check import opened, registered
 from verify.kernel.field import Field, Generator
 from verify.kernel.ring import Element
@@ -369,4 +370,7 @@ class Meanings:
                         for c, powers in terms  # type: ignore[attr-defined]
                     )
                 )
+            case "jet", (*places, (str(label), int(order))):
+                values = [self._node(place) for place in places]  # type: ignore[arg-type]
+                return jet_function(label, order)(*values)
         return FUNCTIONS[name](*map(self._node, arguments))  # type: ignore[arg-type]

@@ -244,7 +244,7 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
         return verdict
     domains = all_domains(statement, *statement.equations)
     if verdict.outcome is Outcome.PROVED:
-        words = _reading(domains, statement.complexes)
+        words = _reading(domains, statement)
         lines, places = (words, *verdict.assumptions[1:]), verdict.singularities
         if names := ", ".join(statement.complexes):
             places += (f"poles and branch points where {names} is not real",)
@@ -261,9 +261,16 @@ def _completed(statement: Statement, equation: sp.Expr, verdict: ProofVerdict) -
     return verdict
 
 
-def _reading(domains: Domains, complexes: Sequence[str]) -> str:
-    names = ", ".join(sorted({*map(str, domains)} - {*complexes}))
-    others = f"; complex {', '.join(sorted(complexes))}" if complexes else ""
+def _reading(domains: Domains, statement: Statement) -> str:
+    names = ", ".join(sorted({*map(str, domains)} - {*statement.complexes}))
+    others = "".join(
+        f"{words} {', '.join(sorted(found))}"
+        for words, found in (
+            (" and functions", statement.functions),
+            ("; complex", statement.complexes),
+        )
+        if found
+    )
     stated = [d.text(s) for s, d in domains.items() if d != REAL]
     limits = f"{' with ' if stated else ''}{', '.join(stated)}"
     return f"for all real {names}{others}{limits}, {SMOOTH}"

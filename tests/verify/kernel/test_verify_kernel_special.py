@@ -12,6 +12,7 @@ from verify.kernel.further.jets import jet_ball, theta_ball
 from verify.kernel.further.weierstrass_values import weierstrass
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
+from verify.kernel.signs import Signs
 
 Hints = dict[str, Any]
 
@@ -137,6 +138,21 @@ def test_a_denominator_of_arbitrary_functions_must_differ_from_0_for_one_of_them
             refused(data, "is not shown to be other than 0")
 
 
+def test_a_function_is_without_poles_at_real_arguments_alone() -> None:
+    nodes = Nodes()
+    scope = Scope(nodes)
+    scope.declare("f", "function")
+    signs = Signs(nodes, lambda node: None, {}, {})  # type: ignore[arg-type, return-value]
+    texts = {
+        "f(x)": True,
+        "f(x + I)": False,
+        "jacobi_theta_1(x, 1/2)": True,
+        "bessel_k(0, x)": False,
+    }
+    for text, bounded in texts.items():
+        assert signs.is_bounded(formula(scope, text)) is bounded
+
+
 def test_a_variable_is_no_function() -> None:
     statement = XT | {"parameters": ["x: function"]}
     refused(certificate("u - 1", "u = 1", (), {}, statement), "variables must be real or integers")
@@ -151,6 +167,14 @@ def test_the_values_of_weierstrass_function_are_those_of_a_lattice(tau: acb, z: 
         for own, other in zip(values, (series[0], series[1]), strict=True):
             assert own.overlaps(other)
             assert abs((own - other).real) < 1e-60
+
+
+def test_an_invariant_may_be_0() -> None:
+    with ctx.workprec(BITS):
+        for g2, g3 in ((acb(4), acb(0)), (acb(0), acb(-2))):
+            p, slope = weierstrass(acb(2.5), g2, g3)
+            assert p.is_finite()
+            assert (slope**2).overlaps(4 * p**3 - g2 * p - g3)
 
 
 def test_the_degenerate_functions_of_weierstrass() -> None:

@@ -244,6 +244,20 @@ def test_bessels_functions_in_cylindrical_waves(equation: str, solution: str) ->
     assert moved == Outcome.REFUTED
 
 
+LATTICE = [
+    ("diff(u[n], t) - (u[n-1] - u[n+1])/2", "u[n] = bessel_j(n, t)"),
+    ("diff(u[n], t, t) - u[n-1] - u[n+1] + 2*u[n]", "u[n] = bessel_j(2*n, 2*t)"),
+    ("diff(u[n], t) - u[n-1] - u[n+1] + 2*u[n]", "u[n] = exp(-2*t)*bessel_i(n, 2*t)"),
+    ("I*diff(u[n], t) + u[n-1] + u[n+1]", "u[n] = I**n*bessel_j(n, 2*t)"),
+]
+
+
+@pytest.mark.parametrize(("equation", "solution"), LATTICE)
+def test_bessels_functions_on_a_lattice(equation: str, solution: str) -> None:
+    assert outcome(equation, solution) == Outcome.PROVED
+    assert outcome(equation.replace("u[n-1]", "2*u[n-1]"), solution) == Outcome.REFUTED
+
+
 WEIERSTRASS = [
     ("u_x**2 - 4*u**3 + g*u + h", "u", "u = weierstrass_p(x, g, h)"),
     ("u_xx - 6*u**2 + g/2", "u", "u = weierstrass_p(x, g, h)"),

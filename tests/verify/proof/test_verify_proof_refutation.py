@@ -56,9 +56,9 @@ def test_a_change_below_the_first_precision_is_refuted_by_a_higher_one() -> None
 def test_what_cannot_be_decided_says_why() -> None:
     x = sp.Symbol("x")
     u = sp.Function("u")(x)
-    verdict = prove(x * u.diff(x, 2) + u.diff(x) + x * u, sp.besselj(0, x))
+    verdict = prove(x * u.diff(x, 2) + u.diff(x) + x * u, sp.gamma(x))
     assert verdict.outcome is Outcome.UNDECIDED
-    assert "besselj" in verdict.detail
+    assert "gamma" in verdict.detail
 
 
 def test_an_equation_needs_one_unknown() -> None:

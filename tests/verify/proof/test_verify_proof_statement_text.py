@@ -96,7 +96,7 @@ def test_lattice_fields_have_a_site() -> None:
 
 def test_every_function_of_the_grammar_is_read() -> None:
     for name, (function, arity) in FUNCTIONS.items():
-        arguments = ("x", "m")[:arity] if not name.startswith("elliptic") else ("m",)
+        arguments = ("x", "m", "k")[:arity] if not name.startswith("elliptic") else ("m",)
         statement = read_statement("u_x", f"u = m*x*{name}({', '.join(arguments)})", "m: 0<m<1")
         (formula,) = statement.solutions.values()
         assert formula.has(function) or name in ("abs", "conjugate", "re", "im", "sqrt"), name

@@ -8,21 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from fractions import Fraction
-from itertools import permutations, product
-from math import comb, factorial
+from math import factorial
 
-from flint import acb, acb_poly, acb_series, arb, ctx, fmpq
+from flint import acb, acb_series, arb, ctx, fmpq
 
 from verify.kernel.further.jets import generic_shift
+from verify.studies.texts import special_series
+from verify.studies.texts.taylor_sum import TaylorSum
 from verify.studies.texts.text_statement import TextPoint, TextStatement
 from verify.studies.texts.trees import Tree, read
 
 BITS = (100, 400, 1600, 6400)
 """Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""
 
-Index = tuple[int, ...]
 AtBall = Callable[[acb, int], list[acb]]
 
 
@@ -38,74 +37,6 @@ def precision(bits: int) -> Iterator[None]:
         yield
     finally:
         ctx.prec = before
-
-
-@dataclass(frozen=True)
-class TaylorSum:
-    """Taylor coefficients up to a total order, in as many variables as the indices are long."""
-
-    order: int
-    terms: Mapping[Index, acb]
-
-    @property
-    def value(self) -> acb:
-        """The value at the point."""
-        return self.terms[(0,) * len(next(iter(self.terms)))]
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether all coefficients behind the value are 0."""
-        return all(c == 0 for index, c in self.terms.items() if any(index))
-
-    @property
-    def is_real(self) -> bool:
-        """Whether no coefficient has an imaginary part."""
-        return all(c.imag == 0 for c in self.terms.values())
-
-    def __add__(self, other: TaylorSum) -> TaylorSum:
-        order, found = min(self.order, other.order), dict(self.terms)
-        for index, c in other.terms.items():
-            found[index] = found[index] + c if index in found else c
-        return TaylorSum(order, _short(found, order))
-
-    def __mul__(self, other: TaylorSum) -> TaylorSum:
-        order = min(self.order, other.order)
-        found: dict[Index, acb] = {}
-        for (left, a), (right, b) in product(self.terms.items(), other.terms.items()):
-            index = tuple(map(sum, zip(left, right, strict=True)))
-            if sum(index) <= order:
-                found[index] = found[index] + a * b if index in found else a * b
-        return TaylorSum(order, found)
-
-    def times(self, number: acb) -> TaylorSum:
-        """A multiple."""
-        return TaylorSum(self.order, {index: c * number for index, c in self.terms.items()})
-
-    def conjugate(self) -> TaylorSum:
-        """The conjugate, for real variables."""
-        return TaylorSum(self.order, {i: c.conjugate() for i, c in self.terms.items()})
-
-    def of(self, coefficients: Sequence[acb]) -> TaylorSum:
-        """A function of it, by its Taylor coefficients at the value."""
-        start = (0,) * len(next(iter(self.terms)))
-        rest = TaylorSum(self.order, {**self.terms, start: acb(0)})
-        found = TaylorSum(self.order, {start: coefficients[-1]})
-        for coefficient in reversed(coefficients[:-1]):
-            found = found * rest + TaylorSum(self.order, {start: coefficient})
-        return found
-
-    def slope(self, place: int) -> TaylorSum:
-        """The derivative by one of the variables, of one order less."""
-        found = {(0,) * len(next(iter(self.terms))): acb(0)}
-        for index, c in self.terms.items():
-            if index[place]:
-                lower = tuple(k - (i == place) for i, k in enumerate(index))
-                found[lower] = c * index[place]
-        return TaylorSum(self.order - 1, found)
-
-
-def _short(terms: dict[Index, acb], order: int) -> dict[Index, acb]:
-    return {index: c for index, c in terms.items() if sum(index) <= order}
 
 
 # functions of one variable: their coefficients at a ball
@@ -173,58 +104,18 @@ TAYLOR: Mapping[str, AtBall] = {
 }
 
 
-def _bessel(name: str, z: TaylorSum, v: acb) -> TaylorSum:
-    """A Bessel function, by its derivatives in those of other orders."""
-    entire = name in ("bessel_j", "bessel_i") and v.unique_fmpz() is not None
-    if not entire and z.value.imag.contains(0) and not z.value.real > 0:
-        raise Unsaid(f"{name} of {z.value}, perhaps on the cut")
-    turn, sign = (-1 if name == "bessel_k" else 1), (-1 if name in ("bessel_j", "bessel_y") else 1)
-    values = {n: getattr(z.value, name)(v + n) for n in range(-z.order, z.order + 1)}
-    slopes = [
-        sum((sign**i * comb(n, i) * values[2 * i - n] for i in range(n + 1)), acb(0)) * turn**n
-        for n in range(z.order + 1)
-    ]
-    return z.of([slope / (2**n * factorial(n)) for n, slope in enumerate(slopes)])
-
-
-def _weierstrass(name: str, z: TaylorSum, g: acb, h: acb) -> TaylorSum:
-    """p = e3 + w**2/sn(w z)**2 with w**2 = e1 - e3, and further by the differential equation."""
-    for e1, e2, e3 in permutations(acb_poly([-h, -g, 0, 4]).roots()):
-        m, w = (e2 - e3) / (e1 - e3), (e1 - e3).sqrt()
-        if not m.imag.contains(0) or 0 < m.real < 1:
-            break
-    quarter = m.elliptic_k()
-    tau, place = acb(0, 1) * (1 - m).elliptic_k() / quarter, w * z.value / (2 * quarter)
-    one, two, three, four = acb.modular_theta(place, tau)
-    _, two0, three0, four0 = acb.modular_theta(acb(0), tau)
-    s, c, d = (
-        three0 * one / (two0 * four),
-        four0 * two / (two0 * four),
-        four0 * three / three0 / four,
-    )
-    p = [e3 + (w / s) ** 2, -2 * w**3 * c * d / s**3]
-    for n in range(z.order):
-        p.append((6 * _convolved(p, p, n) - (g / 2 if n == 0 else 0)) / ((n + 1) * (n + 2)))
-    return z.of(p[:-1] if name == "weierstrass_p" else [n * c for n, c in enumerate(p)][1:])
-
-
 def _theta(place: int, z: TaylorSum, q: TaylorSum) -> TaylorSum:
     """A theta function; by w = log q its slope is -1/4 of the second one by z."""
     if not q.value.real > 0:
         raise Unsaid(f"a theta function of the nome {q.value}")
     w = _applied("log", [q])
-    tau, order = w.value / (acb(0, 1) * acb.pi()), max(z.order, 0)
-    slopes = [
-        (z.value / acb.pi()).modular_theta(tau, n)[place] / acb.pi() ** n
-        for n in range(3 * order + 1)
-    ]
-    step = w + TaylorSum(order, {(0,) * len(next(iter(w.terms))): -w.value})
-    found = None
-    for n in range(order, -1, -1):
-        series = z.of([slopes[2 * n + i] / factorial(i) for i in range(order + 1)])
-        part = series.times(acb(-1) ** n / (4**n * factorial(n)))
-        found = part if found is None else found * step + part
-    assert found is not None
+    slopes = special_series.theta(place, z.value, w.value, 3 * z.order)
+    start = (0,) * len(next(iter(w.terms)))
+    step = w + TaylorSum(w.order, {start: -w.value})
+    found = TaylorSum(z.order, {start: acb(0)})
+    for n in range(z.order, -1, -1):
+        series = [c / factorial(i) for i, c in enumerate(slopes[2 * n :][: z.order + 1])]
+        found = found * step + z.of(series).times(acb(-1) ** n / (4**n * factorial(n)))
     return found
 
 
@@ -428,9 +319,13 @@ def _applied(name: str, parts: Sequence[TaylorSum]) -> TaylorSum:
     if name.startswith("jacobi_theta_"):
         return _theta(int(name[-1]) - 1, *parts)
     if name.startswith("bessel_"):
-        return _bessel(name, parts[1], _constant_of(z))
+        order, at = _constant_of(z), parts[1]
+        if not special_series.is_off_cut(name, order, at.value):
+            raise Unsaid(f"{name} of {at.value}, perhaps on the cut")
+        return at.of(special_series.bessel(name, order, at.value, at.order))
     if name.startswith("weierstrass_"):
-        return _weierstrass(name, z, *map(_constant_of, parts[1:]))
+        g, h = map(_constant_of, parts[1:])
+        return z.of(special_series.weierstrass(name, z.value, g, h, z.order))
     if name.startswith("jacobi_"):
         return _elliptic(name, *parts)
     if name in ("elliptic_k", "elliptic_e"):
