@@ -23,9 +23,9 @@ from benchmarks.random_texts import ONE_PLACE, RandomText, condition, points
 from benchmarks.text_balls import BITS, TextBalls, Unsaid, Values
 from verify.kernel import CertificateError, check_certificate
 from verify.kernel.axioms import FUNCTIONS
-from verify.kernel.balls import Balls, value_at
 from verify.kernel.denominators import Denominators
 from verify.kernel.field import Field, Hints
+from verify.kernel.node_balls import Balls, value_at
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
 from verify.kernel.ring import Element

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from . import elementary  # noqa: F401  (its rules)
-from .balls import Balls
+from . import function_rules  # noqa: F401  (its rules)
 from .denominators import Denominators, is_linear
 from .field import Field, Hints
 from .limits import (
@@ -20,6 +19,7 @@ from .limits import (
     digest,
     within,
 )
+from .node_balls import Balls
 from .nodes import Nodes, listed, number
 from .reading import formula
 from .statement import Statement, read_statement, statement_text

@@ -14,9 +14,9 @@ from math import prod
 from flint import acb, ctx, fmpq, fmpq_mpoly
 
 from .axioms import FUNCTIONS
-from .balls import BITS, Balls, value_at
 from .field import Field
 from .limits import BRANCHES, CertificateError, within
+from .node_balls import BITS, Balls, value_at
 from .nodes import Nodes
 from .statement import Statement
 

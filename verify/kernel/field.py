@@ -16,9 +16,9 @@ from typing import Any, ClassVar
 from flint import acb, fmpq, fmpq_mpoly
 
 from .axioms import FUNCTIONS, SQUARES
-from .balls import Balls, value_at
 from .derivations import Slopes
 from .limits import CertificateError
+from .node_balls import Balls, value_at
 from .nodes import Nodes, children
 from .reading import axiom
 from .ring import Element, Ring, total

@@ -14,9 +14,9 @@ from operator import add, mul
 from flint import fmpq
 
 from .axioms import FUNCTIONS, HALF_PI, Function
-from .balls import Balls
 from .bounds import POSITIVE, UNIT, Interval, of_constant
 from .limits import CertificateError
+from .node_balls import Balls
 from .nodes import Nodes, children
 from .ring import Element
 
@@ -224,9 +224,10 @@ class Signs:
         if name in ANALYTIC:
             return name != "Pow" or arguments[1] > 0 or self.interval(arguments[0]).is_not_zero
         own = FUNCTIONS.get(name, Function("jump"))
-        return own.kind in ("entire", "tame") or (
-            own.kind in ("regular", "arc") and self.is_real(node)
-        )
+        parameters = own.parameters(*children(self._nodes.all[node])) if own.below_one else []
+        tame = own.kind in ("regular", "arc") and self.is_real(node)
+        tame = tame and all(map(self._nodes.is_constant, parameters))  # it may be 1 somewhere
+        return tame or own.kind in ("entire", "tame")
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:

@@ -6,9 +6,9 @@ from flint import fmpq
 
 from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from verify.kernel import CertificateError, check_certificate, opened
-from verify.kernel.balls import Balls
 from verify.kernel.check import registered
 from verify.kernel.denominators import is_connected
+from verify.kernel.node_balls import Balls
 from verify.proof import prove
 from verify.verdict import Outcome
 

@@ -7,10 +7,10 @@ import pytest
 from flint import acb, arb, ctx, fmpq
 
 from verify.kernel.axioms import FUNCTIONS
-from verify.kernel.balls import BITS, Balls
 from verify.kernel.bounds import Interval, of_constant
 from verify.kernel.field import Field, Hints
 from verify.kernel.further.inverse import PRINCIPAL
+from verify.kernel.node_balls import BITS, Balls
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, axiom, formula
 from verify.kernel.substitution import Substitution

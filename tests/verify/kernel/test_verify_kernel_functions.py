@@ -7,7 +7,7 @@ from flint import fmpq
 
 from tests.verify.kernel.test_verify_kernel_attacks import Proof, certificate, refused, signed
 from verify.kernel import CertificateError, check_certificate
-from verify.kernel.balls import Balls
+from verify.kernel.node_balls import Balls
 from verify.kernel.nodes import Nodes
 
 Hints = dict[str, Any]

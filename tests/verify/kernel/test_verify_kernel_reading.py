@@ -4,7 +4,7 @@ import pytest
 from flint import fmpq
 
 from verify.kernel import CertificateError
-from verify.kernel.balls import Balls
+from verify.kernel.node_balls import Balls
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula, rational
 from verify.kernel.statement import read_statement

@@ -7,9 +7,9 @@ from flint import acb, acb_series, ctx, fmpq
 
 from tests.verify.kernel.test_verify_kernel_attacks import certificate, refused
 from verify.kernel import check_certificate
-from verify.kernel.balls import BITS, Balls
-from verify.kernel.further.jets import jet_ball, theta_ball
+from verify.kernel.further.free_functions import jet_ball, theta_ball
 from verify.kernel.further.weierstrass_values import weierstrass
+from verify.kernel.node_balls import BITS, Balls
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
 from verify.kernel.signs import Signs

@@ -3,9 +3,9 @@
 import pytest
 from flint import acb, ctx
 
-from verify.kernel.balls import BALLS
-from verify.kernel.further.jets import theta_ball
+from verify.kernel.further.free_functions import theta_ball
 from verify.kernel.further.special import CYLINDER
+from verify.kernel.node_balls import BALLS
 from verify.kernel.reading import THETA
 from verify.proof import taylor
 from verify.studies.texts import special_series

@@ -15,11 +15,11 @@ from operator import mul
 from flint import fmpq
 
 from ..axioms import FUNCTIONS, HALF_PI, Ends, Function
-from ..balls import Balls
 from ..bounds import Interval
 from ..denominators import is_linear
 from ..field import CONTINUITY, Field, rule
 from ..limits import CertificateError
+from ..node_balls import Balls
 from ..ring import Element
 from .principal import angle_of
 from .turns import PHASE

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flint import fmpq
 
-from ..elementary import BRANCHES
 from ..field import Field
+from ..function_rules import BRANCHES
 
 HALF = fmpq(1, 2)
 

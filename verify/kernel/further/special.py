@@ -8,11 +8,11 @@ from typing import Any
 from flint import fmpq
 
 from ..axioms import FUNCTIONS, SQUARES, Function
-from ..balls import BALLS
 from ..bounds import POSITIVE, Interval
-from ..elementary import whole
 from ..field import Field, rule
+from ..function_rules import whole
 from ..limits import CertificateError
+from ..node_balls import BALLS
 from ..ring import Element
 from .weierstrass_values import weierstrass
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from flint import fmpq, fmpz_poly
 
 from ..axioms import FUNCTIONS, Function
-from ..elementary import whole
 from ..field import RELATIONS, Field, rule
+from ..function_rules import whole
 from ..limits import CertificateError
 from ..nodes import Nodes
 from ..ring import Element

@@ -13,7 +13,7 @@ from math import factorial
 
 from flint import acb, acb_series, arb, ctx, fmpq
 
-from verify.kernel.further.jets import generic_shift
+from verify.kernel.further.free_functions import generic_shift
 from verify.studies.texts import special_series
 from verify.studies.texts.taylor_sum import TaylorSum
 from verify.studies.texts.text_statement import TextPoint, TextStatement

@@ -8,9 +8,9 @@ from __future__ import annotations
 from flint import acb, acb_series, arb, fmpq
 
 from ..axioms import FUNCTIONS, Function
-from ..balls import BALLS
 from ..derivations import RATES, Slopes
 from ..field import Field, rule
+from ..node_balls import BALLS
 from ..reading import THETA
 from ..ring import Element
 
