@@ -169,17 +169,20 @@ def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
         refused(data, "both a root and a logarithm that may jump")
 
 
-def test_a_power_of_what_is_negative_is_that_of_its_logarithm_where_this_is_a_generator() -> None:
+@pytest.mark.parametrize("log", ["log(x)", "log(-x)"])
+@pytest.mark.parametrize("wrong", ["", "2*"])
+def test_a_power_of_what_is_negative(log: str, wrong: str) -> None:
+    """It is that of its logarithm where this is a generator, else that of the opposite, turned."""
     statement = {"variables": ["x"], "parameters": ["j: integer"], "domain": ["x < 0"]}
-    for factor in ("1", "2"):
-        data = certificate(
-            f"u - {factor}*exp(j*log(x))", "u = x**j", ("x", "j", "log(x)", "exp(j*log(x))"),
-            {"x": "-1", "j": "3"}, statement,
-        )  # fmt: skip
-        if factor == "1":
-            assert "x**j" in check_certificate(data)
-        else:
-            refused(data, "the residual is not 0")
+    power = f"exp(j*{log})"
+    turned = "" if log == "log(x)" else "(-1)**j*"
+    atoms = ("x", "j", "(-1)**j", log, power)
+    point = {"x": "-1", "j": "3"}
+    data = certificate(f"u - {wrong}{turned}{power}", "u = x**j", atoms, point, statement)
+    if wrong:
+        refused(data, "the residual is not 0")
+    else:
+        assert "x**j" in check_certificate(data)
 
 
 @pytest.mark.parametrize("equation", ["u - sinh(x)", "u_x - cosh(x)"])
