@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 from operator import mul
@@ -76,12 +75,14 @@ class Interval:
         known = [(value, is_open) for value, is_open in pairs if value is not None]
         if len(known) < len(pairs):
             return Interval()
-        least, most = (extreme(value for value, _ in known) for extreme in (min, max))
-        return Interval(least, most, (least, False) not in known, (most, False) not in known)
+        (low, low_open), (high, high_open) = min(known), max(known, key=_reach)
+        return Interval(low, high, low_open, high_open)
 
     def __and__(self, other: Interval) -> Interval:
-        low, low_open = _inner(self.ends[0], other.ends[0], max)
-        high, high_open = _inner(self.ends[1], other.ends[1], min)
+        pairs = zip(self.ends, other.ends, strict=True)
+        lows, highs = ([end for end in pair if end[0] is not None] for pair in pairs)
+        low, low_open = max(lows, default=(None, False))
+        high, high_open = min(highs, key=_reach, default=(None, False))
         return Interval(low, high, low_open, high_open)
 
     def power(self, exponent: int) -> Interval:
@@ -103,9 +104,8 @@ class Interval:
             return -self
         if self.low is None or self.high is None:
             return Interval(fmpq(0))
-        ends = [(-self.low, self.low_open), (self.high, self.high_open)]
-        high = max(end for end, _ in ends)
-        return Interval(fmpq(0), high, False, (high, False) not in ends)
+        high, high_open = max((-self.low, self.low_open), (self.high, self.high_open), key=_reach)
+        return Interval(fmpq(0), high, False, high_open)
 
     def inverse(self) -> Interval:
         """1 over what is not 0."""
@@ -138,13 +138,9 @@ def _product(left: End, right: End) -> End:
     return (None, False) if a is None or b is None else (a * b, a_open or b_open)
 
 
-def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
-    (a, a_open), (b, b_open) = left, right
-    if a is None or b is None:
-        return right if a is None else left
-    if a == b:
-        return a, a_open or b_open
-    return left if extreme(a, b) == a else right
+def _reach(end: End) -> tuple[fmpq, bool]:
+    """How far up an interval with this end, a number, reaches."""
+    return end[0] or fmpq(0), not end[1]
 
 
 POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import reduce
 from operator import mul
 from typing import Any, ClassVar
 
@@ -88,6 +88,7 @@ class Field:
     """
 
     ring_type: ClassVar[type[Ring]] = Ring
+    slopes_type: ClassVar[type[Slopes]] = Slopes
 
     def __init__(
         self,
@@ -106,10 +107,7 @@ class Field:
         self._images: dict[int, Element] = {}
         self._underway: set[int] = set()
         self._primitives: dict[str, list[int]] = {}
-
-    @cached_property
-    def _slopes(self) -> Slopes:
-        return Slopes(self)
+        self._slopes = self.slopes_type(self)
 
     # images
 
@@ -237,10 +235,8 @@ class Field:
 
     def known(self, node: int) -> Element | None:
         """The image of the same function of equal arguments, if a generator is made of it."""
-        alike = (
-            other for other in self.primitives(self.nodes.all[node][0]) if self._alike(node, other)
-        )
-        return next((self._images[other] for other in alike), None)
+        others = self.primitives(self.nodes.all[node][0])
+        return next((self._images[other] for other in others if self._alike(node, other)), None)
 
     def hinted(self, node: int) -> int | None:
         """What a hint names for a node, or for the same function of equal arguments."""

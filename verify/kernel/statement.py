@@ -109,8 +109,7 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
     if parser.take(":"):
         return _conditions(scope, parser, name)
     parser.expect("=")
-    node = parser.sum()
-    parser.end()
+    node = parser.whole()
     scope.pending.discard(name)
     scope.define(name, node)
     return []
@@ -152,20 +151,17 @@ def _solution(scope: Scope, text: str) -> int:
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must be of the unknown at its own variables")
     parser.expect("=")
-    found = parser.sum()
-    parser.end()
-    return found
+    return parser.whole()
 
 
 def _equation(scope: Scope, text: object) -> int:
     """The left-hand side, less the right-hand side if there is one."""
     parser = TextReader(scope, text)
-    found = parser.sum()
+    left = parser.sum()
     if parser.take("="):
-        minus = scope.nodes.made("Mul", scope.nodes.rational(-1), parser.sum())
-        found = scope.nodes.made("Add", found, minus)
+        return scope.nodes.gap(parser.whole(), left)
     parser.end()
-    return found
+    return left
 
 
 def _check(statement: Statement) -> None:

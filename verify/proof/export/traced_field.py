@@ -81,6 +81,7 @@ class TracedField(Field):
     """The checker's field; what it computes is noted step by step."""
 
     ring_type = TracedRing
+    slopes_type = TracedSlopes
 
     def __init__(
         self,
@@ -101,10 +102,6 @@ class TracedField(Field):
         """The steps."""
         assert isinstance(self.ring, TracedRing)
         return self.ring.trace
-
-    @cached_property
-    def _slopes(self) -> Slopes:
-        return TracedSlopes(self)
 
     @cached_property
     def _roots(self) -> list[tuple[int, int, TracedElement]]:
