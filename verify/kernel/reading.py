@@ -251,11 +251,9 @@ class TextReader:
         if value is None or value > 0 or not self._nodes.is_integer(exponent):
             return made("power", base, exponent)
         turn = made("parity", exponent)
-        return (
-            turn
-            if value == -1
-            else made("Mul", turn, made("power", made("number", -value), exponent))
-        )
+        if value == -1:
+            return turn
+        return made("Mul", turn, made("power", made("number", -value), exponent))
 
     def atom(self) -> int:
         """A formula that binds its parts together."""
