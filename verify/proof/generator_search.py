@@ -20,7 +20,15 @@ from solutions.functions.weierstrass import (
 )
 from verify.subexpressions import distinct_nodes
 
-from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC, TURN, Arguments, definition
+from .arguments import (
+    HYPERBOLIC,
+    INVERSE,
+    TRIGONOMETRIC,
+    TURN,
+    Arguments,
+    cancelled,
+    definition,
+)
 from .certificate_writer import RENAMED, Data, NodeTable, ProofWriter
 from .domain_signs import is_small_polynomial
 from .domains import Point
@@ -279,11 +287,14 @@ class GeneratorSearch:
         if isinstance(node, JetFunction):
             steps = self._order * len(node.args) if self._moving else 0
             found = [jet_function(node.label, node.order + n)(*node.args) for n in range(steps + 1)]
+            for nome in node.args[1:]:
+                self._show_nome(nome)
         elif isinstance(node, WeierstrassFunction):
             found = [function(*node.args) for function in (weierstrass_p, weierstrass_p_prime)]
         else:
             v, z = node.args
-            key = (node.func, v - sp.floor(v.as_coeff_Add(rational=True)[0]), z)
+            plain = sp.expand(cancelled(v))
+            key = (node.func, plain - sp.floor(plain.as_coeff_Add(rational=True)[0]), z)
             if key not in self._orders:  # all other orders follow from two
                 self._orders.add(key)
                 name, argument = RENAMED[node.func.__name__], self._place(z)
@@ -292,6 +303,16 @@ class GeneratorSearch:
             return
         for function in found:
             self._writer.atom(self._place(function))
+
+    def _show_nome(self, q: sp.Expr) -> None:
+        """Offer q in exponentials as witness of the signs of q and 1 - q."""
+        plain = sp.expand(q.rewrite(sp.exp))
+        if plain != q:
+            self.need(plain)
+            one, places = self._place(sp.S.One), map(self._place, (q, plain))
+            negatives = [self._made("Mul", self._place(sp.S.NegativeOne), p) for p in places]
+            rest, witness = (self._made("Add", one, negative) for negative in negatives)
+            self._writer.signs |= {self._place(q): self._place(plain), rest: witness}
 
     def _logarithm(self, node: sp.Expr, value: sp.Expr) -> None:
         """log of a product as a sum of logarithms, and of exponentials' arguments."""

@@ -244,6 +244,15 @@ PREMISES = {
         "sqrt(x + 2) + 1 is not 0",
     ],
     ("u[n+1] + u[n]", "u[n] = (-1)**n", "", ""): ["n is an integer"],
+    ("u*diff(f(x), x) - 1 - u", "u = 1/(diff(f(x), x) - 1)", "f: function", ""): [
+        "f^(1)(x) - 1 is not 0",
+    ],
+    ("u_t - u_xx", "u = jacobi_theta_3(x, exp(-4*t))", "", "t > 0"): [
+        "t > 0",
+        "exp((-4)*t) < 1",
+        "exp((-4)*t) > 0",
+        "exp(4*t) is not 0",
+    ],
     ("I*u_t + u_xx + 2*abs(u)**2*u", "u = sech(x)*exp(I*t)", "", ""): [
         "sech(x) is real",
         "t is real",

@@ -10,6 +10,7 @@ from verify.studies.texts import (
     complex_statements,
     composition_statements,
     shift_statements,
+    special_statements,
     system_statements,
 )
 from verify.studies.texts.text_statement import TextStatement
@@ -21,6 +22,7 @@ TEXT_KINDS: Mapping[str, Sequence[tuple[Maker, float]]] = {
     "complex": complex_statements.MAKERS,
     "compositions": composition_statements.MAKERS,
     "shifts": shift_statements.MAKERS,
+    "special": special_statements.MAKERS,
 }
 """The makers of each kind with their shares."""
 
