@@ -325,7 +325,7 @@ class GeneratorSearch:
             self.need(rest)
             self.need(sp.Pow(factor, q))
             found.append((str(q), self._made("log", self._place(factor))))
-        self._writer.name(place=self._place(node), value=self._writer.table.combination(found))
+        self._writer.values[self._place(node)] = self._writer.table.combination(found)
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = self._arguments.exponent(z)
