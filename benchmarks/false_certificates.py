@@ -227,8 +227,8 @@ def forged(rng: Random) -> Data:
     if rng.random() < 0.1:
         point["n"] = "1/3"
     proof = Proof()
-    place, whole, part = proof.place, proof.place("1"), proof.place(value)
-    more: list[Any] = [["part", 0, place(rng.choice(("1", f)))]] if rng.random() < 0.3 else []
+    whole, part = proof.place("1"), proof.place(value)
+    more: list[Any] = [["part", 0]] if rng.random() < 0.3 else []
     same = proof.data(atoms[:6] + kept, point)
     logs = {f"log({f}*{g})": {f: "1", g: "1"}, f"log({f}**2)": {f: "2"}}
     logs |= {f"log(exp({f}))": {f"exp({f})": "1"}, f"log(exp(I*{f}))": {f"exp(I*{f})": "1"}}

@@ -28,12 +28,22 @@ class Proof:
         """Hints that name another formula."""
         return [[self.place(left), self.place(right)] for left, right in hints.items()]
 
-    def sums(self, hints: Sums) -> list[list[Any]]:
-        """Hints that name a combination of formulas."""
-        return [
-            [self.place(z), [[number, self.place(u)] for u, number in terms.items()]]
-            for z, terms in hints.items()
+    def combination(self, terms: Pairs, wrapped: str = "{}") -> str:
+        """A sum of multiples of formulas, each within another."""
+        texts = [wrapped.format(f"#{self.place(u)}") for u in terms]
+        products = [
+            t if n == "1" else f"({n})*({t})" for t, n in zip(texts, terms.values(), strict=True)
         ]
+        return " + ".join(products) or "0"
+
+    def words(self, functions: Sums) -> Pairs:
+        """Functions of arguments that are sums, such as ``exp(x)`` or ``jacobi_sn(x, 1/2)``."""
+        found = {}
+        for text, terms in functions.items():
+            name, _, inner = text.partition("(")
+            more = f",{inner[:-1].rpartition(',')[2]}" if name.startswith("jacobi") else ""
+            found[text] = f"{name}({self.combination(terms)}{more})"
+        return found
 
     def data(
         self,
@@ -48,12 +58,14 @@ class Proof:
         logs: Sums | None = None,
     ) -> Data:
         """All of the proof but its formulas."""
+        named = {**(values or {}), **self.words(sums or {})}
+        named |= {
+            log: self.combination(factors, "log({})") for log, factors in (logs or {}).items()
+        }
         return {
             "generators": [*more, *(["atom", self.place(atom)] for atom in atoms)],
-            "values": self.pairs(values or {}),
+            "values": self.pairs(named),
             "signs": self.pairs(signs or {}),
-            "sums": self.sums(sums or {}),
-            "logs": self.sums(logs or {}),
             "point": [[self.place(symbol), value] for symbol, value in point.items()],
             "parts": list(parts),
         }

@@ -15,19 +15,18 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from random import Random
-from typing import Any
 
 from flint import acb, arb, ctx, fmpq
 
 from benchmarks.false_certificates import false_certificates
 from benchmarks.random_texts import ONE_PLACE, RandomText, condition, points
 from benchmarks.text_balls import BITS, TextBalls, Unsaid, Values
-from verify.kernel import CertificateError, axioms, check_certificate
-from verify.kernel.check import Denominators, _difference
-from verify.kernel.field import Field
-from verify.kernel.identity import Residual
-from verify.kernel.images import Hints
-from verify.kernel.nodes import Balls, Nodes, value_at
+from verify.kernel import CertificateError, check_certificate
+from verify.kernel.axioms import FUNCTIONS
+from verify.kernel.denominators import Denominators
+from verify.kernel.field import Field, Hints
+from verify.kernel.node_balls import Balls, value_at
+from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
 from verify.kernel.ring import Element
 from verify.kernel.statement import Statement, read_statement
@@ -40,7 +39,7 @@ Found = Iterator[tuple[str, str]]
 ERRORS = (CertificateError, LookupError, TypeError, ValueError, ArithmeticError)
 """What the kernel refuses a certificate for."""
 
-HINTLESS = Hints({}, {}, {}, {})
+HINTLESS = Hints({}, {})
 ATOMS = ("symbol", "I", "pi", "exp", "log", "atan", "Pow", "Abs", "parity", "elliptic_k")
 MOST = 60
 """Generators of a field."""
@@ -52,7 +51,7 @@ def field_of(
     nodes: Nodes, statement: Statement, wanted: Sequence[int], hints: Hints = HINTLESS
 ) -> Field:
     """A field with a generator for whatever may be one below ``wanted``."""
-    positive = {_difference(nodes, a, b): weak for weak, a, b in statement.domain}
+    positive = {nodes.gap(a, b): weak for weak, a, b in statement.domain}
     field = Field(nodes, MOST, statement.variables, positive, hints)
     taken = []
     for node in list(atoms(nodes, [*wanted, *statement.variables])):
@@ -73,10 +72,11 @@ def atoms(nodes: Nodes, wanted: Sequence[int]) -> Iterator[int]:
     imaginary = nodes.made("I")
     for node in [imaginary, *nodes.below(wanted)]:
         name, *inner = nodes.all[node]
-        if name in axioms.HYPERBOLIC:
-            yield nodes.made("exp", inner[0])
-        elif name in axioms.TRIGONOMETRIC:
+        definition = FUNCTIONS[name].definition if name in FUNCTIONS else ""
+        if "exp(I*z)" in definition:
             yield nodes.made("exp", nodes.made("Mul", imaginary, inner[0]))
+        elif "exp(z)" in definition:
+            yield nodes.made("exp", inner[0])
         elif name == "Pow" and inner[1].q > 1:
             yield nodes.made("Pow", inner[0], fmpq(1, inner[1].q))
         elif name == "sign":
@@ -102,14 +102,14 @@ class Reading:
         self.statement, self.scope = read_statement(self.nodes, texts)
         self.symbols = [node for node in self.nodes.all if node[0] == "symbol"]
         put = Substitution(self.nodes, self.statement.variables, self.statement.formulas)
-        self._roots = [put(e) for e in self.statement.equations if isinstance(e, int)]
+        self._roots = [put(equation) for equation in self.statement.equations]
         self._field: Field | None = None
 
     def field(self) -> Field:
         """The field of all functions in the statement."""
         if self._field is None:
             self._field = field_of(
-                self.nodes, self.statement, [*self._roots, *self.statement.roots]
+                self.nodes, self.statement, [*self._roots, *self.statement.formulas]
             )
         return self._field
 
@@ -124,33 +124,15 @@ class Reading:
 
     def values(self, values: Values) -> list[acb]:
         """The left-hand sides and the formulas at a point."""
-        balls, roots = Balls(self.nodes, self.point(values)), iter(self._roots)
+        balls = Balls(self.nodes, self.point(values))
         with ctx.workprec(2 * BITS):
-            sides = [
-                self._node(next(roots), balls) if isinstance(e, int) else self._terms(e, balls)
-                for e in self.statement.equations
-            ]
+            sides = [self._node(root, balls) for root in self._roots]
             return sides + [balls.ball(node) for node in self.statement.formulas]
 
     def _node(self, node: int, balls: Balls) -> acb:
         if all(self.nodes.all[inner][0] != "diff" for inner in self.nodes.below([node])):
             return balls.ball(node)
         return element_ball(self.field(), self.field().image(node), balls)
-
-    def _terms(self, terms: Sequence[Any], balls: Balls) -> acb:
-        total = acb(0)
-        for value, known, jets in terms:
-            part = acb(arb(value))
-            for node in known:
-                part *= self._node(node, balls)
-            for place, orders in jets:
-                if any(orders):
-                    jet = Residual(self.field(), self.statement).jet((place, orders))
-                    part *= element_ball(self.field(), jet, balls)
-                else:
-                    part *= balls.ball(self.statement.formulas[place])
-            total += part
-        return total
 
 
 def random_statement(rng: Random) -> Texts:
@@ -275,13 +257,14 @@ def sign_claims(nodes: Nodes, statement: Statement, scope: Scope, text: str) -> 
         kernel = field_of(nodes, statement, [node]).signs
         if not kernel.is_real(node):
             return []
-        found, bounds = kernel.sign(node), kernel.interval(node)
+        bounds = kernel.interval(node)
     except ERRORS:
         return []
     claims: list[Claim] = [("real", text, lambda v: v.imag.contains(0))]
-    if len(found) < 3:
-        allowed = {-1: lambda r: not r >= 0, 0: lambda r: r.contains(0), 1: lambda r: not r <= 0}
-        claims.append(("sign", text, lambda v: any(allowed[s](v.real) for s in found)))
+    if bounds.is_positive:
+        claims.append(("sign", text, lambda v: not v.real <= 0))
+    if (-bounds).is_positive:
+        claims.append(("sign", text, lambda v: not v.real >= 0))
     if bounds.low is not None:
         low = bounds.low
         claims.append(("bound", text, lambda v: not v.real < arb(low)))
@@ -319,7 +302,7 @@ def branch_claims(
     asked = whole.partition(" + ")[2] or whole
     try:
         node, other = formula(scope, asked), formula(scope, value)
-        field = field_of(nodes, statement, [other], Hints({}, {node: other}, {}, {}))
+        field = field_of(nodes, statement, [other], Hints({node: other}, {}))
         if not field.equal(node, other):
             return []
     except ERRORS:

@@ -1,21 +1,21 @@
-"""Rational bounds of real formulas: intervals, by structure and the inequalities of the domain."""
+"""Rational bounds of real numbers: intervals, each end of which may be open."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 from operator import mul
 
 from flint import arb, fmpq
 
-from .nodes import Nodes
-
 MICRO = 10**6
 """Bounds of constants are multiples of 1/MICRO."""
 
 LARGEST = 20
 """The highest power whose bounds are taken."""
+
+End = tuple[fmpq | None, bool]
+"""An end, None if there is none, and whether it is open."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,19 @@ class Interval:
         return self.low is not None and self.low >= 0
 
     @property
+    def is_not_zero(self) -> bool:
+        """Whether all of it is greater than 0, or less."""
+        return self.is_positive or (-self).is_positive
+
+    @property
     def is_below(self) -> bool:
         """Whether all of it is at most 0, and some of it less."""
         return self.high is not None and self.high <= 0 and not self.is_not_negative
+
+    @property
+    def ends(self) -> tuple[End, End]:
+        """The two ends."""
+        return (self.low, self.low_open), (self.high, self.high_open)
 
     def __neg__(self) -> Interval:
         low = None if self.high is None else -self.high
@@ -54,28 +64,25 @@ class Interval:
         return Interval(low, high, *opens)
 
     def __mul__(self, other: Interval) -> Interval:
-        if self.is_not_negative and other.is_not_negative:
-            low, low_open = _product((self.low, self.low_open), (other.low, other.low_open))
-            high, high_open = _product((self.high, self.high_open), (other.high, other.high_open))
-            return Interval(low, high, low_open, high_open)
         if self.is_below:
             return -(-self * other)
         if other.is_below:
             return -(self * -other)
-        pairs = [
-            _product(left, right)
-            for left in ((self.low, self.low_open), (self.high, self.high_open))
-            for right in ((other.low, other.low_open), (other.high, other.high_open))
-        ]
-        ends = [(value, is_open) for value, is_open in pairs if value is not None]
-        if len(ends) < len(pairs):
+        if self.is_not_negative and other.is_not_negative:
+            (low, low_open), (high, high_open) = map(_product, self.ends, other.ends)
+            return Interval(low, high, low_open, high_open)
+        pairs = [_product(left, right) for left in self.ends for right in other.ends]
+        known = [(value, is_open) for value, is_open in pairs if value is not None]
+        if len(known) < len(pairs):
             return Interval()
-        least, most = (extreme(value for value, _ in ends) for extreme in (min, max))
-        return Interval(least, most, (least, False) not in ends, (most, False) not in ends)
+        (low, low_open), (high, high_open) = min(known), max(known, key=_reach)
+        return Interval(low, high, low_open, high_open)
 
     def __and__(self, other: Interval) -> Interval:
-        low, low_open = _inner((self.low, self.low_open), (other.low, other.low_open), max)
-        high, high_open = _inner((self.high, self.high_open), (other.high, other.high_open), min)
+        pairs = zip(self.ends, other.ends, strict=True)
+        lows, highs = ([end for end in pair if end[0] is not None] for pair in pairs)
+        low, low_open = max(lows, default=(None, False))
+        high, high_open = min(highs, key=_reach, default=(None, False))
         return Interval(low, high, low_open, high_open)
 
     def power(self, exponent: int) -> Interval:
@@ -97,16 +104,15 @@ class Interval:
             return -self
         if self.low is None or self.high is None:
             return Interval(fmpq(0))
-        ends = [(-self.low, self.low_open), (self.high, self.high_open)]
-        high = max(end for end, _ in ends)
-        return Interval(fmpq(0), high, False, (high, False) not in ends)
+        high, high_open = max((-self.low, self.low_open), (self.high, self.high_open), key=_reach)
+        return Interval(fmpq(0), high, False, high_open)
 
     def inverse(self) -> Interval:
         """1 over what is not 0."""
         if self.is_below:
             return -(-self).inverse()
         if not self.is_positive:
-            return Interval(fmpq(0)) if self.is_not_negative else Interval()
+            return self.side()
         low = fmpq(0) if self.high is None else 1 / self.high
         high = None if self.low == 0 or self.low is None else 1 / self.low
         return Interval(low, high, self.high is None or self.high_open, self.low_open)
@@ -124,9 +130,6 @@ class Interval:
         return Interval(low, high, low == 0 and self.is_positive)
 
 
-End = tuple[fmpq | None, bool]
-
-
 def _product(left: End, right: End) -> End:
     """The product of two ends, open unless it is taken."""
     (a, a_open), (b, b_open) = left, right
@@ -135,51 +138,12 @@ def _product(left: End, right: End) -> End:
     return (None, False) if a is None or b is None else (a * b, a_open or b_open)
 
 
-def _inner(left: End, right: End, extreme: Callable[[fmpq, fmpq], fmpq]) -> End:
-    (a, a_open), (b, b_open) = left, right
-    if a is None or b is None:
-        return right if a is None else left
-    if a == b:
-        return a, a_open or b_open
-    return left if extreme(a, b) == a else right
+def _reach(end: End) -> tuple[fmpq, bool]:
+    """How far up an interval with this end, a number, reaches."""
+    return end[0] or fmpq(0), not end[1]
 
 
 POSITIVE, UNIT = Interval(fmpq(0), None, True), Interval(fmpq(-1), fmpq(1))
-
-OF_REAL = {
-    **dict.fromkeys(("sin", "cos", "jacobi_sn", "jacobi_cn"), UNIT),
-    **dict.fromkeys(("exp", "jacobi_dn", "jacobi_theta", "bessel_k"), POSITIVE),
-    "erf": Interval(fmpq(-1), fmpq(1), True, True),
-    "tanh": Interval(fmpq(-1), fmpq(1), True, True),
-    "sech": Interval(fmpq(0), fmpq(1), True),
-    "cosh": Interval(fmpq(1)),
-}
-"""Where the values at real arguments lie, for m < 1 where there is one."""
-
-
-def rational(nodes: Nodes, node: int) -> fmpq | None:
-    """The value of a number or of a product of numbers."""
-    match nodes.all[node]:
-        case ("Mul", *factors):
-            values = [nodes.value(factor) for factor in factors]
-            found = [value for value in values if value is not None]
-            return reduce(mul, found) if len(found) == len(values) else None
-    return nodes.value(node)
-
-
-def stated(nodes: Nodes, node: int, weak: bool) -> tuple[int, Interval] | None:
-    """What ``node > 0`` (``weak``: or 0) says of another node: s > r, s < r or s > 0."""
-    terms = nodes.all[node][1:] if nodes.all[node][0] == "Add" else (node,)
-    shifts = [rational(nodes, term) for term in terms]
-    rest = [term for term, shift in zip(terms, shifts, strict=True) if shift is None]
-    if len(rest) != 1:
-        return None
-    shift = sum((value for value in shifts if value is not None), fmpq(0))
-    match nodes.all[rest[0]]:
-        case ("Mul", *factors) if factors.count(nodes.rational(-1)) == 1 and len(factors) == 2:
-            (other,) = (f for f in factors if f != nodes.rational(-1))
-            return other, Interval(None, shift, False, not weak)
-    return rest[0], Interval(-shift, None, not weak, False)
 
 
 def of_constant(value: arb) -> Interval:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 from flint import fmpq_mpoly
 
-from . import axioms
-from .axioms import SLOPES
-from .images import Generator, Images
+from .axioms import FUNCTIONS
 from .limits import CertificateError
-from .ring import Element, Ring, common
+from .ring import Element, Ring, common, total
+
+if TYPE_CHECKING:
+    from .field import Field
+
+RATES: dict[str, Callable[[Slopes, Field, int, int], Element]] = {}
+"""Derivatives of functions that are told by no formula, along a variable."""
 
 
 class Derivation:
@@ -35,28 +39,16 @@ class Derivation:
 
     def __call__(self, element: Element) -> Element:
         """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
-        ring, numerator = self.ring, element.numerator
-        result = self.along(numerator)
-        raised = []
-        for place, power in element.powers.items():
-            slope, divides = self._factor_slope(place)
-            if divides:
-                result -= ring.product(power * slope, numerator)
-            else:
-                raised.append((place, power, slope))
-        for place, _, _ in raised:
-            result = ring.product(result, ring.factors[place])
-        for place, power, slope in raised:
-            term = ring.product(power * slope, numerator)
-            for other, _, _ in raised:
-                term = ring.product(term, ring.factors[other]) if other != place else term
-            result -= term
         powers = dict(element.powers)
-        for place, _, _ in raised:
-            powers[place] += 1
         for place, power in self.below.items():
             powers[place] = powers.get(place, 0) + power
-        return Element(ring, result, powers).cancelled()
+        parts = [Element(self.ring, self.along(element.numerator), powers)]
+        for place, power in element.powers.items():
+            slope, divides = self._factor_slope(place)
+            above = self.ring.product(-power * slope, element.numerator)
+            raised = powers if divides else {**powers, place: powers[place] + 1}
+            parts.append(Element(self.ring, above, raised))
+        return total(self.ring, parts).cancelled()
 
     def _factor_slope(self, place: int) -> tuple[fmpq_mpoly, bool]:
         """The derivative of a factor (times the common denominator), over it where that goes."""
@@ -69,105 +61,77 @@ class Derivation:
 
 
 class Slopes:
-    """The derivatives of the generators of ``images``."""
+    """The derivatives of the generators of a field, and of all that is made of them."""
 
-    def __init__(self, images: Images) -> None:
-        self._images = images
+    def __init__(self, field: Field) -> None:
+        self._of = field
         self._slopes: dict[tuple[int, int], Element] = {}
         self._rates: dict[tuple[int, int], Element] = {}
+        self._derivations: dict[int, tuple[frozenset[int], Derivation]] = {}
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, by the slopes of its generators."""
+        known, derivation = self._derivations.get(variable, (frozenset[int](), None))
+        if derivation is None or not element.places <= known:
+            slopes = {p: self.slope(p, variable) for p in sorted(known | element.places)}
+            derivation = Derivation(self._of.ring, slopes)
+            self._derivations[variable] = frozenset(slopes), derivation
+        return derivation(element)
 
     def slope(self, place: int, variable: int) -> Element:
         """The derivative of a generator."""
         if (place, variable) not in self._slopes:
-            self._slopes[place, variable] = self._slope(self._images.generators[place], variable)
+            self._slopes[place, variable] = self._slope(place, variable)
         return self._slopes[place, variable]
 
-    def derivative(self, element: Element, variable: int) -> Element:
-        """The chain rule, for the arguments of generators."""
-        slopes = {place: self.slope(place, variable) for place in sorted(element.places)}
-        return Derivation(self._images.ring, slopes)(element)
+    def _slope(self, place: int, variable: int) -> Element:
+        generator = self._of.generators[place]
+        rate, scale = self.rate(generator.formula, variable), generator.scale
+        if scale.is_one():
+            return rate
+        factor = Element(self._of.ring, scale)
+        image = self._of.ring.generator(place) / factor
+        return rate * factor + image * self.derivative(factor, variable)
 
-    def _slope(self, generator: Generator, variable: int) -> Element:
-        images = self._images
-        if generator.form:
-            parts = [
-                images.image(factor) * self._atom_slope(node, variable)
-                for factor, node in generator.form
-            ]
-            return images.sum([self._rate(generator.shift, variable), *parts])
-        image = images.image(generator.node)
-        slope = self._atom_slope(generator.node, variable)
-        if generator.scale is not None:
-            scale = Element(images.ring, generator.scale)
-            return slope * scale + image * self.derivative(scale, variable)
-        if generator.below is not None:
-            below = images.image(generator.below)
-            return (slope - image * self._rate(generator.below, variable) / below) / below
-        return slope
-
-    def _atom_slope(self, node: int, variable: int) -> Element:
-        """The axioms of differentiation."""
-        images = self._images
-        image = images.image(node)
-        match images.nodes.all[node]:
-            case ("symbol", *_):
-                return images.one if node == variable else images.zero
-            case ("I",) | ("pi",) | (("elliptic_k" | "elliptic_e"), _):
-                return images.zero
-            case ("parity", _) if images.nodes.all[variable][2] != "integer":
-                return images.zero
-            case ("Pow", *_) if node in self._images.circles.values():
-                return images.zero
-            case ("Pow", base, exponent):
-                rate = self._rate(base, variable)
-                factor = images.ring.number(exponent)
-                return images.zero if rate.is_zero else factor * image * rate / images.image(base)
-            case ("Abs", f):
-                rate = self.derivative(images.squared(f), variable)
-                return images.zero if rate.is_zero else rate / (image + image)
-            case ("jet", z, *nome, (name, order)):
-                slope = self._times(self._rate(z, variable), "jet", z, *nome, (name, order + 1))
-                for q in nome:  # the heat equation
-                    turn = self._rate(q, variable) / (images.ring.number(-4) * images.image(q))
-                    slope = slope + self._times(turn, "jet", z, q, (name, order + 2))
-                return slope
-            case (str(name), *_) if name in SLOPES:
-                letters = axioms.letters(images.nodes.all[node])
-                rate = self._rate(letters["z"], variable)
-                if rate.is_zero:
-                    return images.zero
-                return rate * images.image(axioms.read(images.nodes, SLOPES[name], **letters))
-        raise CertificateError("the derivative of a generator does not follow from the axioms")
-
-    def _times(self, rate: Element, *node: Any) -> Element:
-        """A rate times the image of a node, which is not asked for if the rate is 0."""
-        return rate if rate.is_zero else rate * self._images.made(*node)
-
-    def _rate(self, node: int, variable: int) -> Element:
-        """The derivative of a formula, by its structure."""
+    def rate(self, node: int, variable: int) -> Element:
+        """The derivative of a formula, by its structure and the axioms."""
         if (node, variable) not in self._rates:
-            self._rates[node, variable] = self._made_rate(node, variable)
+            moves = variable in self._of.nodes.below([node])
+            self._rates[node, variable] = (
+                self._made_rate(node, variable) if moves else self._of.zero
+            )
         return self._rates[node, variable]
 
     def _made_rate(self, node: int, variable: int) -> Element:
-        images = self._images
-        if not images.moves(node):
-            return images.zero
-        match images.nodes.all[node]:
+        field = self._of
+        match field.nodes.all[node]:
+            case ("symbol", *_):
+                return field.one
             case ("Add", *terms):
-                return images.sum([self._rate(term, variable) for term in terms])
+                return field.sum([self.rate(term, variable) for term in terms])
             case ("Mul", *factors):
-                parts = []
+                parts = [field.zero]
                 for i, factor in enumerate(factors):
-                    rate = self._rate(factor, variable)
+                    rate = self.rate(factor, variable)
                     if not rate.is_zero:
-                        others = (images.image(f) for j, f in enumerate(factors) if j != i)
-                        parts.append(images.product([rate, *others]))
-                return images.sum([images.zero, *parts])
+                        others = [f for j, f in enumerate(factors) if j != i]
+                        parts.append(rate * field.product(others) if others else rate)
+                return field.sum(parts)
+            case ("Pow", base, exponent) if node in field.primitives("Pow"):
+                rate = field.ring.number(exponent) * self.rate(base, variable)
+                return rate if rate.is_zero else rate * field.image(node) / field.image(base)
             case ("Pow", base, exponent) if exponent.q == 1:
-                power = images.image(base) ** (int(exponent.p) - 1)
-                outer = images.ring.number(exponent) * power
-                return outer * self._rate(base, variable)
-            case (name, *_) if name == "symbol" or name in SLOPES:
-                return self._atom_slope(node, variable)
-        return self.derivative(images.image(node), variable)
+                outer = field.image(base) ** (int(exponent.p) - 1)
+                return field.ring.number(exponent) * outer * self.rate(base, variable)
+            case ("Abs", f) if node in field.primitives("Abs"):
+                rate = self.derivative(field.squared(f), variable)
+                return rate if rate.is_zero else rate / (field.image(node) + field.image(node))
+            case (str(name), *_) if name in RATES:
+                return RATES[name](self, field, node, variable)
+            case (str(name), *arguments) if name in FUNCTIONS and FUNCTIONS[name].slope:
+                letters = FUNCTIONS[name].arguments(*arguments)
+                rate = self.rate(letters["z"], variable)
+                return rate if rate.is_zero else rate * field.read(FUNCTIONS[name].slope, **letters)
+            case (name, *_) if node in field.primitives(name):
+                raise CertificateError("a generator's derivative does not follow from the axioms")
+        return self.derivative(field.image(node), variable)

@@ -1,24 +1,415 @@
-"""The images of a certificate's formulas in its generators, with their slopes and relations.
+"""The images of a certificate's formulas in its generators, with the generators' relations.
 
-A generator is given by its meaning alone.  Relations and slopes follow from the axioms; sums,
-products and integer powers are computed; a function must be a generator, or follow from generators
-by an axiom whose premises are checked here, by exact arithmetic on images.
+A generator is given by its meaning alone, a formula.  Relations and slopes follow from the axioms;
+sums, products and integer powers are computed; a function must be a generator, or follow from
+generators by a rule whose premises are checked, by exact arithmetic on images.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import mul
+from typing import Any, ClassVar
 
-from flint import acb, fmpq_mpoly
+from flint import acb, fmpq, fmpq_mpoly
 
-from . import axioms, further
-from .derivations import Derivation, Slopes
-from .functions import Functions
-from .images import Form, Generator, Images
+from .axioms import FUNCTIONS, SQUARES
+from .derivations import Slopes
 from .limits import CertificateError
-from .nodes import SPECIAL, Balls, children, value_at
-from .ring import Element
+from .node_balls import Balls, value_at
+from .nodes import Nodes, children
+from .reading import axiom
+from .ring import Element, Ring, total
+from .signs import Signs
+
+Rule = Callable[["Field", int], Element | None]
+"""What gives the image of a node of some function, or None where it does not apply."""
+
+RULES: dict[str, list[Rule]] = {}
+"""The rules for each function, in the order in which they are tried."""
+
+Relation = Callable[["Field", int], tuple[int, Element] | None]
+
+RELATIONS: dict[str, Relation] = {}
+"""For a function the degree of an algebraic one and that power of it; None for one without."""
+
+CONTINUITY: list[Callable[[Field, str, int, int], bool]] = []
+"""What may show that a value, of which a function is f, is the principal one of its inverse."""
+
+
+def rule(*names: str, first: bool = False) -> Callable[[Rule], Rule]:
+    """Enter a rule for the functions called ``names``, before all others if it is ``first``."""
+
+    def entered(found: Rule) -> Rule:
+        for name in names:
+            known = RULES.setdefault(name, [])
+            known.insert(0 if first else len(known), found)
+        return found
+
+    return entered
+
+
+Row = tuple[Sequence[int], int]
+"""The factors of some functions in a linear form, and what is added."""
+
+
+@dataclass(frozen=True)
+class Hints:
+    """What to try: nothing of this is believed, all of it is checked.
+
+    ``values[f]`` names what a root, an absolute value, a logarithm or an inverse function is, or
+    the same function of an argument written as a sum; ``signs[f]`` a formula with the same image
+    whose structure shows its sign.
+    """
+
+    values: Mapping[int, int]
+    signs: Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Generator:
+    """What a generator stands for: the node ``formula`` times ``scale``, a polynomial in others.
+
+    The formula is the sum of ``form``, factors and primitives, and of another node.
+    """
+
+    formula: int
+    scale: fmpq_mpoly
+    form: tuple[tuple[int, int], ...]
+
+
+class Field:
+    """Generators, images of nodes, and derivatives.
+
+    ``positive`` are the nodes that the domain states to be positive (True: or 0).  ``circles`` maps
+    a symbol s to the node of sqrt(1 - s**2), which is a generator before it.
+    """
+
+    ring_type: ClassVar[type[Ring]] = Ring
+    slopes_type: ClassVar[type[Slopes]] = Slopes
+
+    def __init__(
+        self,
+        nodes: Nodes,
+        count: int,
+        variables: Sequence[int],
+        positive: Mapping[int, bool],
+        hints: Hints,
+    ) -> None:
+        self.nodes, self.ring, self.hints = nodes, self.ring_type(count), hints
+        self.variables, self.generators = variables, list[Generator]()
+        self.positive, self.point = positive, dict[int, fmpq]()
+        self.signs = Signs(nodes, self.image, positive, hints.signs)
+        self.circles: dict[int, int] = {}
+        self.one, self.zero = self.ring.number(1), self.ring.number(0)
+        self._images: dict[int, Element] = {}
+        self._underway: set[int] = set()
+        self._primitives: dict[str, list[int]] = {}
+        self._slopes = self.slopes_type(self)
+
+    # images
+
+    def walk(self, nodes: Iterable[int]) -> None:
+        """Make the images of ``nodes`` from the inside out."""
+        wanted = set(nodes)
+        for node in range(max(wanted, default=-1), -1, -1):
+            if node in wanted and node not in self._images:
+                inner = self._size(node)
+                wanted.update(children(self.nodes.all[node]) if inner is None else (inner,))
+        for node in sorted(wanted):
+            self.image(node)
+
+    def _size(self, node: int) -> int | None:
+        """f for an even power of abs(f), of which the image is that of a power of f conj(f)."""
+        match self.nodes.all[node]:
+            case ("Pow", base, exponent) if exponent.q == 1 and exponent.p % 2 == 0:
+                name, *inner = self.nodes.all[base]
+                return inner[0] if name == "Abs" else None
+        return None
+
+    def image(self, node: int) -> Element:
+        """The image of a node; raises CertificateError where it does not follow from generators."""
+        if node not in self._images:
+            if node in self._underway:
+                raise CertificateError("an image must not be made of itself")
+            self._underway.add(node)
+            try:
+                self._images[node] = self._image(node)
+            finally:
+                self._underway.remove(node)
+        return self._images[node]
+
+    def _image(self, node: int) -> Element:
+        match self.nodes.all[node]:
+            case ("number", value):
+                return self.ring.number(value)
+            case ("Add", *terms):
+                return self.sum([self.image(term) for term in terms])
+            case ("Mul", *factors):
+                return self.product(factors)
+            case ("Pow", base, exponent) if exponent.q == 1:
+                inner = self._size(node)
+                if inner is not None:
+                    return self.squared(inner) ** (int(exponent.p) // 2)
+                return self.image(base) ** int(exponent.p)
+            case ("Pow", base, exponent) if exponent.p != 1:
+                return self.made("Pow", base, fmpq(1, exponent.q)) ** int(exponent.p)
+            case (("symbol" | "I" | "pi") as name, *label):
+                words = f"the symbol {label[0]}" if label else name
+                raise CertificateError(f"there is no generator for {words}")
+        return self._function(node)
+
+    def _function(self, node: int) -> Element:
+        """The image of a root or function: that of a generator, or by a hint, a rule, an axiom."""
+        known = self.known(node)
+        if known is not None:
+            return known
+        other = self.renamed(node)
+        if other not in (None, node):
+            return self.image(other)
+        turned = self._turned(node) if other is None else None
+        if turned is not None:
+            return turned
+        name, *arguments = self.nodes.all[node]
+        for found in (found(self, node) for found in RULES.get(name, ())):
+            if found is not None:
+                return found
+        if name in FUNCTIONS and FUNCTIONS[name].definition:
+            own = FUNCTIONS[name]
+            return self.read(own.definition, **own.arguments(*arguments))
+        raise CertificateError(f"there is no generator for a {name}")
+
+    def made(self, name: str, *arguments: Any) -> Element:
+        """The image of the node ``(name, *arguments)``."""
+        return self.image(self.nodes.made(name, *arguments))
+
+    def read(self, text: str, **letters: int) -> Element:
+        """The image of an axiom, its letters standing for nodes."""
+        return self.image(axiom(self.nodes, text, **letters))
+
+    def sum(self, parts: Sequence[Element]) -> Element:
+        """The sum over one common denominator, what is over the same one added first."""
+        alike: dict[frozenset[tuple[int, int]], Element] = {}
+        for part in parts:
+            key = frozenset(part.powers.items())
+            above = part.numerator + alike[key].numerator if key in alike else part.numerator
+            alike[key] = Element(self.ring, above, part.powers)
+        return total(self.ring, list(alike.values())).cancelled()
+
+    def product(self, factors: Iterable[int]) -> Element:
+        """The image of a product."""
+        return reduce(mul, map(self.image, factors))
+
+    def squared(self, inner: int) -> Element:
+        """abs(f)**2 = f conj(f)."""
+        return self.image(inner) * self.image(self.signs.conjugate(inner))
+
+    def equal(self, left: int, right: int) -> bool:
+        """Whether two nodes have the same image."""
+        return left == right or (self.image(left) - self.image(right)).is_zero
+
+    def moves(self, node: int) -> bool:
+        """Whether a formula contains a variable along which there are derivatives."""
+        real = {v for v in self.variables if self.nodes.all[v][2] == "real"}
+        return not real.isdisjoint(self.nodes.below([node]))
+
+    def is_kept(self, name: str, f: int, value: int) -> bool:
+        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
+        return any(shown(self, name, f, value) for shown in CONTINUITY)
+
+    def derivative(self, element: Element, variable: int) -> Element:
+        """The derivative of an element, of which all generators' slopes follow from the axioms."""
+        return self._slopes.derivative(element, variable)
+
+    def slope(self, place: int, variable: int) -> Element:
+        """The derivative of a generator."""
+        return self._slopes.slope(place, variable)
+
+    # hints
+
+    def primitives(self, name: str) -> list[int]:
+        """The nodes of the function ``name`` of which a generator is made."""
+        return self._primitives.get(name, [])
+
+    def known(self, node: int) -> Element | None:
+        """The image of the same function of equal arguments, if a generator is made of it."""
+        others = self.primitives(self.nodes.all[node][0])
+        return next((self._images[other] for other in others if self._alike(node, other)), None)
+
+    def hinted(self, node: int) -> int | None:
+        """What a hint names for a node, or for the same function of equal arguments."""
+        values = self.hints.values
+        if node in values:
+            return values[node]
+        return next((values[other] for other in values if self._alike(node, other)), None)
+
+    def _alike(self, node: int, other: int) -> bool:
+        """Whether two nodes are the same function of arguments of equal images."""
+        left, right = self.nodes.all[node], self.nodes.all[other]
+        inner, outer = children(left), children(right)
+        if left[0] != right[0] or left[len(inner) + 1 :] != right[len(outer) + 1 :]:
+            return False
+        try:
+            return all(self.equal(a, b) for a, b in zip(inner, outer, strict=True))
+        except CertificateError:  # a hint for a node that the proof has no generator for
+            return False
+
+    def renamed(self, node: int) -> int | None:
+        """The same function of an argument in the words that a hint names; checked.
+
+        What is said of the argument of sn holds for those of cn, dn, epsilon and zeta.
+        """
+        name, *arguments = self.nodes.all[node]
+        if name not in FUNCTIONS or FUNCTIONS[name].symmetry in ("", "same"):
+            return None
+        key = self.nodes.made("jacobi_sn", *arguments) if name in SINES else node
+        value = self.hinted(key)
+        if value is None or self.nodes.all[value][0] != self.nodes.all[key][0]:
+            return None
+        found = self.nodes.made(name, *self.nodes.all[value][1:])
+        if found != node and not self._alike(key, value):
+            raise CertificateError("an argument is not the sum that it is said to be")
+        return found
+
+    def _turned(self, node: int) -> Element | None:
+        """The image by that of the same function of -z, if a generator or hint is of that."""
+        name, *arguments = self.nodes.all[node]
+        symmetry = FUNCTIONS[name].symmetry if name in FUNCTIONS else ""
+        if not symmetry:
+            return None
+        place = FUNCTIONS[name].letters.index("z")
+        arguments[place] = self.nodes.negative(arguments[place])
+        other = self.nodes.made(name, *arguments)
+        if self.known(other) is None and self.renamed(other) is None:
+            return None
+        value = self.image(other)
+        return value.inverse() if symmetry == "inverse" else value if symmetry == "even" else -value
+
+    # generators
+
+    def register(self, node: int) -> None:
+        """The next generator stands for ``node``, a function or a symbol.
+
+        It is not used where another one stands for the same function of equal arguments.
+        """
+        self._enter_circle(node)
+        self.walk(children(self.nodes.all[node]) if node not in self.circles.values() else ())
+        known = self.known(node)
+        if known is not None and node not in self._images:
+            self.generators.append(Generator(node, self.ring.context.constant(1), ()))
+            self._images[node] = known
+        else:
+            one, zero = self.nodes.rational(1), self.nodes.rational(0)
+            self.register_forms([node], [((one,), zero)])
+
+    def register_forms(self, nodes: Sequence[int], rows: Sequence[Row]) -> None:
+        """The next generators are linear in as many symbols or functions, of which images follow.
+
+        Of an algebraic function it is a multiple, times what makes its power a polynomial.
+        """
+        relations = [self._relation(node) for node in nodes]
+        places = range(len(self.generators), len(self.generators) + len(rows))
+        table = []
+        for place, (factors, shift) in zip(places, rows, strict=True):
+            if not all(self.signs.is_clean(node) for node in (*factors, shift)):
+                raise CertificateError("a linear form must be analytic on the domain")
+            pairs = tuple(zip(factors, nodes, strict=True))
+            parts = [p if self.nodes.value(f) == 1 else self.nodes.product(f, p) for f, p in pairs]
+            parts += [] if self.nodes.value(shift) == 0 else [shift]
+            formula = parts[0] if len(parts) == 1 else self.nodes.made("Add", *parts)
+            scale = self.ring.context.constant(1)
+            if relations[0] is not None and len(nodes) == 1 and self.nodes.value(shift) == 0:
+                scale = self.relate(place, *relations[0], self.image(factors[0]))
+            elif any(relations):
+                raise CertificateError("a linear form must be a multiple of a root, or have none")
+            self.generators.append(Generator(formula, scale, pairs))
+            image = self.ring.generator(place) / Element(self.ring, scale) - self.image(shift)
+            table.append([*map(self.image, factors), image])
+        for node, value in zip(nodes, solved(table), strict=True):
+            self._add(node, value)
+
+    def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
+        """Enter the power of a root times a factor, and times what makes it a polynomial."""
+        value = value * factor**degree
+        below, power = value.denominator(), value.numerator
+        for _ in range(degree - 1):
+            power = self.ring.product(power, below)
+        self.ring.relate(place, degree, power)
+        return below
+
+    def register_part(self, left: int, right: int) -> None:
+        """The next generator stands for either of two formulas that were proved equal."""
+        image = self.ring.generator(len(self.generators))
+        one = self.nodes.rational(1)
+        self.generators.append(Generator(left, self.ring.context.constant(1), ((one, left),)))
+        self._add(left, image)
+        self._images[right] = image
+
+    def _add(self, node: int, image: Element) -> None:
+        if node in self._images:
+            raise CertificateError("a generator must be new")
+        self._images[node] = image
+        self._primitives.setdefault(self.nodes.all[node][0], []).append(node)
+
+    def _enter_circle(self, root: int) -> None:
+        """Take sqrt(1 - s**2), of a parameter s without an image, for a generator before s."""
+        for symbol in self.nodes.below([root]):
+            is_symbol = self.nodes.all[symbol][0] == "symbol" and symbol not in self.variables
+            of = axiom(self.nodes, "sqrt(1 - z**2)", z=symbol) if is_symbol else None
+            if root == of and symbol not in self._images:
+                self.circles[symbol] = root
+
+    def _relation(self, node: int) -> tuple[int, Element] | None:
+        """The degree of an algebraic function and that power of it; None if there is none."""
+        self.need_parameters(node)
+        match self.nodes.all[node]:
+            case ("Pow", *_) if node in self.circles.values():
+                return None
+            case ("symbol", *_) if node in self.circles:
+                return 2, self.one - self.image(self.circles[node]) ** 2
+            case ("symbol" | "pi", *_):
+                return None
+            case ("I",):
+                return 2, -self.one
+            case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
+                return int(exponent.q), self.image(base)
+            case ("Abs", inner):
+                return 2, self.squared(inner)
+            case (str(name), *arguments) if name in {own for own, _ in SQUARES}:
+                for (own, other), text in SQUARES.items():
+                    if own == name and self.nodes.made(other, *arguments) in self._images:
+                        return 2, self.read(text, **FUNCTIONS[own].arguments(*arguments))
+                return None
+            case (str(name), *_) if name in RELATIONS:
+                return RELATIONS[name](self, node)
+            case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].free:
+                return None
+        raise CertificateError(f"{self.nodes.all[node][0]} is no generator")
+
+    def need_parameters(self, node: int) -> None:
+        """The arguments besides z are constant, or integers, or a nome, and in their range."""
+        name, arguments = self.nodes.all[node][0], children(self.nodes.all[node])
+        if name not in FUNCTIONS or FUNCTIONS[name].letters == "z" or name == "power":
+            return
+        if name != "theta" and any(map(self.moves, FUNCTIONS[name].parameters(*arguments))):
+            raise CertificateError(f"the parameters of {name} must be constant")
+        needed = self.signs.needed(name, *arguments)
+        if needed:
+            raise CertificateError(f"{name} needs {needed}, which is not shown on the domain")
+
+    def balls(self, balls: Balls) -> list[acb]:
+        """The values of the generators at a point."""
+        values: list[acb] = []
+        for generator in self.generators:
+            rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
+            values.append(balls.ball(generator.formula) * value_at(generator.scale, rest))
+        return values
+
+
+SINES = ("jacobi_cn", "jacobi_dn", "jacobi_epsilon", "jacobi_zeta")
+"""Functions whose arguments are written like those of sn."""
 
 
 def solved(table: list[list[Element]]) -> list[Element]:
@@ -37,200 +428,3 @@ def solved(table: list[list[Element]]) -> list[Element]:
                 pairs = zip(table[i], table[column], strict=True)
                 table[i] = [entry - factor * other for entry, other in pairs]
     return [row[-1] for row in table]
-
-
-FREE = ("symbol", "pi", "elliptic_k", "elliptic_e", "exp", "log", "atan", *SPECIAL, "jet")
-FREE_JACOBI = ("jacobi_epsilon", "jacobi_zeta", "jacobi_theta")
-"""Functions that satisfy no polynomial relation of their own."""
-
-
-class Field(Images):
-    """Generators, images of nodes, and derivatives."""
-
-    @cached_property
-    def _functions(self) -> Functions:
-        return Functions(self)
-
-    @cached_property
-    def _derivations(self) -> dict[int, tuple[frozenset[int], Derivation]]:
-        return {}
-
-    @cached_property
-    def _slopes(self) -> Slopes:
-        return Slopes(self)
-
-    def register(self, node: int) -> None:
-        """The next generator stands for ``node``, a function or a symbol.
-
-        It is not used where another one stands for the same function of equal arguments.
-        """
-        self.walk(children(self.nodes.all[node]))
-        known = self.known(node)
-        if known is not None and node not in self._images:
-            self.generators.append(Generator(node))
-            self._images[node] = known
-            return
-        match self.nodes.all[node]:
-            case ("symbol", *_) if node in self.circles:
-                self._algebraic(node, 2, self.one - self.image(self.circles[node]) ** 2)
-            case ("I",):
-                self._algebraic(node, 2, -self.one)
-            case ("Pow", base, exponent) if exponent.p == 1 and exponent.q > 1:
-                self._algebraic(node, int(exponent.q), self.image(base))
-            case ("exp", z) if (share := further.share_of_turn(self.nodes, z)) is not None:
-                self._algebraic(node, *further.cyclotomic_relation(self._next, share))
-            case ("parity", z) if self.nodes.all[z][0::2] == ("symbol", "integer"):
-                self._algebraic(node, 2, self.one)
-            case ("Abs", inner):
-                self._algebraic(node, 2, self.squared(inner))
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn" | "weierstrass_p_prime", *_):
-                self._register_related(node)
-            case (str(name), *_) if name in (*FREE, *FREE_JACOBI):
-                self._functions.need_parameters(node)
-                self._add(node, self._next, Generator(node))
-            case (name, *_):
-                raise CertificateError(f"{name} is no generator")
-
-    def register_scaled(self, node: int, scale: int) -> None:
-        """The next generator stands for ``scale`` times a Jacobi function."""
-        match self.nodes.all[node]:
-            case ("jacobi_sn" | "jacobi_cn" | "jacobi_dn", *_) if self.signs.is_clean(scale):
-                self._register_related(node, self.image(scale))
-            case _:
-                raise CertificateError("what is scaled must be a Jacobi function")
-
-    def register_circle(self, root: int, symbol: int) -> None:
-        """The next generator stands for sqrt(1 - s**2); s itself is a root of it later."""
-        if root != axioms.read(self.nodes, "sqrt(1 - z**2)", z=symbol):
-            raise CertificateError("a circle must be of a symbol s and sqrt(1 - s**2)")
-        if self.nodes.all[symbol][0] != "symbol" or symbol in self.variables:
-            raise CertificateError("a circle must be of a parameter")
-        self._add(root, self._next, Generator(root))
-        self.circles[symbol] = root
-
-    def register_quotient(self, node: int, below: int) -> None:
-        """The next generator stands for ``node/below``, two theta functions."""
-        for theta in (node, below):
-            if self.nodes.all[theta][0] != "jacobi_theta":
-                raise CertificateError("a quotient must be of theta functions")
-            self._functions.need_parameters(theta)
-        self._add(node, self._next * self.image(below), Generator(node, below=below))
-
-    def register_forms(self, primitives: Sequence[int], rows: Sequence[Form]) -> None:
-        """The next generators are linear in as many symbols or functions, with constant factors.
-
-        The images of these follow by elimination.
-        """
-        for node in primitives:
-            name = self.nodes.all[node][0]
-            if node in self._images or (name not in FREE and name not in FREE_JACOBI):
-                raise CertificateError(f"a {name} cannot be in a linear form, or is known")
-            self._functions.need_parameters(node)
-        places = range(len(self.generators), len(self.generators) + len(rows))
-        table = []
-        for place, (factors, shift) in zip(places, rows, strict=True):
-            if not all(self.signs.is_clean(node) for node in (*factors, shift)):
-                raise CertificateError("a linear form must be analytic on the domain")
-            if any(map(self.moves, factors)):
-                raise CertificateError("the factors of a linear form must be constant")
-            rest = self.ring.generator(place) - self.image(shift)
-            table.append([*map(self.image, factors), rest])
-            pairs = tuple(zip(factors, primitives, strict=True))
-            self.generators.append(Generator(0, form=pairs, shift=shift))
-        for node, value in zip(primitives, solved(table), strict=True):
-            self._images[node] = value
-            self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
-
-    def register_part(self, left: int, right: int) -> None:
-        """The next generator stands for either of two formulas that were proved equal."""
-        self._add(left, self._next, Generator(left))
-        self._images[right] = self._images[left]
-
-    def slope(self, place: int, variable: int) -> Element:
-        """The derivative of a generator."""
-        return self._slopes.slope(place, variable)
-
-    def derivative(self, element: Element, variable: int) -> Element:
-        """The derivative of an element, of which all generators' slopes follow from the axioms."""
-        known, derivation = self._derivations.get(variable, (frozenset[int](), None))
-        if derivation is None or not element.places <= known:
-            known |= element.places
-            derivation = Derivation(self.ring, {p: self.slope(p, variable) for p in known})
-            self._derivations[variable] = known, derivation
-        return derivation(element)
-
-    def balls(self, balls: Balls) -> list[acb]:
-        """The values of the generators at a point."""
-        values: list[acb] = []
-        for generator in self.generators:
-            if generator.form:
-                parts = (balls.ball(factor) * balls.ball(node) for factor, node in generator.form)
-                values.append(sum(parts, balls.ball(generator.shift)))
-                continue
-            value = balls.ball(generator.node)
-            if generator.scale is not None:
-                rest = [*values, *[acb(0)] * (len(self.ring.names) - len(values))]
-                value *= value_at(generator.scale, rest)
-            if generator.below is not None:
-                value /= balls.ball(generator.below)
-            values.append(value)
-        return values
-
-    @property
-    def _next(self) -> Element:
-        place = len(self.generators)
-        if place >= len(self.ring.names):
-            raise CertificateError("there are more generators than announced")
-        return self.ring.generator(place)
-
-    def _add(self, node: int, image: Element, generator: Generator) -> None:
-        if node in self._images:
-            raise CertificateError("a generator must be new")
-        self.generators.append(generator)
-        self._images[node] = image
-        self._atoms.setdefault(self.nodes.all[node][0], []).append(node)
-
-    def _algebraic(
-        self, node: int, degree: int, value: Element, scale: Element | None = None
-    ) -> None:
-        """The generator is D times scale times a root, so that its power is a polynomial."""
-        place = len(self.generators)
-        scale = scale or self.one
-        value = value * scale**degree
-        below = value.denominator()
-        power = value.numerator
-        for _ in range(degree - 1):
-            power = self.ring.product(power, below)
-        self._add_scaled(node, self.ring.product(below, _whole(scale)))
-        self.ring.relate(place, degree, power)
-
-    def _add_scaled(self, node: int, scale: fmpq_mpoly) -> None:
-        if scale.is_one():
-            self._add(node, self._next, Generator(node))
-        else:
-            self._add(node, self._next / Element(self.ring, scale), Generator(node, scale=scale))
-
-    def _register_related(self, node: int, scale: Element | None = None) -> None:
-        self._functions.need_parameters(node)
-        own, *rest = self.nodes.all[node]
-        for (name, other), text in axioms.SQUARES.items():
-            if name == own and self.nodes.made(other, *rest) in self._images:
-                letters = axioms.letters(self.nodes.all[node])
-                square = self.image(axioms.read(self.nodes, text, **letters))
-                self._algebraic(node, 2, square, scale)
-                return
-        self._add_scaled(node, _whole(scale or self.one))
-
-    def is_kept(self, name: str, f: int, value: int) -> bool:
-        """Whether ``value``, of which the function is ``f``, is principal by continuity."""
-        return further.is_kept(self, name, f, value)
-
-    def _function(self, node: int) -> Element:
-        return self._functions.value(node)
-
-
-def _whole(element: Element) -> fmpq_mpoly:
-    """The polynomial that a fraction is."""
-    if element.powers:
-        raise CertificateError("a scale must be a polynomial in the generators")
-    return element.numerator

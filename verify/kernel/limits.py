@@ -7,13 +7,13 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-FORMAT = "longwave proof 3"
+FORMAT = "longwave proof 4"
 
 FILE_BYTES = 8_000_000
 """The largest certificate of the catalogue has 0.2 MB."""
 
-NODES, DEPTH, ARGUMENTS = 20_000, 500, 5_000
-GENERATORS, TERMS, JETS, ORDER = 64, 2_000, 64, 12
+NODES, DEPTH = 20_000, 500
+GENERATORS, ORDER = 64, 12
 DIGITS, EXPONENT, NAME, SHIFT = 2_000, 1_000, 60, 1_000
 
 NESTING = 60

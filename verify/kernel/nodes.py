@@ -1,71 +1,25 @@
-"""Formulas as a table of nodes: plain tuples, equal ones shared, none evaluated but by balls.
+"""Formulas as a table of nodes: plain tuples, equal ones shared, none evaluated.
 
 A node is ``(name, *arguments)``.  Leaves are ``("number", fmpq)``, ``("symbol", name, kind)`` with
 the kind ``real``, ``integer`` or ``complex``, ``("I",)`` and ``("pi",)``, and in equations
 ``("unknown", place, shifts)``, a statement's unknown at shifted variables; ``("diff", node,
-*variables)`` is a derivative; ``("jet", z, ..., (name, order))`` is a derivative in z of a function
-of which all derivatives are free; all others are functions of nodes that stand earlier.  `Balls`
-encloses their values at a rational point (FLINT's arb and acb).
+*variables)`` is a derivative; ``("jet", z, (name, order))`` one of an arbitrary function, and
+``("theta", z, q, (name, order))`` one in z of a theta function of the nome q; all others are
+functions of nodes that stand earlier.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import reduce
-from operator import add, mul
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from flint import acb, acb_series, arb, ctx, fmpq, fmpq_mpoly
+from flint import fmpq
 
-from .jacobi_values import Jacobi
 from .limits import DEPTH, DIGITS, NODES, CertificateError, within
-from .weierstrass_values import weierstrass
 
 NUMBER = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 KINDS = ("real", "integer", "complex", "function")
-
-ELLIPTIC = ("sn", "cn", "dn", "epsilon", "zeta", "theta", "eta")
-ANALYTIC = (
-    *("sinh", "cosh", "tanh", "coth", "sech", "csch", "sin", "cos", "tan", "cot", "sec", "csc"),
-    *("exp", "log", "atan", "asin", "acos", "asinh", "acosh", "atanh", "elliptic_k", "elliptic_e"),
-)
-"""Functions of FLINT's balls by the same name."""
-
-CYLINDER: Mapping[str, tuple[int, int]] = {
-    "bessel_j": (-1, 1),
-    "bessel_y": (-1, 1),
-    "bessel_i": (1, 1),
-    "bessel_k": (-1, -1),
-}
-"""Bessel functions C of order v, with a and b in C' = v/z C + a C(v + 1) = b C(v - 1) - v/z C."""
-
-THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
-"""Theta functions of z and the nome q, 0 < q < 1."""
-
-SPECIAL: Mapping[str, Callable[..., acb]] = {
-    "erf": acb.erf,
-    "airy_ai": acb.airy_ai,
-    "airy_ai_prime": lambda z: z.airy_ai(derivative=1),
-    "airy_bi": acb.airy_bi,
-    "airy_bi_prime": lambda z: z.airy_bi(derivative=1),
-    "lambert_w": acb.lambertw,
-    "bessel_j": lambda v, z: z.bessel_j(v),
-    "bessel_y": lambda v, z: z.bessel_y(v),
-    "bessel_i": lambda v, z: z.bessel_i(v),
-    "bessel_k": lambda v, z: z.bessel_k(v),
-    "weierstrass_p": lambda *z: weierstrass(*z)[0],
-    "weierstrass_p_prime": lambda *z: weierstrass(*z)[1],
-}
-"""Functions that are known by their differential equations alone, as balls."""
-
-ARITY = {
-    **dict.fromkeys((*ANALYTIC, *SPECIAL, "conjugate", "re", "im", "Abs", "sign", "parity"), 1),
-    **dict.fromkeys(CYLINDER, 2),
-    **dict.fromkeys(("weierstrass_p", "weierstrass_p_prime"), 3),
-    "power": 2,
-    **{f"jacobi_{name}": 2 for name in ELLIPTIC},
-}
 
 Node = tuple[Any, ...]
 
@@ -142,13 +96,50 @@ class Nodes:
         """The node of a rational number."""
         return self.made("number", fmpq(p, q))
 
+    def negative(self, node: int) -> int:
+        """The node times -1."""
+        return self.times(-1, node)
+
+    def gap(self, left: int, right: int) -> int:
+        """The node of ``right - left``."""
+        if self.value(left) == 0:
+            return right
+        negative = self.negative(left)
+        return negative if self.value(right) == 0 else self.made("Add", right, negative)
+
     def value(self, node: int) -> fmpq | None:
         """The value of a number's node; None for any other."""
         found = self.all[node]
         return found[1] if found[0] == "number" else None
 
+    def terms(self, node: int) -> tuple[int, ...]:
+        """The terms of a sum; what is no sum is one term."""
+        return self.all[node][1:] if self.all[node][0] == "Add" else (node,)
+
+    def multiple(self, node: int) -> tuple[fmpq, int]:
+        """The numbers in a product, multiplied, and the rest, 1 if there is none."""
+        factors = self.all[node][1:] if self.all[node][0] == "Mul" else (node,)
+        number, rest = fmpq(1), []
+        for factor in factors:
+            value = self.value(factor)
+            if value is None:
+                rest.append(factor)
+            else:
+                number *= value
+        return number, self.product(*rest)
+
+    def times(self, number: int, node: int) -> int:
+        """A multiple of a node."""
+        return node if number == 1 else self.made("Mul", self.rational(number), node)
+
+    def product(self, *factors: int) -> int:
+        """The product of some nodes, of none 1."""
+        if len(factors) < 2:
+            return factors[0] if factors else self.rational(1)
+        return self.made("Mul", *factors)
+
     def is_constant(self, node: int) -> bool:
-        """Whether a node has no symbols and no functions of free derivatives."""
+        """Whether a node has no symbols and no arbitrary functions."""
         return all(self.all[inner][0] not in ("symbol", "jet") for inner in self.below([node]))
 
     def is_integer(self, node: int) -> bool:
@@ -189,107 +180,6 @@ def children(node: Node) -> tuple[int, ...]:
             return ()
         case "diff":
             return (node[1],)
-        case "Pow" | "jet":
+        case "Pow" | "jet" | "theta":
             return node[1:-1]
     return node[1:]
-
-
-BITS = 320
-"""Precision of balls: they only show that something is not 0."""
-
-BALL_FUNCTIONS: Mapping[str, Callable[..., acb]] = {
-    **{name: getattr(acb, name) for name in ANALYTIC},
-    **SPECIAL,
-    "conjugate": lambda z: acb(z.real, -z.imag),
-    "re": lambda z: acb(z.real),
-    "im": lambda z: acb(z.imag),
-    "Abs": lambda z: acb(abs(z)),
-}
-
-
-class Balls:
-    """Balls around the nodes of a table, with its symbols at ``point``."""
-
-    def __init__(self, nodes: Nodes, point: Mapping[int, fmpq]) -> None:
-        self._nodes = nodes
-        self._found = {symbol: acb(arb(value)) for symbol, value in point.items()}
-        self._elliptic: dict[int, Jacobi] = {}
-
-    def ball(self, node: int) -> acb:
-        """The ball of a node; raises CertificateError where there is none."""
-        with ctx.workprec(BITS):
-            for inner in self._nodes.below([node]):
-                if inner not in self._found:
-                    self._found[inner] = self._ball(inner)
-        return self._found[node]
-
-    def _ball(self, node: int) -> acb:
-        known = self._found
-        match self._nodes.all[node]:
-            case ("number", value):
-                return acb(arb(value))
-            case ("I",):
-                return acb(0, 1)
-            case ("pi",):
-                return acb.pi()
-            case ("symbol", name, _):
-                raise CertificateError(f"the point must have a value of {name}")
-            case (("Add" | "Mul") as name, *inner):
-                return reduce(add if name == "Add" else mul, (known[place] for place in inner))
-            case ("Pow", base, exponent):
-                root = known[base] if exponent.q == 1 else known[base].root(int(exponent.q))
-                return root ** int(exponent.p)
-            case ("power", base, exponent):
-                return (known[exponent] * known[base].log()).exp()
-            case ("parity", inner):
-                whole = known[inner].real.unique_fmpz()
-                if whole is None or known[inner].imag != 0:
-                    raise CertificateError("a power of -1 must be to an integer at the point")
-                return acb(-1 if int(whole) % 2 else 1)
-            case (str(name), z, m) if name.startswith("jacobi_"):
-                return getattr(self._parameter(m), name.removeprefix("jacobi_"))(known[z])
-            case ("sign", inner):
-                return known[inner] / acb(abs(known[inner]))
-            case ("jet", *inner, (name, order)):
-                return jet(name, order, *(known[place] for place in inner))
-            case (str(name), *inner) if name in BALL_FUNCTIONS:
-                return BALL_FUNCTIONS[name](*(known[place] for place in inner))
-        raise CertificateError("a node has no value")
-
-    def _parameter(self, m: int) -> Jacobi:
-        if m not in self._elliptic:
-            self._elliptic[m] = Jacobi(self._found[m])
-        return self._elliptic[m]
-
-
-def jet(name: str, order: int, z: acb, *nome: acb) -> acb:
-    """A derivative of a theta function, or, for any function of the name, of one that is generic.
-
-    That is 1/gamma at a shift, which satisfies no algebraic differential equation.
-    """
-    if nome:
-        tau = nome[0].log() / (acb(0, 1) * acb.pi())
-        return (z / acb.pi()).modular_theta(tau, order)[THETA.index(name)] / acb.pi() ** order
-    place = z + acb(arb(generic_shift(name)))
-    return acb_series([place, 1], order + 1).rgamma()[order] * acb(order + 1).gamma()
-
-
-def generic_shift(name: str) -> fmpq:
-    """The number s of a name: what stands for any function f is f(z) = 1/gamma(z + s)."""
-    return fmpq(sum(map(ord, name)) % 89, 97)
-
-
-def excludes_zero(factor: fmpq_mpoly, generators: list[acb]) -> bool:
-    """Whether a polynomial in the generators, given by their balls, does not vanish."""
-    with ctx.workprec(BITS):
-        ball = value_at(factor, generators)
-    return bool(ball.is_finite() and not ball.contains(0))
-
-
-def value_at(element: fmpq_mpoly, generators: list[acb]) -> acb:
-    """A polynomial of the ring at the values of its generators, the first one first."""
-    total = acb(0)
-    for exponents, coefficient in element.terms():
-        powers = zip(generators[::-1], exponents, strict=True)
-        total += reduce(mul, (v ** int(n) for v, n in powers if n), acb(arb(coefficient)))
-    return total

@@ -16,8 +16,9 @@ from dataclasses import dataclass, field
 
 from flint import fmpq
 
+from .axioms import FUNCTIONS
 from .limits import DIGITS, EXPONENT, NAME, NESTING, NODES, ORDER, SHIFT, CertificateError, within
-from .nodes import ARITY, THETA, Nodes
+from .nodes import Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
@@ -26,11 +27,22 @@ TOKEN = re.compile(
     re.ASCII,
 )
 
-FUNCTIONS = {name.lower(): name for name in ARITY if name not in ("parity", "power")}
-"""The name in a text and that of the node."""
+HIDDEN = ("Abs", "power", "parity", "diff", "jet", "theta")
+"""Nodes that are not written as functions of the same name."""
 
-RESERVED = {"I", "pi", "diff", "sqrt", *FUNCTIONS, *THETA}
-"""Names that mean something everywhere."""
+THETA = tuple(f"jacobi_theta_{place}" for place in (1, 2, 3, 4))
+"""Theta functions of z and the nome q, 0 < q < 1."""
+
+
+def arity(name: str) -> int:
+    """How many arguments the function called ``name`` has; 0 for none."""
+    name = "Abs" if name == "abs" else "" if name in HIDDEN else name
+    return len(FUNCTIONS[name].letters) if name in FUNCTIONS else 0
+
+
+def is_reserved(name: str) -> bool:
+    """Whether a name means something everywhere."""
+    return name in ("I", "pi", "diff", "sqrt", *THETA) or arity(name) > 0
 
 
 @dataclass
@@ -52,11 +64,15 @@ class Scope:
             return self.unknown(name, (0,) * len(self.variables))
         if name in self.known and not self.is_function(name):
             return self.known[name]
-        if name in RESERVED or name in self.pending or name in self.known:
+        if is_reserved(name) or name in self.pending or name in self.known:
             raise CertificateError(f"the name {name} has no meaning at this place")
         base, _, steps = name.partition("_")
         if steps and base in self.unknowns:
-            return self._derivative(base, steps)
+            letters = self.letters()
+            if not set(steps) <= letters.keys():
+                raise CertificateError(f"subscripts must be variables, got {base}_{steps[:40]}")
+            within("the order of a derivative", len(steps), ORDER)
+            return self.nodes.made("diff", self.node(base), *sorted(letters[s] for s in steps))
         self._refuse_likeness(name)
         return self.declare(name, "real")
 
@@ -72,7 +88,7 @@ class Scope:
 
     def define(self, name: str, node: int) -> None:
         """Let a new name mean ``node``."""
-        if name in self.known or name in RESERVED or name in self.unknowns:
+        if name in (*self.known, *self.unknowns) or is_reserved(name):
             raise CertificateError(f"the name {name[:40]} means two things (rename it)")
         self.known[name] = node
 
@@ -88,14 +104,6 @@ class Scope:
     def letters(self) -> dict[str, int]:
         """The variables by their names."""
         return {self.nodes.all[variable][1]: variable for variable in self.variables}
-
-    def _derivative(self, base: str, steps: str) -> int:
-        letters = self.letters()
-        if not set(steps) <= letters.keys():
-            raise CertificateError(f"subscripts must be variables, got {base}_{steps[:40]}")
-        within("the order of a derivative", len(steps), ORDER)
-        variables = sorted(letters[step] for step in steps)
-        return self.nodes.made("diff", self.node(base), *variables)
 
     def _refuse_likeness(self, name: str) -> None:
         """``u_t``, ``ut`` and ``ubar`` beside the unknown u are no parameters."""
@@ -117,9 +125,8 @@ def tokens(text: object) -> list[tuple[str, str]]:
     while place < len(text):
         match = TOKEN.match(text, place)
         if match is None:
-            raise CertificateError(
-                f"formulas must be of the grammar, got {text[place : place + 20]!a}"
-            )
+            got = text[place : place + 20]
+            raise CertificateError(f"formulas must be of the grammar, got {got!a}")
         if match.lastgroup is not None:
             found.append((match.lastgroup, match[0]))
         place = match.end()
@@ -160,11 +167,10 @@ class TextReader:
 
     def take(self, *signs: str) -> str:
         """The word that comes if it is one of ``signs``, and go on behind it; else nothing."""
-        kind, word = self._words[self._at]
-        if kind == "end" or word not in signs:
+        if self.ended or self.next not in signs:
             return ""
         self._at += 1
-        return word
+        return self._words[self._at - 1][1]
 
     def expect(self, *signs: str) -> str:
         """The word that comes, which must be one of ``signs``."""
@@ -175,16 +181,20 @@ class TextReader:
 
     def name(self) -> str:
         """The name that comes."""
-        kind, word = self._words[self._at]
-        if kind != "name":
-            raise CertificateError(f"expected a name, got {word[:40]!a}")
-        self._at += 1
-        return word
+        if self._words[self._at][0] != "name":
+            raise CertificateError(f"expected a name, got {self.next[:40]!a}")
+        return self.take(self.next)
 
     def end(self) -> None:
         """Raise CertificateError if words are left."""
         if not self.ended:
             raise CertificateError(f"expected the end of the formula, got {self.next[:40]!a}")
+
+    def whole(self) -> int:
+        """The sum that all words that are left make."""
+        found = self.sum()
+        self.end()
+        return found
 
     def sum(self) -> int:
         """A sum of one or more terms."""
@@ -212,7 +222,7 @@ class TextReader:
             sign = self.take("*", "/")
         if number != 1 or not factors:
             factors.insert(0, self._nodes.made("number", number))
-        return factors[0] if len(factors) == 1 else self._nodes.made("Mul", *factors)
+        return self._nodes.product(*factors)
 
     def _power(self) -> int:
         base = self.atom()
@@ -225,10 +235,7 @@ class TextReader:
         value = self._nodes.value(exponent)
         if value is not None:
             return self.power(base, negative * value)
-        if negative != 1:
-            minus = self._nodes.made("number", negative)
-            exponent = self._nodes.made("Mul", minus, exponent)
-        return self._power_of(base, exponent)
+        return self._power_of(base, exponent if negative == 1 else self._nodes.negative(exponent))
 
     def power(self, base: int, exponent: fmpq) -> int:
         """A node to a rational power, the principal one."""
@@ -243,9 +250,10 @@ class TextReader:
             raise CertificateError("0 must not be raised to a symbol")
         if value is None or value > 0 or not self._nodes.is_integer(exponent):
             return made("power", base, exponent)
-        size = made("number", -value)
         turn = made("parity", exponent)
-        return turn if value == -1 else made("Mul", turn, made("power", size, exponent))
+        if value == -1:
+            return turn
+        return made("Mul", turn, made("power", made("number", -value), exponent))
 
     def atom(self) -> int:
         """A formula that binds its parts together."""
@@ -270,8 +278,8 @@ class TextReader:
                 return self._scope.node(word)
         raise CertificateError(f"expected a formula, got {word[:40]!a}")
 
-    def _listed(self, closing: str) -> list[int]:
-        self._at += 1
+    def _listed(self, opening: str, closing: str) -> list[int]:
+        self.expect(opening)
         found = [self.sum()]
         while self.take(","):
             found.append(self.sum())
@@ -282,57 +290,48 @@ class TextReader:
         order = 0
         while self.take("'"):
             order = within("the order of a derivative", order + 1, 2 * ORDER)
-        if self.next != "(":
-            raise CertificateError(f"expected (, got {self.next[:40]!a}")
-        arguments = self._listed(")")
-        if name in THETA or (name in self._scope.known and self._scope.is_function(name)):
-            if len(arguments) == (2 if name in THETA else 1):
-                return self._nodes.made("jet", *arguments, (name, order))
-            order = 1
-        if order:
+        arguments, scope, made = self._listed("(", ")"), self._scope, self._nodes.made
+        free = name in THETA or (name in scope.known and scope.is_function(name))
+        if free and len(arguments) == (2 if name in THETA else 1):
+            return made("theta" if name in THETA else "jet", *arguments, (name, order))
+        if free or order:
             raise CertificateError(f"no function with derivatives is called {name[:40]}")
         if name == "diff" and 1 < len(arguments) <= ORDER + 1:
             inner, *variables = arguments
-            if not set(variables) <= set(self._scope.variables):
+            if not set(variables) <= set(scope.variables):
                 raise CertificateError("derivatives must be in the statement's variables")
-            return self._nodes.made("diff", inner, *sorted(variables))
+            return made("diff", inner, *sorted(variables))
         if name == "sqrt" and len(arguments) == 1:
             return self.power(arguments[0], fmpq(1, 2))
-        if name not in FUNCTIONS or ARITY[FUNCTIONS[name]] != len(arguments):
+        if arity(name) != len(arguments):
             raise CertificateError(
                 f"no function of {len(arguments)} arguments is called {name[:40]}"
             )
-        return self._nodes.made(FUNCTIONS[name], *arguments)
+        return made("Abs" if name == "abs" else name, *arguments)
 
     def _unknown(self, name: str) -> int:
         """``u[n+1]``: an index for each integer variable, or for each variable."""
-        indices, variables = self._listed("]"), self._scope.variables
-        whole = [v for v in variables if self._nodes.all[v][2] == "integer"]
+        indices, variables = self._listed("[", "]"), self._scope.variables
+        sites = [v for v in variables if self._nodes.all[v][2] == "integer"]
         shifts = dict.fromkeys(variables, 0)
-        along = whole if len(indices) == len(whole) else variables
+        along = sites if len(indices) == len(sites) else variables
         if len(indices) != len(along):
             raise CertificateError(f"the unknown {name} must have an index for each site")
         for variable, index in zip(along, indices, strict=True):
-            shifts[variable] = self._shift(variable, index)
+            rest = [term for term in self._nodes.terms(index) if term != variable]
+            value = self._nodes.value(rest[0]) if len(rest) == 1 else fmpq(0)
+            if len(self._nodes.terms(index)) != len(rest) + 1 or value is None or value.q != 1:
+                raise CertificateError("an index must be a variable plus an integer")
+            shifts[variable] = int(value.p)
+            within("a shift", abs(shifts[variable]), SHIFT)
         return self._scope.unknown(name, tuple(shifts.values()))
-
-    def _shift(self, variable: int, index: int) -> int:
-        """The integer k where an index is ``variable + k``."""
-        if index == variable:
-            return 0
-        match self._nodes.all[index]:
-            case ("Add", *terms) if variable in terms and len(terms) == 2:
-                (other,) = (term for term in terms if term != variable)
-                value = self._nodes.value(other)
-                if value is not None and value.q == 1:
-                    within("a shift", abs(int(value.p)), SHIFT)
-                    return int(value.p)
-        raise CertificateError("an index must be a variable plus an integer")
 
 
 def formula(scope: Scope, text: object, places: Sequence[int] = ()) -> int:
     """The node of a whole text."""
-    parser = TextReader(scope, text, places)
-    found = parser.sum()
-    parser.end()
-    return found
+    return TextReader(scope, text, places).whole()
+
+
+def axiom(nodes: Nodes, text: str, **letters: int) -> int:
+    """The node of an axiom, its letters standing for nodes."""
+    return formula(Scope(nodes, known=letters), text)

@@ -13,64 +13,15 @@ from operator import add, mul
 
 from flint import fmpq
 
-from . import axioms
-from .bounds import OF_REAL, POSITIVE, UNIT, Interval, of_constant, stated
+from .axioms import FUNCTIONS, HALF_PI, Function
+from .bounds import POSITIVE, UNIT, Interval, of_constant
 from .limits import CertificateError
-from .nodes import CYLINDER, Balls, Nodes
+from .node_balls import Balls
+from .nodes import Nodes, children
 from .ring import Element
 
-BELOW_ONE = ("elliptic_k", "elliptic_e", "jacobi_zeta", "jacobi_theta", "jacobi_eta")
-"""Functions that are taken for m < 1 only."""
-
-ODD = ("sinh", "tanh", "csch", "coth", "atan", "sign", "re", "conjugate")
-"""Of the sign of their argument if that is real."""
-
-REAL = (
-    *ODD,
-    *OF_REAL,
-    *("tan", "cot", "sec", "csc", "jacobi_epsilon", "jacobi_zeta", "diff", "parity"),
-    *(
-        "airy_ai",
-        "airy_ai_prime",
-        "airy_bi",
-        "airy_bi_prime",
-        "weierstrass_p",
-        "weierstrass_p_prime",
-    ),
-)
-"""Real where their arguments are real."""
-
-INVERSE: Mapping[str, tuple[fmpq | None, fmpq | None]] = {
-    "asin": (fmpq(-1), fmpq(1)),
-    "acos": (fmpq(-1), fmpq(1)),
-    "atanh": (fmpq(-1), fmpq(1)),
-    "acosh": (fmpq(1), None),
-    "asinh": (None, None),
-}
-"""Between which real arguments an inverse function is real."""
-
-UNBOUNDED = (
-    *INVERSE,
-    *("coth", "csch", "tan", "cot", "sec", "csc", "log", "sign", "power", "parity", "diff"),
-    *("lambert_w", "weierstrass_p", "weierstrass_p_prime", *CYLINDER, *BELOW_ONE),
-)
-"""Functions that may have poles or jumps at real arguments, or for m > 1."""
-
-WITH_POLES = ("tanh", "sech", "atan", "jet")
-"""Functions that have poles or jumps at complex arguments alone, besides those of Jacobi."""
-
-CLEAN = ("number", "symbol", "I", "pi", "Add", "Mul", "exp", "elliptic_k", "elliptic_e")
-"""Analytic functions, besides those of Jacobi."""
-
-THROUGH = (
-    *("exp", "erf", "airy_ai", "airy_ai_prime", "airy_bi", "airy_bi_prime"),
-    *("weierstrass_p", "weierstrass_p_prime"),
-    *(*axioms.HYPERBOLIC, *axioms.TRIGONOMETRIC),
-)
-"""Functions that take conjugates to conjugates."""
-
-HALF_PI = fmpq(15707963, 10**7)
-"""A little less than pi/2."""
+ANALYTIC = ("number", "symbol", "I", "pi", "Add", "Mul", "Pow")
+"""What is analytic where it is made of such, an integer power but for poles."""
 
 
 class Signs:
@@ -91,8 +42,6 @@ class Signs:
         self._positive, self._witnesses = positive, witnesses
         self._real: dict[int, bool] = {}
         self._intervals: dict[int, Interval] = {}
-        pairs = (stated(nodes, node, weak) for node, weak in positive.items())
-        self._known = [pair for pair in pairs if pair is not None]
         self._constants = Balls(nodes, {})
 
     def is_real(self, node: int) -> bool:
@@ -102,13 +51,36 @@ class Signs:
             self._real[node] = self._is_real(node)
         return self._real[node]
 
-    def sign(self, node: int) -> frozenset[int]:
-        """The signs that a node may have if it is real; any if it is not shown to be."""
-        found = self.interval(node)
-        below = set[int]() if found.is_not_negative else {-1}
-        above = set[int]() if (-found).is_not_negative else {1}
-        zero = set[int]() if found.is_positive or (-found).is_positive else {0}
-        return frozenset(below | zero | above)
+    def _is_real(self, node: int) -> bool:
+        match self._nodes.all[node]:
+            case ("number", _) | ("pi",) | (("Abs" | "re" | "im"), _):
+                return True
+            case ("symbol", _, kind):
+                return bool(kind != "complex")
+            case ("Pow", base, exponent):
+                return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
+            case ("power", base, exponent):
+                return self.not_negative(base) and self.is_real(exponent)
+            case (("bessel_j" | "bessel_i"), v, z) if self._nodes.is_integer(v):
+                return self.is_real(z)
+            case (("Add" | "Mul"), *inner):
+                return all(map(self.is_real, inner))
+            case (str(name), *_) if name in FUNCTIONS and FUNCTIONS[name].values is not None:
+                arguments = children(self._nodes.all[node])
+                own, z = FUNCTIONS[name], arguments[FUNCTIONS[name].letters.find("z")]
+                inside = own.between == (None, None) or self.is_between(z, *own.between)
+                real = all(map(self.is_real, arguments))
+                return inside and real and not self.needed(name, *arguments)
+        return False
+
+    def needed(self, name: str, *arguments: int) -> str:
+        """What a function needs of its parameter, if that is not shown."""
+        own = FUNCTIONS[name]
+        if own.above_zero and not all(map(self.positive, own.parameters(*arguments))):
+            return "m > 0"
+        if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
+            return "m < 1"
+        return ""
 
     def positive(self, node: int) -> bool:
         """Whether ``node`` is shown to be real and greater than 0."""
@@ -118,6 +90,17 @@ class Signs:
         """Whether ``node`` is shown to be real and at least 0."""
         return self.interval(node).is_not_negative
 
+    def below_one(self, m: int) -> bool:
+        """Whether ``m`` is shown to be real and less than 1."""
+        return self.positive(self._nodes.gap(m, self._nodes.rational(1)))
+
+    def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
+        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
+        ends = [None if end is None else self._nodes.made("number", end) for end in (low, high)]
+        gaps = [] if ends[0] is None else [self._nodes.gap(ends[0], node)]
+        gaps += [] if ends[1] is None else [self._nodes.gap(node, ends[1])]
+        return self.is_real(node) and all(map(self.not_negative, gaps))
+
     def interval(self, node: int) -> Interval:
         """Where the values of a node are; anywhere if it is not shown to be real."""
         if not self.is_real(node):
@@ -125,7 +108,7 @@ class Signs:
         if node not in self._intervals:
             self._intervals[node] = Interval()  # no rule asks for its own node
             found = self._interval(node) & self._stated(node)
-            if node in self._witnesses and not (found.is_positive or (-found).is_positive):
+            if node in self._witnesses and not found.is_not_zero:
                 found = found & self.interval(self._witness(node))
             self._intervals[node] = found
         return self._intervals[node]
@@ -147,152 +130,30 @@ class Signs:
                 return Interval(fmpq(0), None, self.positive(base))
             case ("Abs", inner):
                 return self.interval(inner).absolute()
-            case (("elliptic_k" | "elliptic_e"), _):
-                return POSITIVE
             case ("exp", z) if self.interval(z).is_below:
                 return Interval(fmpq(0), fmpq(1), True, (-self.interval(z)).is_positive)
             case ("cos", z) if self.is_between(z, -HALF_PI, HALF_PI):
-                return POSITIVE
+                return POSITIVE & UNIT
             case ("sin", z) if self.is_between(z, fmpq(0), 2 * HALF_PI):
-                return Interval(fmpq(0), None, self.positive(z))
-            case ("jacobi_dn", z, m) if self.not_negative(m) and self.below_one(m):
-                return POSITIVE & UNIT if self.is_real(z) else Interval()
-            case (str(name), z, *m) if name in OF_REAL and all(map(self.is_real, (z, *m))):
-                needs = name in ("jacobi_dn", "jacobi_theta") and not self.below_one(*m)
-                return Interval() if needs else OF_REAL[name]
-            case (("acos" | "acosh" | "lambert_w"), _):
-                return Interval(fmpq(0))
-            case (str(name), inner) if name in (*ODD, *INVERSE):
-                return self.interval(inner).side()
+                return UNIT & Interval(fmpq(0), None, self.positive(z))
+            case ("jacobi_dn", _, m) if self.below_one(m):
+                return POSITIVE & UNIT if self.not_negative(m) else POSITIVE
+            case (str(name), z, *_) if name in FUNCTIONS:
+                own = FUNCTIONS[name]
+                whole = own.values or Interval()
+                return whole & self.interval(z).side() if own.symmetry == "same" else whole
         return Interval()
-
-    def below_one(self, m: int) -> bool:
-        """Whether ``m`` is shown to be real and less than 1."""
-        made = self._nodes.made
-        negative = made("Mul", self._nodes.rational(-1), m)
-        return self.positive(made("Add", self._nodes.rational(1), negative))
-
-    def is_between(self, node: int, low: fmpq | None, high: fmpq | None) -> bool:
-        """Whether ``node`` is shown to be real and not outside two rational numbers (None: any)."""
-        made, number = self._nodes.made, self._nodes.rational
-        gaps = []
-        if low is not None:
-            gaps.append(made("Add", node, number(-int(low.p), int(low.q))))
-        if high is not None:
-            negative = made("Mul", number(-1), node)
-            gaps.append(made("Add", negative, number(int(high.p), int(high.q))))
-        return self.is_real(node) and all(map(self.not_negative, gaps))
-
-    def conjugate(self, node: int) -> int:
-        """The complex conjugate of a node as a node."""
-        made, inside = self._nodes.made, self.conjugate
-        if self.is_real(node):
-            return node
-        match self._nodes.all[node]:
-            case ("I",):
-                return made("Mul", self._nodes.rational(-1), node)
-            case (("Add" | "Mul") as name, *parts):
-                return made(name, *map(inside, parts))
-            case ("Pow", base, exponent) if exponent.q == 1:
-                return made("Pow", inside(base), exponent)
-            case ("conjugate", inner):
-                return int(inner)
-            case ("diff", inner, *variables):
-                return made("diff", inside(inner), *variables)
-            case ("jet", *inner, tail):
-                return made("jet", *map(inside, inner), tail)
-            case (str(name), *inner) if name in THROUGH:
-                return made(name, *map(inside, inner))
-            case (("jacobi_sn" | "jacobi_cn" | "jacobi_dn") as name, z, m) if self.is_real(m):
-                return made(name, inside(z), m)
-        name = self._nodes.all[node][0]
-        raise CertificateError(f"the conjugate of {name} does not follow from the domain")
-
-    def is_clean(self, node: int) -> bool:
-        """Whether a formula is analytic on the whole domain but for isolated poles."""
-        for inner in self._nodes.below([node]):
-            name = self._nodes.all[inner][0]
-            if name == "Pow":
-                base, exponent = self._nodes.all[inner][1:]
-                if exponent.q != 1 and not (self.positive(base) and self.is_bounded(base)):
-                    return False
-            elif name in BELOW_ONE:
-                if not self.is_bounded(self._nodes.all[inner][-1]):
-                    return False
-            elif name not in CLEAN and not name.startswith("jacobi_"):
-                return False
-        return True
-
-    def is_bounded(self, node: int) -> bool:
-        """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
-
-        Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
-        """
-        todo, seen = [node], set()
-        while todo:
-            for inner in self._nodes.below([todo.pop()]):
-                if inner in seen:
-                    continue
-                seen.add(inner)
-                name, *arguments = self._nodes.all[inner]
-                if name == "Pow" and arguments[1] < 0 and 0 in self.sign(arguments[0]):
-                    return False
-                tame = name not in WITH_POLES and not name.startswith("jacobi_")
-                if name in UNBOUNDED or not (tame or self.is_real(inner)):
-                    return False
-                if inner in self._witnesses:
-                    todo.append(self._witnesses[inner])
-        return True
-
-    def _is_real(self, node: int) -> bool:
-        match self._nodes.all[node]:
-            case ("number", _) | ("pi",):
-                return True
-            case ("symbol", _, kind):
-                return bool(kind != "complex")
-            case ("Abs" | "re" | "im", _):
-                return True
-            case ("Pow", base, exponent):
-                return self.not_negative(base) if exponent.q != 1 else self.is_real(base)
-            case (("log" | "lambert_w"), inner):
-                return self.not_negative(inner)
-            case ("power", base, exponent):
-                return self.not_negative(base) and self.is_real(exponent)
-            case (str(name), inner) if name in INVERSE:
-                return self.is_between(inner, *INVERSE[name])
-            case ("jet", z, *nome, _):
-                return self.is_real(z) and all(map(self.positive, nome))
-            case (str(name), v, z) if name in CYLINDER:
-                entire = name in ("bessel_j", "bessel_i") and self._nodes.is_integer(v)
-                return self.is_real(v) and (self.positive(z) or (entire and self.is_real(z)))
-            case (str(name), *inner) if name in BELOW_ONE and not self.below_one(inner[-1]):
-                return False
-            case ("elliptic_k" | "elliptic_e", _):
-                return True
-            case ("jacobi_eta", z, m):
-                return self.is_real(z) and self.not_negative(m)
-            case (("Add" | "Mul"), *inner):
-                return all(map(self.is_real, inner))
-            case (str(name), *inner) if name in REAL:
-                return all(map(self.is_real, inner))
-        return False
 
     def _stated(self, node: int) -> Interval:
         """What the inequalities of the domain say of a node, or of a multiple plus a number."""
         found = Interval()
-        for other, known in self._known:
-            if other == node:
-                found = found & known
         if node in self._positive:
-            return found & Interval(fmpq(0), None, not self._positive[node])
-        if self._nodes.all[node][0] not in ("Add", "Mul", "symbol") or self._nodes.is_constant(
-            node
-        ):
-            return found
-        for bound, weak in self._positive.items():
+            found = Interval(fmpq(0), None, not self._positive[node])
+        linear = self._nodes.all[node][0] in ("Add", "Mul", "symbol")
+        for bound, weak in self._positive.items() if linear else ():
             try:
                 multiple = _multiple(self._image(node), self._image(bound))
-            except CertificateError:  # a formula of the domain that the proof has no generator for
+            except CertificateError:  # what the proof has no generator for
                 continue
             if multiple is not None:
                 ratio, gap = multiple
@@ -306,6 +167,67 @@ class Signs:
         if node != other and not (self._image(node) - self._image(other)).is_zero:
             raise CertificateError("the witness of a sign has another image")
         return other
+
+    def conjugate(self, node: int) -> int:
+        """The complex conjugate of a node as a node."""
+        made, inside = self._nodes.made, self.conjugate
+        if self.is_real(node):
+            return node
+        match self._nodes.all[node]:
+            case ("I",):
+                return self._nodes.negative(node)
+            case (("Add" | "Mul") as name, *parts):
+                return made(name, *map(inside, parts))
+            case ("Pow", base, exponent) if exponent.q == 1:
+                return made("Pow", inside(base), exponent)
+            case ("conjugate", inner):
+                return int(inner)
+            case ("diff", inner, *variables):
+                return made("diff", inside(inner), *variables)
+            case (str(name), z, *rest) if name in FUNCTIONS:
+                through = FUNCTIONS[name].kind in ("entire", "regular", "poles")
+                if through and all(map(self.is_real, children(self._nodes.all[node])[1:])):
+                    return made(name, inside(z), *rest)
+        name = self._nodes.all[node][0]
+        raise CertificateError(f"the conjugate of {name} does not follow from the domain")
+
+    def is_clean(self, node: int) -> bool:
+        """Whether a formula is analytic on the whole domain but for isolated poles."""
+        return all(map(self._is_clean, self._nodes.below([node])))
+
+    def _is_clean(self, node: int) -> bool:
+        name, *arguments = self._nodes.all[node]
+        if name in ANALYTIC:
+            root = name == "Pow" and arguments[1].q != 1
+            return not root or (self.positive(arguments[0]) and self.is_bounded(arguments[0]))
+        own = FUNCTIONS.get(name, Function("jump"))
+        if name.startswith(("jacobi_", "elliptic_")):
+            return not own.below_one or self.is_bounded(arguments[-1])
+        return own.kind == "entire"
+
+    def is_bounded(self, node: int) -> bool:
+        """Whether a formula, with the witnesses of its sign, has evidently no poles or jumps.
+
+        Then it is positive at every point if it is shown to be; 1/(1 + 1/x**2) is 0 at 0.
+        """
+        todo, seen = [node], set[int]()
+        while todo:
+            new = set(self._nodes.below([todo.pop()])) - seen
+            if not all(map(self._is_tame, new)):
+                return False
+            seen |= new
+            todo += [self._witnesses[inner] for inner in new if inner in self._witnesses]
+        return True
+
+    def _is_tame(self, node: int) -> bool:
+        name, *arguments = self._nodes.all[node]
+        if name in ANALYTIC:
+            return name != "Pow" or arguments[1] > 0 or self.interval(arguments[0]).is_not_zero
+        own = FUNCTIONS.get(name, Function("jump"))
+        parameters = own.parameters(*children(self._nodes.all[node])) if own.below_one else []
+        tame = own.kind in ("regular", "arc") and self.is_real(node)
+        tame = tame and all(map(self._nodes.is_constant, parameters))  # it may be 1 somewhere
+        return tame or own.kind in ("entire", "tame")
 
 
 def _multiple(element: Element, other: Element) -> tuple[fmpq, fmpq] | None:

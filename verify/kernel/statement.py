@@ -4,23 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
-from flint import fmpq
-
-from .limits import JETS, TERMS, CertificateError
-from .nodes import KINDS, Nodes, children, listed
-from .reading import RESERVED, Scope, TextReader, tokens
-
-Jet = tuple[int, tuple[int, ...]]
-"""The place of an unknown and its order in each variable."""
-
-Term = tuple[fmpq, tuple[int, ...], tuple[Jet, ...]]
-"""A number, known factors (nodes), and jets."""
-
-Equation = tuple[Term, ...] | int
-"""A polynomial in jets, or the node of any left-hand side."""
+from .limits import CertificateError
+from .nodes import KINDS, Nodes, listed
+from .reading import Scope, TextReader, is_reserved, tokens
 
 PARTS = ("variables", "equations", "solutions", "parameters", "domain")
 
@@ -42,19 +30,8 @@ class Statement:
     variables: tuple[int, ...]
     unknowns: tuple[str, ...]
     formulas: tuple[int, ...]
-    equations: tuple[Equation, ...]
+    equations: tuple[int, ...]
     domain: tuple[tuple[bool, int, int], ...]
-
-    @property
-    def polynomials(self) -> list[tuple[Term, ...]]:
-        """The equations that are polynomials in jets."""
-        return [equation for equation in self.equations if not isinstance(equation, int)]
-
-    @property
-    def roots(self) -> list[int]:
-        """The nodes that the statement is made of, but for those of left-hand sides."""
-        known = [node for terms in self.polynomials for _, factors, _ in terms for node in factors]
-        return [*self.formulas, *known]
 
 
 def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
@@ -76,10 +53,10 @@ def read_statement(nodes: Nodes, data: object) -> tuple[Statement, Scope]:
         tuple(scope.variables),
         tuple(scope.unknowns),
         tuple(solutions),
-        tuple(_terms(nodes, scope.variables, left) for left in left_sides),
+        tuple(left_sides),
         tuple(domain),
     )
-    _check(found, left_sides)
+    _check(found)
     return found, scope
 
 
@@ -112,7 +89,8 @@ def _declared(nodes: Nodes, texts: Mapping[str, list[Any]]) -> Scope:
     for name, kind in kinds.items():
         scope.declare(name, kind)
     for name in scope.unknowns:
-        if name in (*scope.known, *scope.pending, *RESERVED) or "_" in name.rstrip("_"):
+        taken = name in (*scope.known, *scope.pending) or is_reserved(name)
+        if taken or "_" in name.rstrip("_"):
             raise CertificateError(f"the name {name[:40]} means two things (rename the unknown)")
     return scope
 
@@ -131,8 +109,7 @@ def _parameter(scope: Scope, text: str) -> list[tuple[bool, int, int]]:
     if parser.take(":"):
         return _conditions(scope, parser, name)
     parser.expect("=")
-    node = parser.sum()
-    parser.end()
+    node = parser.whole()
     scope.pending.discard(name)
     scope.define(name, node)
     return []
@@ -174,89 +151,22 @@ def _solution(scope: Scope, text: str) -> int:
     if parser.atom() != scope.node(tokens(text)[0][1]):
         raise CertificateError("a solution must be of the unknown at its own variables")
     parser.expect("=")
-    found = parser.sum()
-    parser.end()
-    return found
+    return parser.whole()
 
 
 def _equation(scope: Scope, text: object) -> int:
     """The left-hand side, less the right-hand side if there is one."""
     parser = TextReader(scope, text)
-    found = parser.sum()
+    left = parser.sum()
     if parser.take("="):
-        minus = scope.nodes.made("Mul", scope.nodes.rational(-1), parser.sum())
-        found = scope.nodes.made("Add", found, minus)
+        return scope.nodes.gap(parser.whole(), left)
     parser.end()
-    return found
+    return left
 
 
-Monomials = dict[tuple[tuple[int, ...], tuple[Jet, ...]], fmpq]
-
-
-def _terms(nodes: Nodes, variables: Sequence[int], left: int) -> Equation:
-    """The equation as a polynomial in derivatives of the unknowns, or its node if it is none."""
-    shown = _with_unknowns(nodes, left)
-    found = _expanded(nodes, variables, shown, left)
-    if found is None:
-        return left
-    return tuple((value, *key) for key, value in found.items() if value != 0)
-
-
-def _with_unknowns(nodes: Nodes, left: int) -> set[int]:
-    found: set[int] = set()
-    for node in nodes.below([left]):
-        if nodes.all[node][0] == "unknown" or any(c in found for c in children(nodes.all[node])):
-            found.add(node)
-    return found
-
-
-def _expanded(
-    nodes: Nodes, variables: Sequence[int], shown: set[int], node: int
-) -> Monomials | None:
-    value = nodes.value(node)
-    if node not in shown:
-        return {((), ()): value} if value is not None else {((node,), ()): fmpq(1)}
-    match nodes.all[node]:
-        case ("unknown", place, shifts) if not any(shifts):
-            return {((), ((place, shifts),)): fmpq(1)}
-        case ("diff", inner, *steps) if nodes.all[inner][0] == "unknown":
-            _, place, shifts = nodes.all[inner]
-            orders = tuple(steps.count(variable) for variable in variables)
-            return None if any(shifts) else {((), ((place, orders),)): fmpq(1)}
-        case ("Add", *terms):
-            total: Monomials = {}
-            for term in terms:
-                part = _expanded(nodes, variables, shown, term)
-                if part is None:
-                    return None
-                for key, value in part.items():
-                    total[key] = total.get(key, fmpq(0)) + value
-            return total
-        case ("Mul", *factors):
-            return _multiplied([_expanded(nodes, variables, shown, f) for f in factors])
-        case ("Pow", base, exponent) if exponent.q == 1 and 0 < exponent <= JETS:
-            return _multiplied([_expanded(nodes, variables, shown, base)] * int(exponent.p))
-    return None
-
-
-def _multiplied(parts: Sequence[Monomials | None]) -> Monomials | None:
-    total: Monomials = {((), ()): fmpq(1)}
-    for part in parts:
-        if part is None or len(total) * len(part) > TERMS:
-            return None
-        found: Monomials = {}
-        for (left, own), (right, other) in product(total, part):
-            key = (tuple(sorted(left + right)), tuple(sorted(own + other)))
-            found[key] = found.get(key, fmpq(0)) + total[left, own] * part[right, other]
-        if any(len(jets) > JETS for _, jets in found):
-            return None
-        total = found
-    return total
-
-
-def _check(statement: Statement, left_sides: Sequence[int]) -> None:
+def _check(statement: Statement) -> None:
     """Every equation has an unknown, no formula has; derivatives are in real variables."""
-    nodes = statement.nodes
+    nodes, left_sides = statement.nodes, statement.equations
     if not 0 < len(left_sides) <= 8 or not 0 < len(statement.unknowns) <= 8:
         raise CertificateError("a statement must have 1 to 8 equations and solutions")
     for left in left_sides:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .limits import CertificateError
 from .nodes import Nodes
 
 
 class Substitution:
-    """``formulas`` in ``variables`` for the unknowns of the same places."""
+    """``formulas``, without derivatives and unknowns, for the unknowns of the same places."""
 
     def __init__(self, nodes: Nodes, variables: Sequence[int], formulas: Sequence[int]) -> None:
         self._nodes, self._variables, self._formulas = nodes, variables, formulas
@@ -40,8 +39,6 @@ class Substitution:
         return self._shifted[shifts, node]
 
     def _moved(self, node: int, shifts: tuple[int, ...]) -> int:
-        if self._nodes.all[node][0] == "unknown":
-            raise CertificateError("formulas must be without derivatives of unknowns, and these")
         if node in self._variables:
             step = shifts[self._variables.index(node)]
             return self._nodes.made("Add", node, self._nodes.rational(step)) if step else node

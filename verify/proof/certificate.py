@@ -22,7 +22,7 @@ from flint import acb, ctx, fmpq_mpoly
 from solutions.functions.jet_functions import THETA, JetFunction
 from verify.kernel.check import opened, registered
 from verify.kernel.field import Field
-from verify.kernel.limits import NAME, CertificateError
+from verify.kernel.limits import NAME
 from verify.kernel.ring import Element
 from verify.subexpressions import distinct_nodes, replaced
 
@@ -289,15 +289,19 @@ class SquareRoots:
 
     def _meaning(self, place: int) -> int:
         generator = self._field.generators[place]
-        if generator.form:
-            raise CertificateError("a linear form under a root is not written out")
-        node = self._places[generator.node]
-        if generator.scale is not None:
-            return self._table.made("Mul", node, self._written(generator.scale))
-        if generator.below is not None:
-            below = self._table.made("Pow", self._places[generator.below], "-1")
-            return self._table.made("Mul", node, below)
-        return node
+        node = self._formula(generator.formula)
+        if generator.scale.is_one():
+            return node
+        return self._table.made("Mul", node, self._written(generator.scale))
+
+    def _formula(self, node: int) -> int:
+        """A formula of sums and products of those of the table."""
+        if node not in self._places:
+            name, *parts = self._field.nodes.all[node]
+            if name == "number":
+                return self._table.made("number", str(parts[0]))
+            return self._table.made(name, *map(self._formula, parts))
+        return self._places[node]
 
 
 def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) -> Data:
@@ -309,6 +313,8 @@ def with_square_roots(table: NodeTable, statement: StatementTexts, proof: Data) 
     field = _field(table, statement, proof)
     square_roots, dependent = SquareRoots(field, table), dict[int, int]()
     for root in roots:
+        if field.nodes.places[root] in field.circles.values():
+            continue
         value = square_roots.value(field.nodes.places[root])
         if value is not None and _is_root(_field(table, statement, proof), root, value):
             dependent[root] = value
@@ -328,4 +334,4 @@ def _field(table: NodeTable, statement: StatementTexts, proof: Data) -> Field:
     """What the checker makes of a proof."""
     proof = {"formulas": table.texts(), **proof}
     found = opened({"statement": as_data(statement), "proof": proof})
-    return registered(found.nodes, found, proof)
+    return registered(found, proof)

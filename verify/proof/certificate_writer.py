@@ -121,6 +121,13 @@ class NodeTable:
         terms = [[str(c), [int(n) for n in exponents]] for exponents, c in polynomial.terms()]
         return self.made("poly", terms, *places)
 
+    def combination(self, terms: Sequence[tuple[str, int]]) -> int:
+        """Where a sum of rational multiples of the nodes at some places stands."""
+        parts = [p if n == "1" else self.made("Mul", self.made("number", n), p) for n, p in terms]
+        if len(parts) < 2:
+            return parts[0] if parts else self.made("number", "0")
+        return self.made("Add", *parts)
+
     def texts(self) -> list[str]:
         """The nodes as texts, each in the numbers of those before it."""
         return numbered(self.nodes)
@@ -181,26 +188,35 @@ class ProofWriter:
         self.table = table
         self.generators: list[list[Any]] = []
         self.registered: set[int] = set()
-        self.hints: dict[str, dict[int, Any]] = {n: {} for n in ("sums", "values", "logs")}
+        self.values: dict[int, int] = {}
         self.signs: dict[int, int] = {}
         self.parts: list[list[Any]] = []
 
-    def atom(self, place: int, *rest: Any) -> None:
-        """A generator for the node at ``place``, unless it has one; ``rest`` if it is no atom."""
+    def atom(self, place: int, factor: int | None = None) -> None:
+        """A generator for the node at ``place``, or ``factor`` times it, unless it has one."""
         if place not in self.registered:
             self.registered.add(place)
-            self.generators.append([*(rest or ("atom", place))])
+            if factor is None:
+                self.generators.append(["atom", place])
+            else:
+                zero = self.table.made("number", "0")
+                self.generators.append(["forms", [place], [[[factor], zero]]])
 
     def name(self, *, place: int, value: int) -> None:
         """Say that the root or function at ``place`` is the node at ``value``."""
         if place != value:
-            self.hints["values"][place] = value
+            self.values[place] = value
+
+    def words(self, place: int, terms: Sequence[tuple[str, int]]) -> None:
+        """Say that the argument of the function at ``place`` is a sum of multiples of others."""
+        name, _, *more = self.table.nodes[place]
+        self.values[place] = self.table.made(name, self.table.combination(terms), *more)
 
     def data(self, point: Point) -> Data:
         """The proof's part of a certificate; ``point`` is where no denominator vanishes."""
         return {
             "generators": self.generators,
-            **{name: [[z, v] for z, v in hints.items()] for name, hints in self.hints.items()},
+            "values": [[node, other] for node, other in self.values.items()],
             "signs": [[node, other] for node, other in self.signs.items()],
             "point": [[self.table.place(s), str(value)] for s, value in point.items()],
             "parts": self.parts,

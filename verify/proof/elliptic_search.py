@@ -93,11 +93,11 @@ class EllipticSearch:
                 if n:
                     side = -1 if u.could_extract_minus_sign() else 1
                     self._argument(side * u, m, second)
-                    found.append([str(side * n), self._place(side * u)])
+                    found.append((str(side * n), self._place(side * u)))
         place = self._place(z)
-        if found != [["1", place]]:
+        if found != [("1", place)]:
             sine = self._made("jacobi_sn", place, self._place(m))
-            self._writer.hints["sums"][sine] = found
+            self._writer.words(sine, found)
 
     def _argument(self, u: sp.Expr, m: sp.Expr, second: type | None) -> None:
         self._need(u)
@@ -111,7 +111,7 @@ class EllipticSearch:
         for function in sorted(TRIPLE, key=lambda f: -self._arguments.count[f, m]):
             own = self._made(function.__name__, place, parameter)
             if modulus.is_Symbol and function is not jacobi_dn:
-                self._writer.atom(own, "scaled", own, self._place(modulus))
+                self._writer.atom(own, self._place(modulus))
             else:
                 self._writer.atom(own)
         if second is not None:
@@ -165,8 +165,7 @@ class EllipticSearch:
         for argument, plus, minus in ((total, u, back), (sp.expand(-total), back, u)):
             if argument == total or sp.expand(z) == argument:
                 node = self._made("jacobi_theta", self._place(argument), self._place(m))
-                pair = [["1", self._place(plus)], ["-1", self._place(minus)]]
-                self._writer.hints["sums"][node] = pair
+                self._writer.words(node, [("1", self._place(plus)), ("-1", self._place(minus))])
 
     def _quotient(self, u: sp.Expr, d: sp.Expr, m: sp.Expr, here: int) -> None:
         total = self._made("Add", self._place(u), self._place(d))
@@ -178,7 +177,6 @@ class EllipticSearch:
         if self._moves(u):
             self._station(u, m, jacobi_zeta)
             self._station(d, m, jacobi_zeta)
-            pair = [["1", self._place(u)], ["1", self._place(d)]]
             sine = self._made("jacobi_sn", total, self._place(m))
-            self._writer.hints["sums"][sine] = pair
-        self._writer.atom(ahead, "quotient", ahead, here)
+            self._writer.words(sine, [("1", self._place(u)), ("1", self._place(d))])
+        self._writer.atom(ahead, self._made("Pow", here, "-1"))

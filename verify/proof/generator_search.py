@@ -74,7 +74,7 @@ class GeneratorSearch:
         """Take one generator for two formulas that ``proof`` shows to be equal."""
         place = len(self._writer.parts)
         self._writer.parts.append([self._place(left), self._place(right), proof])
-        self._writer.generators.append(["part", place, place])
+        self._writer.generators.append(["part", place])
         self._done |= {left, right}
 
     def proof(self, point: Point) -> Data:
@@ -141,7 +141,7 @@ class GeneratorSearch:
             return
         if node in self._arguments.circles:
             other = self._place(sp.sqrt(1 - node**2))
-            self._writer.atom(other, "circle", other, self._place(node))
+            self._writer.atom(other)
         self._writer.atom(self._place(node))
 
     def _begin_forms(self, primitive: sp.Basic) -> bool:
@@ -325,8 +325,8 @@ class GeneratorSearch:
             q = q if isinstance(rest, sp.log) else sp.S.One
             self.need(rest)
             self.need(sp.Pow(factor, q))
-            found.append([str(q), self._place(factor)])
-        self._writer.hints["logs"][self._place(node)] = found
+            found.append((str(q), self._made("log", self._place(factor))))
+        self._writer.values[self._place(node)] = self._writer.table.combination(found)
 
     def _exponential(self, z: sp.Expr, place: int) -> None:
         rest, logarithms = self._arguments.exponent(z)
@@ -336,7 +336,7 @@ class GeneratorSearch:
             if n:
                 self.need(basis)
                 self._writer.atom(self._made("exp", self._place(basis)))
-                found.append([str(n), self._place(basis)])
+                found.append((str(n), self._place(basis)))
         for logarithm, q in logarithms.items():
             if isinstance(logarithm, sp.log):
                 self.need(sp.Pow(logarithm.args[0], q))
@@ -349,8 +349,8 @@ class GeneratorSearch:
             elif q % 2:
                 self.need(sp.sqrt(1 + (logarithm / sp.I).args[0] ** 2))
             self.need(logarithm)
-            found.append([str(q), self._place(logarithm)])
-        self._writer.hints["sums"][self._made("exp", place)] = found
+            found.append((str(q), self._place(logarithm)))
+        self._writer.words(self._made("exp", place), found)
 
 
 def _follows_from_others(node: sp.Expr) -> bool:

@@ -12,7 +12,6 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.exact_numbers import shown
 from solutions.record import Equation
-from verify.kernel.limits import JETS
 from verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball
@@ -26,6 +25,9 @@ POINTS = 8
 
 MORE_POINTS = 40
 """Further points at which a formula is looked at that could not be proved."""
+
+JETS = 64
+"""The highest power of a derivative that is written as a product."""
 
 LARGEST_POWER = 13
 """Of a sum with the unknown; from this on it is not multiplied out."""

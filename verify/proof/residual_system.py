@@ -12,7 +12,7 @@ constant, or a denominator 0, is a system of its own.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
@@ -24,8 +24,7 @@ from flint import fmpq, fmpq_mpoly
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.jet_functions import jet_function
 from verify.kernel.check import opened, registered
-from verify.kernel.field import Field
-from verify.kernel.images import Generator
+from verify.kernel.field import Field, Generator
 from verify.kernel.ring import Element
 
 from .arguments import Dependence, expanded_terms
@@ -78,8 +77,8 @@ class _Coefficients:
     def __init__(self, problem: Problem, system: ResidualSystem) -> None:
         certificate = make_certificate(problem)
         stated = opened(certificate)
-        self._field = registered(stated.nodes, stated, certificate["proof"])
-        self._field.walk(stated.roots)
+        self._field = registered(stated, certificate["proof"])
+        self._field.walk(stated.formulas)
         self._image: Element = self._field.image(stated.formulas[0])
         self._system, self._variables = system, problem.variables
         self._dependence = Dependence(problem.variables)
@@ -177,9 +176,9 @@ class _Coefficients:
             self._system.unknown["elliptic functions of several parameters"] = None
         for m, arguments in triples.items():
             self._judge_elliptic(m, list(arguments))
-        for place, generator in enumerate(self._field.generators):
-            if generator.scale is not None and self._meanings[place] in present:
-                self._system.degenerate += [[self._terms(generator.scale)]]
+        for place in range(len(self._field.generators)):
+            if self._meanings[place] in present:
+                self._system.degenerate += [[entry] for entry in self._meanings.scale(place)]
 
     def _judge_form(self, form: sp.Expr, present: set[sp.Expr]) -> None:
         """One linear form beside variables is one more variable, unless it is made of them."""
@@ -312,15 +311,29 @@ class Meanings:
         return [self._meaning(generator) for generator in self._field.generators]
 
     def _meaning(self, generator: Generator) -> sp.Expr:
-        if generator.form:
-            parts = (self._node(a) * self._node(b) for a, b in generator.form)
-            form = sp.Add(self._node(generator.shift), *parts)
-            self.forms.add(form)
-            return form
-        node = self._node(generator.node)
-        if generator.scale is None or self._dependence.moves(node):
+        formula = self._node(generator.formula)
+        if self._is_form(generator):
+            self.forms.add(formula)
+            return formula
+        node = self._node(generator.form[0][1]) if generator.form else formula
+        if self._dependence.moves(node):
             return node
-        return node * self._polynomial(generator.scale)
+        return formula * self._polynomial(generator.scale)
+
+    def _is_form(self, generator: Generator) -> bool:
+        """Whether a generator is a linear form, no multiple of one function."""
+        pairs = generator.form
+        single = len(pairs) == 1 and self._field.nodes.product(*pairs[0])
+        plain = len(pairs) == 1 and pairs[0][1]
+        return bool(pairs) and generator.formula not in (single, plain)
+
+    def scale(self, place: int) -> Iterator[sp.Expr]:
+        """What a generator is of a function, where that is no number."""
+        generator = self._field.generators[place]
+        if generator.form and not self._is_form(generator):
+            factor = self._node(generator.form[0][0]) * self._polynomial(generator.scale)
+            if not factor.is_number:
+                yield factor
 
     def _polynomial(self, polynomial: fmpq_mpoly) -> sp.Expr:
         """A polynomial in the generators before."""

@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 
 from derive.algebra.formula_printing import formula_as_text
 from verify.kernel.check import check_certificate
-from verify.kernel.nodes import generic_shift
+from verify.kernel.further.free_functions import generic_shift
 from verify.subexpressions import abbreviated, distinct_nodes
 from verify.verdict import Outcome, ProofVerdict
 

@@ -8,9 +8,9 @@ from math import factorial
 
 from flint import acb, acb_series, fmpq
 
+from verify.kernel.further.special import CYLINDER
 from verify.kernel.jacobi_values import Jacobi
-from verify.kernel.nodes import CYLINDER, SPECIAL
-from verify.kernel.nodes import jet as jet_value
+from verify.kernel.node_balls import BALLS
 
 Series = list[acb]
 
@@ -84,8 +84,8 @@ def bessel(name: str, v: acb) -> Callable[[acb, int], Series]:
     sign, up = -1 if name in ("bessel_i", "bessel_k") else 1, CYLINDER[name][0]
 
     def taylor(z: acb, order: int) -> Series:
-        value = SPECIAL[name](v, z)
-        found = [value, v / z * value + up * SPECIAL[name](v + 1, z)]
+        value = BALLS[name](v, z)
+        found = [value, v / z * value + up * BALLS[name](v + 1, z)]
         for n in range(order - 1):
             rest = (n * n + sign * z * z - v * v) * found[n] + (n + 1) * (2 * n + 1) * z * found[-1]
             rest += sign * (2 * z * found[n - 1] if n else acb(0))
@@ -100,7 +100,7 @@ def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
     """Weierstrass' function of the invariants, or with ``slopes`` = 1 its derivative."""
 
     def taylor(z: acb, order: int) -> Series:
-        found = [SPECIAL["weierstrass_p"](z, g2, g3), SPECIAL["weierstrass_p_prime"](z, g2, g3)]
+        found = [BALLS["weierstrass_p"](z, g2, g3), BALLS["weierstrass_p_prime"](z, g2, g3)]
         for n in range(order + slopes - 1):
             rest = 6 * _product(found, found, n) - (g2 / 2 if n == 0 else 0)
             found.append(rest / ((n + 2) * (n + 1)))
@@ -111,8 +111,9 @@ def weierstrass(g2: acb, g3: acb, slopes: int) -> Callable[[acb, int], Series]:
 
 def free(name: str, start: int, *nome: acb) -> Callable[[acb, int], Series]:
     """The derivative of order ``start`` of a theta function, or of an arbitrary function."""
+    ball = BALLS["theta" if nome else "jet"]
     return lambda z, order: [
-        jet_value(name, start + n, z, *nome) / factorial(n) for n in range(order + 1)
+        ball(z, *nome, (name, start + n)) / factorial(n) for n in range(order + 1)
     ]
 
 

@@ -208,7 +208,7 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
 
     The factors of what is under a root show its sign.
     """
-    formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "logs", "signs")}
+    formulas, hints = [*proof["formulas"]], {k: [*proof[k]] for k in ("values", "signs")}
 
     def hint(kind: str, text: str, value: str, pack: Callable[[int], Any]) -> None:
         hints[kind].append([len(formulas), pack(len(formulas) + 1)])
@@ -226,8 +226,9 @@ def _with_values(proof: Data, typed: Sequence[Typed], problem: StatementProblem)
         if part.value == part.plain:
             continue
         match part.tree:
-            case Call(name="log", parts=(inner,)):
-                hint("logs", text, formula_text(inner), lambda place: [["1", place]])
+            case Call(name="log"):
+                hints["values"].append([len(formulas), len(formulas)])
+                formulas.append(text)
             case Call(name=name) if name in ("sqrt", "abs", *INVERSE):
                 hint("values", text, _written(part.value, variables), lambda place: place)
     return {**proof, "formulas": formulas, **hints}

@@ -12,40 +12,56 @@ import pytest
 
 from solutions import closed_form
 from verify.proof import prove_form
+from verify.proof.catalogue_proofs import NAMES, prove_named
+from verify.proof.text_prover import prove
 
 HOUSE = Path(__file__).parents[3]
 KERNEL = HOUSE / "verify" / "kernel"
-FILES = sorted(KERNEL.glob("*.py"))
+FILES = sorted(KERNEL.rglob("*.py"))
+CORE = sorted(KERNEL.glob("*.py"))
 
 
 def imports(path: Path) -> set[str]:
+    """The modules that a file imports, those of the kernel as paths within it."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            stem = "." * node.level + (node.module or "")
-            found |= {stem} if node.module else {f".{alias.name}" for alias in node.names}
+            folder = path.parents[node.level - 1] if node.level else None
+            names = [node.module] if node.module else [alias.name for alias in node.names]
+            found |= {str(folder / name) if folder else name for name in names}
     return found
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_the_kernel_imports_the_standard_library_and_flint_alone(path: Path) -> None:
-    own = {f".{other.stem}" for other in FILES}
+    own = {str(other.with_suffix("")) for other in FILES} | {str(KERNEL / "further")}
     for name in imports(path):
         assert name in own or name.split(".")[0] in {*sys.stdlib_module_names, "flint"}, name
 
 
+def test_the_core_imports_nothing_that_goes_further() -> None:
+    for path in CORE:
+        if path.name != "__init__.py":
+            assert not any("further" in name for name in imports(path)), path
+
+
+def lines(paths: list[Path]) -> int:
+    return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in paths)
+
+
 def test_the_page_on_trust_counts_the_lines() -> None:
-    lines = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in FILES)
     page = (HOUSE / "docs" / "trust.md").read_text(encoding="utf-8")
     (stated,) = re.findall(r"([0-9]+) lines of our own", page)
-    assert abs(int(stated) - lines) <= 50, f"docs/trust.md should say {lines}"
+    assert abs(int(stated) - lines(FILES)) <= 50, f"docs/trust.md should say {lines(FILES)}"
 
 
-def alone(folder: Path, text: str) -> subprocess.CompletedProcess[str]:
+def alone(folder: Path, text: str, *left_out: str) -> subprocess.CompletedProcess[str]:
     """``python -m kernel FILE`` in a folder with nothing else."""
-    shutil.copytree(KERNEL, folder / "kernel")
+    without = shutil.ignore_patterns("__pycache__", *left_out)
+    folder.mkdir(exist_ok=True)
+    shutil.copytree(KERNEL, folder / "kernel", ignore=without)
     (folder / "proof.json").write_text(text, encoding="utf-8")
     command = [sys.executable, "-P", "-c", RUN, "proof.json"]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -78,3 +94,19 @@ def test_the_folder_alone_refuses(tmp_path: Path, text: str, status: int, words:
     done = alone(tmp_path, text)
     assert (done.returncode, done.stdout) == (status, "")
     assert words in done.stderr
+
+
+def test_the_core_alone_is_enough_for_the_catalogue(tmp_path: Path) -> None:
+    certificates = [prove_named(name).certificate for name in NAMES]
+    done = alone(tmp_path, json.dumps([c for c in certificates if c]), "further")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("accepted\n") == sum(map(bool, certificates)) > 30
+
+
+def test_the_core_alone_refuses_what_goes_further(tmp_path: Path) -> None:
+    verdict = prove("u - v", "u = asinh(sinh(x)) ;; v = x")
+    text = json.dumps(verdict.certificates)  # type: ignore[union-attr]
+    assert alone(tmp_path / "all", text).returncode == 0
+    done = alone(tmp_path / "core", text, "further")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "no function of 1 arguments is called asinh" in done.stderr

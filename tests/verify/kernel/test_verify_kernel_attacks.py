@@ -6,7 +6,9 @@ from flint import fmpq
 
 from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from verify.kernel import CertificateError, check_certificate, opened
-from verify.kernel.check import Branches, registered
+from verify.kernel.check import registered
+from verify.kernel.denominators import is_connected
+from verify.kernel.node_balls import Balls
 from verify.proof import prove
 from verify.verdict import Outcome
 
@@ -114,10 +116,8 @@ def test_a_domain_is_connected_where_it_is_linear(domain: str, connected: bool) 
     proof = Proof()
     statement = {"variables": ["x", "y"], "equations": ["u - x"], "solutions": ["u = x"]}
     data = signed({**statement, "domain": [domain]}, proof, proof.data(["x", "y", "pi"], {}))
-    from verify.kernel.check import is_connected
-
     found = opened(data)
-    assert is_connected(registered(found.nodes, found, data["proof"]), found) is connected
+    assert is_connected(registered(found, data["proof"]), found) is connected
 
 
 def test_a_witness_of_a_sign_must_be_real() -> None:
@@ -230,9 +230,10 @@ def test_a_sign_is_tried_with_both_values() -> None:
     statement = {"equations": ["u - x*x"], "solutions": ["u = x*x"]}
     data = signed(statement, proof, proof.data(["x"], {"x": "-1"}))
     found = opened(data)
-    field = registered(found.nodes, found, data["proof"])
+    conjugate = registered(found, data["proof"]).signs.conjugate
     node, x = found.nodes.place(place), found.variables[0]
-    balls = [Branches(field, {x: fmpq(-1)}, {node: fmpq(k, 2)}).ball(node).real for k in (0, 1)]
+    turns = [{node: fmpq(k, 2)} for k in (0, 1)]
+    balls = [Balls(found.nodes, {x: fmpq(-1)}, turn, conjugate).ball(node).real for turn in turns]
     assert [bool(value < 0) for value in balls] == [True, False]
 
 
@@ -249,7 +250,7 @@ def test_a_power_that_stands_for_an_equal_part_has_its_own_slope(
         same = proof.data(atoms, {"x": "1"})
         place = proof.place(power)
         data = proof.data([], {"x": "1"}, parts=[[place, place, same]])
-        data["generators"] = [["atom", proof.place("x")], ["part", 0, 0]]
+        data["generators"] = [["atom", proof.place("x")], ["part", 0]]
         equation = f"u_x - {power}/x*({factor})"
         return signed({"equations": [equation], "solutions": [f"u = {power}"]}, proof, data)
 
@@ -261,7 +262,7 @@ def test_a_part_is_what_was_proved() -> None:
     proof = Proof()
     left, right = proof.place("x**2"), proof.place("x")
     same = proof.data(["x"], {"x": "1"})
-    data = proof.data(["x"], {"x": "1"}, parts=[[left, right, same]], more=[["part", 0, 0]])
+    data = proof.data(["x"], {"x": "1"}, parts=[[left, right, same]], more=[["part", 0]])
     statement = {"equations": ["u - x"], "solutions": ["u = x**2"]}
     refused(signed(statement, proof, data), "the residual is not 0")
 
@@ -271,5 +272,5 @@ def test_a_proof_speaks_of_the_statement_alone() -> None:
 
 
 def test_a_certificate_of_an_older_format_is_refused_with_the_remedy() -> None:
-    data = certificate("u - x", "u = x", ["x"], {"x": "1"}) | {"format": "longwave proof 2"}
+    data = certificate("u - x", "u = x", ["x"], {"x": "1"}) | {"format": "longwave proof 3"}
     refused(data, "prove the statement again")

@@ -16,7 +16,7 @@ def test_one_number_does_not_stand_for_another() -> None:
     proof = Proof()
     one = proof.place("1")
     same = proof.data(["x"], {"x": "1"})
-    data = proof.data(["x", "2"], {"x": "1"}, parts=[[one, one, same]], more=[["part", 0, 0]])
+    data = proof.data(["x", "2"], {"x": "1"}, parts=[[one, one, same]], more=[["part", 0]])
     statement = {"equations": ["u - v"], "solutions": ["u = 1", "v = 2"]}
     refused(signed(statement, proof, data), "number is no generator")
 

@@ -3,9 +3,12 @@
 from typing import Any
 
 import pytest
+from flint import fmpq
 
 from tests.verify.kernel.test_verify_kernel_attacks import Proof, certificate, refused, signed
-from verify.kernel import check_certificate
+from verify.kernel import CertificateError, check_certificate
+from verify.kernel.node_balls import Balls
+from verify.kernel.nodes import Nodes
 
 Hints = dict[str, Any]
 
@@ -52,6 +55,13 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("jacobi_epsilon(-x, 1/2)", "-jacobi_epsilon(x, 1/2)", "jacobi_epsilon(x, 1/2)",
      (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn", "epsilon"))), [],
      {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
+    ("exp(x + x - x)", "exp(x)", "2*exp(x)", (*ATOMS, "exp(x)", "exp(x + x - x)"), [], {}),
+    ("exp(2*lambert_w(x))", "x**2/lambert_w(x)**2", "x/lambert_w(x)", (*ATOMS, "lambert_w(x)"), [],
+     {}),
+    ("exp(3*x + y)", "exp(x)**3*exp(y)", "exp(x)*exp(y)", (*ATOMS, "exp(x)", "exp(y)"), [], {}),
+    ("exp(I*pi*6/5)", "-exp(I*pi/5)", "exp(I*pi/5)", (*ATOMS, "pi", "exp(I*pi/5)"), [], {}),
+    ("sqrt((1 + sqrt(I*x))**2)", "1 + sqrt(I*x)", "-1 - sqrt(I*x)", (*ATOMS, "sqrt(I*x)"), [],
+     {"values": {"sqrt((1 + sqrt(I*x))**2)": "1 + sqrt(I*x)"}}),
     ("jacobi_dn(elliptic_k(1/4), 1/4)", "sqrt(3/4)", "-sqrt(3/4)",
      (*ATOMS, "sqrt(1 - 1/4)", "elliptic_k(1/4)"), [],
      {"sums": {"jacobi_sn(elliptic_k(1/4), 1/4)": {"elliptic_k(1/4)": "1"}}}),
@@ -86,6 +96,8 @@ def test_a_value(case: tuple[str, str, str, tuple[str, ...], list[str], Hints]) 
         ("exp(x)", ("x",), [], {"sums": {"exp(x)": {"2*x": "1"}}}, "not the sum"),
         ("exp(x)", ("x", "exp(2*x)"), [], {"sums": {"exp(x)": {"2*x": "1/2"}}}, "integers"),
         ("exp(x)", ("x",), [], {}, "a function of a sum"),
+        ("exp(I*pi/5)", ("I", "pi"), [], {}, "must be integers"),
+        ("log(x*y)", ("x", "y"), [], {"values": {"log(x*y)": "x"}}, "must be a sum of logarithms"),
         ("asin(sin(x))", ("x", "I", "exp(I*x)"), [],
          {"values": {"asin(sin(x))": "x"}, "sums": {"exp(I*x)": {"I*x": "1"}}}, "principal value"),
         ("atan(tan(2*x))", ("x", "I", "exp(I*x)"), ["-1/2 < x < 1/2"],
@@ -116,15 +128,14 @@ def test_what_does_not_follow(
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        (["scaled", "x", "y"], "must be a Jacobi function"),
-        (["circle", "sqrt(1 - k**2)", "x"], "must be of a symbol"),
-        (["circle", "sqrt(1 - x**2)", "x"], "of a parameter"),
-        (["quotient", "x", "y"], "of theta functions"),
-        (["forms", ["I"], [[["1"], "0"]]], "cannot be in a linear form"),
-        (["forms", ["x"], [[["y"], "0"]]], "must be constant"),
+        (["atom", "sqrt(1 - x**2)"], "no generator for the symbol x"),
+        (["atom", "sqrt(1 + z**2)"], "no generator for the symbol z"),
+        (["forms", ["tanh(x)"], [[["1"], "0"]]], "tanh is no generator"),
+        (["forms", ["I"], [[["1"], "k"]]], "a multiple of a root, or have none"),
+        (["forms", ["I", "x"], [[["1", "0"], "0"], [["0", "1"], "0"]]], "or have none"),
         (["forms", ["x"], [[["abs(k)"], "0"]]], "must be analytic"),
         (["forms", ["x", "y"], [[["1", "1"], "0"], [["2", "2"], "0"]]], "must be independent"),
-        (["part", 0, 0], "no generator is written"),
+        (["part", 0], "no generator is written"),
         (["atom"], "no generator is written"),
     ],
 )
@@ -142,5 +153,80 @@ def test_a_generator_that_is_none(entry: list[Any], message: str) -> None:
         rows[2] = [[factors, shift] for factors, shift in rows[2]]
     data["generators"].append(rows)
     data["point"].append([proof.place("k"), "1/5"])
-    statement = {"equations": ["u - k"], "solutions": ["u = k"], **XY}
+    statement = {"equations": ["u - k"], "solutions": ["u = k"], **XY, "parameters": ["z: real"]}
     refused(signed(statement, proof, data), message)
+
+
+@pytest.mark.parametrize(("function", "shown"), [("atan(x)", True), ("atan(I*x/9)", False)])
+def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
+    function: str, shown: bool
+) -> None:
+    u = f"u = 1/(3 + abs(x) + {function})"
+    data = certificate(u.replace("=", "-"), u, ("I", "x", "abs(x)", function), {"x": "1"})
+    if shown:
+        assert u in check_certificate(data)
+    else:
+        refused(data, "both a root and a logarithm that may jump")
+
+
+@pytest.mark.parametrize("log", ["log(x)", "log(-x)"])
+@pytest.mark.parametrize("wrong", ["", "2*"])
+def test_a_power_of_what_is_negative(log: str, wrong: str) -> None:
+    """It is that of its logarithm where this is a generator, else that of the opposite, turned."""
+    statement = {"variables": ["x"], "parameters": ["j: integer"], "domain": ["x < 0"]}
+    power = f"exp(j*{log})"
+    turned = "" if log == "log(x)" else "(-1)**j*"
+    atoms = ("x", "j", "(-1)**j", log, power)
+    point = {"x": "-1", "j": "3"}
+    data = certificate(f"u - {wrong}{turned}{power}", "u = x**j", atoms, point, statement)
+    if wrong:
+        refused(data, "the residual is not 0")
+    else:
+        assert "x**j" in check_certificate(data)
+
+
+@pytest.mark.parametrize("equation", ["u - sinh(x)", "u_x - cosh(x)"])
+def test_a_part_without_an_axiom_has_no_derivative(equation: str) -> None:
+    proof = Proof()
+    place = proof.place("sinh(x)")
+    same = proof.data(["x", "exp(x)"], {"x": "1"})
+    data = proof.data(["x", "exp(x)"], {"x": "1"}, parts=[[place, place, same]], more=[["part", 0]])
+    data = signed({"equations": [equation], "solutions": ["u = sinh(x)"]}, proof, data)
+    if equation == "u - sinh(x)":
+        assert "sinh" in check_certificate(data)
+    else:
+        refused(data, "derivative does not follow")
+
+
+LONG = "+".join(f"{n + 1}*x**{n}*g**{(3 * n) % 7}" for n in range(24))
+
+
+@pytest.mark.parametrize(
+    ("g", "equation", "message"),
+    [
+        ("t", "u_t*2 - u_t*2", ""),
+        ("t", "u_tt - u_tt", "at most one derivative in t"),
+        ("t", "u_t - u_x", "the residual is not 0"),
+        ("exp(x)", "u_x - u_x", ""),
+        ("exp(x)", "u_x - u", "the residual is not 0"),
+    ],
+)
+def test_a_long_quotient(g: str, equation: str, message: str) -> None:
+    """It is put in at values of its second generator if the slopes of both are constant."""
+    formula = f"u = {LONG.replace('g', g)}"
+    statement = {"variables": ["x", "t"]}
+    atoms = ("x", g)
+    data = certificate(equation, formula, atoms, {"x": "1", "t": "1"}, statement)
+    if message:
+        refused(data, message)
+    else:
+        assert formula[:20] in check_certificate(data)
+
+
+def test_a_power_of_minus_one_has_a_value_at_integers_alone() -> None:
+    nodes = Nodes()
+    n = nodes.made("symbol", "n", "integer")
+    turn = nodes.made("parity", n)
+    assert Balls(nodes, {n: fmpq(3)}).ball(turn) == -1
+    with pytest.raises(CertificateError, match="to an integer at the point"):
+        Balls(nodes, {n: fmpq(1, 2)}).ball(turn)

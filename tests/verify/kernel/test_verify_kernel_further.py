@@ -24,29 +24,42 @@ def certificate(
         "parameters": [],
         "domain": domain,
     }
-    body["proof"] = {"logs": [], "signs": [], "parts": [], "point": [[0, point]], **proof}
+    body["proof"] = {"signs": [], "parts": [], "point": [[0, point]], **proof}
     return {**body, "digest": digest(body)}
 
 
-def arctangents(domain: list[str], value: str, half: str, **parts: str) -> dict[str, Any]:
+def arctangents(
+    domain: list[str], value: str, half: str, times: str = "-2", more: str = "pi", **parts: str
+) -> dict[str, Any]:
     """atan(x) + atan(1/x), with ``value`` for atan(1/x); ``half`` is the share of pi in it."""
     formulas = ["x", "I", "pi", "atan(#0)", "1/#0", "atan(#4)", value]
-    formulas += ["I*#2", "I*#3", "exp(2*I*#6)"]
-    sums = [[9, [[str(2 * int(half[:-2])) + half[-2:], 7], ["-2", 8]]]]
+    formulas += ["I*#2", "I*#3", "exp(2*I*#6)", f"exp(2*({half})*#7 + ({times})*#8)", more]
     return certificate(
         "u = atan(x) + atan(1/x)",
         parts.pop("equation", "u - 1/2*pi"),
         domain,
         formulas=formulas,
-        generators=[["atom", 0], ["atom", 1], ["atom", 2], ["atom", 3]],
-        sums=sums,
-        values=[[5, 6]],
+        generators=[["atom", place] for place in (0, 1, 2, 3, *([11] if more != "pi" else []))],
+        values=[[5, 6], [9, 10]],
         **parts,
     )
 
 
 def test_a_value_is_principal_everywhere_if_it_is_at_a_point() -> None:
     assert "u - 1/2*pi" in check_certificate(arctangents(["x > 0"], SUM, "1/2"))
+
+
+@pytest.mark.parametrize(("inner", "continuous"), [("x", True), ("x - 9", False)])
+def test_a_logarithm_is_continuous_where_its_argument_is_positive(
+    inner: str, continuous: bool
+) -> None:
+    more = f"log({inner})"
+    data = arctangents(["x > 0"], f"{SUM} + 0*{more}", "1/2", more=more)
+    if continuous:
+        assert "u - 1/2*pi" in check_certificate(data)
+    else:
+        with pytest.raises(CertificateError, match="not shown to be a principal value"):
+            check_certificate(data)
 
 
 @pytest.mark.parametrize(
@@ -67,9 +80,7 @@ def test_other_branches_are_refused(
 
 
 def test_what_has_another_tangent_is_refused() -> None:
-    wrong = arctangents(["x > 0"], "1/2*pi - 2*atan(x)", "1/2", equation="u - 1/2*pi + atan(x)")
-    wrong["proof"]["sums"][0][1][1][0] = "-4"
-    wrong["proof"]["point"] = [[0, "1/2"]]
-    body = {key: part for key, part in wrong.items() if key != "digest"}
+    equation = "u - 1/2*pi + atan(x)"
+    wrong = arctangents(["x > 0"], "1/2*pi - 2*atan(x)", "1/2", "-4", equation=equation)
     with pytest.raises(CertificateError, match="is that of another argument"):
-        check_certificate({**body, "digest": digest(body)})
+        check_certificate(wrong)

@@ -4,7 +4,8 @@ import pytest
 from flint import fmpq
 
 from verify.kernel import CertificateError
-from verify.kernel.nodes import Balls, Nodes
+from verify.kernel.node_balls import Balls
+from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula, rational
 from verify.kernel.statement import read_statement
 
@@ -179,20 +180,3 @@ def test_a_domain_is_its_inequalities() -> None:
         *((False, q, zero), (True, x, t)),
     ]
     assert nodes.all[m][2] == "integer"
-
-
-def test_an_equation_is_a_polynomial_in_derivatives_where_it_can_be() -> None:
-    nodes = Nodes()
-    equations = ["(u_x + 1)**2 - u*u_t/3", "sin(u)", "u[x+1, t] - u"]
-    found, _ = read_statement(nodes, statement(equations=equations))
-    first, second, third = found.equations
-    assert isinstance(first, tuple)
-    x, t, u = (0, (1, 0)), (0, (0, 1)), (0, (0, 0))
-    assert {(known, jets): n for n, known, jets in first} == {
-        ((), (x, x)): 1,
-        ((), (x,)): 2,
-        ((), ()): 1,
-        ((), (u, t)): fmpq(-1, 3),
-    }
-    assert isinstance(second, int)
-    assert isinstance(third, int)

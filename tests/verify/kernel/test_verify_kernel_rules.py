@@ -2,6 +2,8 @@
 
 import copy
 import json
+import runpy
+import sys
 from typing import Any
 
 import pytest
@@ -126,7 +128,7 @@ def test_a_long_quotient_is_put_in_at_more_values_than_its_degree() -> None:
 
 
 def test_the_command_prints_what_it_accepts(
-    tmp_path: Any, capsys: pytest.CaptureFixture[str]
+    tmp_path: Any, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "c.json"
     (data,) = proved("u_x - 1", "u = x", "", "")
@@ -140,4 +142,7 @@ def test_the_command_prints_what_it_accepts(
         assert main([str(path)]) == status
         assert words in "".join(capsys.readouterr())
     assert main([]) == 2
+    monkeypatch.setattr(sys, "argv", ["kernel"])
+    with pytest.warns(RuntimeWarning, match="found in sys.modules"), pytest.raises(SystemExit):
+        runpy.run_module("verify.kernel", run_name="__main__")
     assert main([str(tmp_path / "none")]) == 2

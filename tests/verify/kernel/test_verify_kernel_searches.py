@@ -9,7 +9,7 @@ from benchmarks import kernel_attacks
 from benchmarks.false_certificates import false_certificates
 from benchmarks.text_balls import TextBalls, Unsaid
 from verify.kernel import CertificateError, check_certificate
-from verify.kernel.nodes import Balls
+from verify.kernel.node_balls import Balls
 from verify.kernel.reading import Scope, TextReader
 from verify.kernel.signs import Signs
 

@@ -7,10 +7,12 @@ from flint import acb, acb_series, ctx, fmpq
 
 from tests.verify.kernel.test_verify_kernel_attacks import certificate, refused
 from verify.kernel import check_certificate
-from verify.kernel.nodes import BITS, Balls, Nodes, jet
+from verify.kernel.further.free_functions import jet_ball, theta_ball
+from verify.kernel.further.weierstrass_values import weierstrass
+from verify.kernel.node_balls import BITS, Balls
+from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
 from verify.kernel.signs import Signs
-from verify.kernel.weierstrass_values import weierstrass
 
 Hints = dict[str, Any]
 
@@ -202,7 +204,7 @@ def test_the_values_of_theta_functions_are_their_series(place: int) -> None:
         for order in range(4):
             for z in (acb("0.3"), acb("0.2", "0.4")):
                 q = acb("0.3")
-                own, other = jet(f"jacobi_theta_{place}", order, z, q), series(z, q, order)
+                own, other = theta_ball(z, q, (f"jacobi_theta_{place}", order)), series(z, q, order)
                 assert abs((own - other).abs_upper()) < 1e-60
 
 
@@ -222,8 +224,8 @@ def test_the_values_of_bessels_functions_satisfy_the_recurrence(name: str) -> No
 def test_the_generic_function_satisfies_no_simple_equation_and_differs_from_name_to_name() -> None:
     with ctx.workprec(BITS):
         z = acb("1/3")
-        f = [jet("f", order, z) for order in range(3)]
+        f = [jet_ball(z, ("f", order)) for order in range(3)]
         assert all(abs(value) > 1e-3 for value in (*f, f[0] * f[2] - f[1] ** 2, f[0] + f[2]))
-        assert abs(jet("g", 0, z) - f[0]) > 1e-3
+        assert abs(jet_ball(z, ("g", 0)) - f[0]) > 1e-3
         step = acb("1e-30")
-        assert abs((jet("f", 0, z + step) - f[0]) / step - f[1]) < 1e-25
+        assert abs((jet_ball(z + step, ("f", 0)) - f[0]) / step - f[1]) < 1e-25

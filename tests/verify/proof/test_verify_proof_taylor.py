@@ -3,7 +3,7 @@
 import pytest
 from flint import acb, arb, ctx
 
-from verify.kernel.nodes import CYLINDER
+from verify.kernel.further.special import CYLINDER
 from verify.proof import taylor
 
 

@@ -3,7 +3,10 @@
 import pytest
 from flint import acb, ctx
 
-from verify.kernel.nodes import CYLINDER, SPECIAL, THETA, jet
+from verify.kernel.further.free_functions import theta_ball
+from verify.kernel.further.special import CYLINDER
+from verify.kernel.node_balls import BALLS
+from verify.kernel.reading import THETA
 from verify.proof import taylor
 from verify.studies.texts import special_series
 
@@ -25,7 +28,7 @@ def test_bessels_functions(name: str, z: acb) -> None:
     with ctx.workprec(BITS):
         for v in (acb(0), acb(0.75), acb(-2.5), acb(3)):
             own = special_series.bessel(name, v, z, ORDER)
-            assert own[0].overlaps(SPECIAL[name](v, z))
+            assert own[0].overlaps(BALLS[name](v, z))
             assert agree(own, taylor.bessel(name, v)(z, ORDER))
 
 
@@ -45,7 +48,7 @@ def test_theta_functions(name: str, z: acb) -> None:
     with ctx.workprec(BITS):
         q = acb(0.375)
         own = special_series.theta(THETA.index(name), z, q.log(), ORDER)
-        assert agree(own, [jet(name, n, z, q) for n in range(ORDER + 1)])
+        assert agree(own, [theta_ball(z, q, (name, n)) for n in range(ORDER + 1)])
 
 
 def test_a_bessel_function_has_a_cut_unless_it_is_entire() -> None:

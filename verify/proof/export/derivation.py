@@ -12,14 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from flint import fmpq
-
-from verify.kernel.check import Denominators, opened, registered
-from verify.kernel.identity import Residual
+from verify.kernel.check import opened, registered
+from verify.kernel.denominators import Denominators
+from verify.kernel.further.quotients import long_quotient, shape
 from verify.kernel.limits import CertificateError
 from verify.kernel.nodes import number
 from verify.kernel.ring import Element, Ring
-from verify.kernel.statement import Jet, Statement, statement_text
+from verify.kernel.statement import Statement, statement_text
+from verify.kernel.substitution import Substitution
 
 from . import terms
 from .premises import RELATIONS, Question, polynomial_words
@@ -37,9 +37,9 @@ def written_out(certificate: Mapping[str, Any]) -> WrittenProof:
         raise CertificateError("a proof by equal parts has no script (its parts have proofs)")
     statement = opened(certificate)
     nodes = statement.nodes
-    field = registered(nodes, statement, certificate["proof"], field_type=TracedField)
+    field = registered(statement, certificate["proof"], field_type=TracedField)
     assert isinstance(field, TracedField)
-    field.walk(statement.roots)
+    field.walk(statement.formulas)
     _Equations(field, statement).note()
     field.note_slopes_of_relations()
     assert isinstance(field.ring, TracedRing)
@@ -86,7 +86,7 @@ class _Premises:
         at = ", ".join(f"{nodes.all[symbol][1]} = {value}" for symbol, value in values.items())
         shown = f"shown at {at}, on every branch"
         free = not field.ring.relations and all(
-            not g.form and nodes.all[g.node][0] == "symbol" for g in field.generators
+            nodes.all[g.formula][0] == "symbol" for g in field.generators
         )
         with field.signs.asked() as asked:
             check = Denominators(field, self._statement, values)
@@ -140,44 +140,56 @@ class _Equations:
 
     def __init__(self, field: TracedField, statement: Statement) -> None:
         self._field, self._statement = field, statement
-        self._jets: dict[Jet, Term] = {}
-        self._residual = Residual(field, statement)
+        self._jets: dict[int, tuple[Term, Element | None]] = {}
+        self._put = Substitution(field.nodes, statement.variables, statement.formulas)
 
     def note(self) -> None:
         """Note what an unknown and its derivatives are, and that each equation vanishes."""
-        trace = self._field.trace
         for place, equation in enumerate(self._statement.equations, 1):
-            if isinstance(equation, int):
-                residual = self._residual.substituted(equation)
+            if shape(self._field.nodes, equation) is None:
+                residual = self._put(equation)
                 self._field.walk([residual])
                 term = term_of(self._field.image(residual))
             else:
-                self._long = self._residual.quotient(equation) is not None
-                term = terms.added([self._product(*entry) for entry in equation])
-            trace.steps.append((Vanishing(term, f"equation {place}"), None))
+                self._long = long_quotient(self._field, self._statement) is not None
+                term = self._polynomial(equation)
+            self._field.trace.steps.append((Vanishing(term, f"equation {place}"), None))
 
-    def _product(self, value: fmpq, known: Sequence[int], jets: Sequence[Jet]) -> Term:
-        factors = [term_of(self._field.image(node)) for node in known]
-        factors += [self._jet(jet) for jet in jets]
-        return terms.multiplied([terms.number(value), *factors])
+    def _polynomial(self, node: int) -> Term:
+        """A polynomial in derivatives of the unknowns."""
+        match self._field.nodes.all[node]:
+            case ("number", value):
+                return terms.number(value)
+            case ("Add", *parts):
+                return terms.added([self._polynomial(part) for part in parts])
+            case ("Mul", *parts):
+                return terms.multiplied([self._polynomial(part) for part in parts])
+            case ("Pow", base, exponent):
+                return terms.raised(self._polynomial(base), int(exponent.p))
+        return self._jet(node)[0]
 
-    def _jet(self, jet: Jet) -> Term:
-        if jet not in self._jets:
-            unknown, orders = jet
-            symbol = self._statement.unknowns[unknown]
-            formula = self._field.image(self._statement.formulas[unknown])
-            axis = next((i for i, n in enumerate(orders) if n), None)
-            if axis is None:
+    def _jet(self, node: int) -> tuple[Term, Element | None]:
+        """The name of an unknown or of its derivative, and the checker's value of it."""
+        if node not in self._jets:
+            nodes, (name, inner, *along) = self._field.nodes, self._field.nodes.all[node]
+            place = inner if name == "unknown" else nodes.all[inner][1]
+            symbol, variables = self._statement.unknowns[place], self._statement.variables
+            if name == "unknown":
+                formula: Element | None = self._field.image(self._statement.formulas[place])
+                assert formula is not None
                 term, comment = term_of(formula), f"the unknown {symbol}"
+                value = None if self._long else plain(formula)
             else:
-                lower = (*orders[:axis], orders[axis] - 1, *orders[axis + 1 :])
-                term = ("slope", axis, self._jet((unknown, lower)))
+                *before, last = along
+                below, lower = self._jet(nodes.made("diff", inner, *before) if before else inner)
+                term = ("slope", variables.index(last), below)
+                orders = tuple(along.count(variable) for variable in variables)
                 comment = f"derivative of {symbol} of order {orders}"
-            name = terms.jet(len(self._jets) + 1)
-            value = None if self._long else plain(self._residual.jet(jet))
-            self._field.trace.steps.append((Definition(name, term, None, comment), value))
-            self._jets[jet] = name
-        return self._jets[jet]
+                value = None if lower is None else plain(self._field.derivative(lower, last))
+            own = terms.jet(len(self._jets) + 1)
+            self._field.trace.steps.append((Definition(own, term, None, comment), value))
+            self._jets[node] = own, value
+        return self._jets[node]
 
 
 def _over(step: Step, value: Element | None, divisors: Sequence[int]) -> Step:

@@ -15,7 +15,7 @@ from functools import partial
 
 from flint import fmpq
 
-from verify.kernel.images import Images
+from verify.kernel.field import Field
 from verify.kernel.nodes import Node, Nodes, children
 from verify.kernel.signs import Signs
 
@@ -62,7 +62,7 @@ class Asker:
 class TracedSigns(Signs):
     """The checker's signs, which note what was asked and holds."""
 
-    def __init__(self, images: Images, positive: Mapping[int, bool]) -> None:
+    def __init__(self, images: Field, positive: Mapping[int, bool]) -> None:
         super().__init__(images.nodes, images.image, positive, images.hints.signs)
         self.askers = [Asker()]
         self.kept: dict[Question, str] = {}
@@ -227,7 +227,7 @@ class FormulaWords:
 def called(node: Node) -> str:
     """The name of a node's function; the second derivative of f is f^(2)."""
     name, *_, last = node
-    if name != "jet":
+    if name not in ("jet", "theta"):
         return str(name)
     label, order = last
     return f"{label}^({order})" if order else str(label)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
 from verify.kernel.derivations import Slopes
-from verify.kernel.field import Field
-from verify.kernel.images import Hints
+from verify.kernel.field import Field, Hints
 from verify.kernel.nodes import Nodes, children
 from verify.kernel.ring import Element
 
@@ -53,8 +52,9 @@ class TracedSlopes(Slopes):
         """The derivative of what is made of generators."""
         return self._left(super().derivative(element, variable), element, variable)
 
-    def _rate(self, node: int, variable: int) -> Element:
-        return self._left(super()._rate(node, variable), self._field.image(node), variable)
+    def rate(self, node: int, variable: int) -> Element:
+        """The derivative of a formula."""
+        return self._left(super().rate(node, variable), self._field.image(node), variable)
 
     def _left(self, value: Element, element: Element, variable: int) -> Element:
         """The derivative that the script takes of ``element``; its known ``value`` if it cannot."""
@@ -81,6 +81,7 @@ class TracedField(Field):
     """The checker's field; what it computes is noted step by step."""
 
     ring_type = TracedRing
+    slopes_type = TracedSlopes
 
     def __init__(
         self,
@@ -101,10 +102,6 @@ class TracedField(Field):
         """The steps."""
         assert isinstance(self.ring, TracedRing)
         return self.ring.trace
-
-    @cached_property
-    def _slopes(self) -> Slopes:
-        return TracedSlopes(self)
 
     @cached_property
     def _roots(self) -> list[tuple[int, int, TracedElement]]:
@@ -168,7 +165,7 @@ class TracedField(Field):
         self.note(Definition(terms.node(node), term, None, comment), value)
         return traced(plain(value), terms.node(node))
 
-    def sum(self, parts: list[Element]) -> Element:
+    def sum(self, parts: Sequence[Element]) -> Element:
         """The sum."""
         whole = super().sum([plain(part) for part in parts])
         return traced(plain(whole), terms.added([term_of(part) for part in parts]))
@@ -209,8 +206,8 @@ class TracedField(Field):
     def generator_words(self, place: int) -> str:
         """A generator as the function that it stands for, if it is one; its name otherwise."""
         found = self.generators[place]
-        is_plain = not found.form and found.scale is None and found.below is None
-        return self.words.told("{}", found.node) if is_plain else f"g{place}"
+        is_plain = found.scale.is_one() and found.formula == found.form[0][1]
+        return self.words.told("{}", found.formula) if is_plain else f"g{place}"
 
     def written(self, node: int) -> str:
         """A function of named arguments in words; nothing for sums, products and powers."""
@@ -230,12 +227,13 @@ class TracedField(Field):
         if place >= len(self.generators):
             return "not used"
         found = self.generators[place]
-        if found.form:
-            products = [f"{self._short(f)} * {self.written(n)}" for f, n in found.form]
-            return " + ".join([self._short(found.shift), *products])
-        text = self.written(found.node) or self._short(found.node)
-        text += "" if found.scale is None else f", times ({found.scale})"
-        return text + ("" if found.below is None else f", over {self._short(found.below)}")
+        known = [self.nodes.product(*pair) for pair in found.form]
+        terms_of = [t for t in self.nodes.terms(found.formula) if t not in known]
+        texts = [f"{self._short(f)} * {self.written(node)}" for f, node in found.form]
+        if not texts or found.formula == found.form[0][1]:
+            texts, terms_of = [], [found.formula]
+        text = " + ".join([*texts, *(self.written(t) or self._short(t) for t in terms_of)])
+        return text + ("" if found.scale.is_one() else f", times ({found.scale})")
 
     def _short(self, node: int) -> str:
         """The name of a node, or its text where it has none."""
@@ -253,22 +251,21 @@ class TracedField(Field):
                 return f"{self._short(base)}^({exponent})"
         return self.written(node)
 
-    def _algebraic(
-        self, node: int, degree: int, value: Element, scale: Element | None = None
-    ) -> None:
-        place = len(self.generators)
-        super()._algebraic(node, degree, value, scale)
-        whole = value if scale is None else value * scale**degree
+    def relate(self, place: int, degree: int, value: Element, factor: Element) -> fmpq_mpoly:
+        """Enter a relation, and note it."""
+        scale = super().relate(place, degree, value, factor)
+        whole = value * factor**degree
         term, below = term_of(whole), whole.denominator()
         if not below.is_one():
-            factor = terms.polynomial_term(below)
+            own = terms.polynomial_term(below)
             above = terms.polynomial_term(whole.numerator)
-            gap = [terms.multiplied([term, factor]), terms.negated(above)]
+            gap = [terms.multiplied([term, own]), terms.negated(above)]
             self.trace.vanishing(terms.added(gap), "a radicand times its denominator")
-            term = terms.multiplied([above, terms.raised(factor, degree - 1)])
+            term = terms.multiplied([above, terms.raised(own, degree - 1)])
         self.note(Relation(place, degree, term, None), self.one)
         power = plain(self.ring.generator(place)) ** degree
         self._roots.append((place, degree, traced(power, term)))
+        return scale
 
     def note_slopes_of_relations(self) -> None:
         """Note that the slopes of roots are those which follow from their relations."""

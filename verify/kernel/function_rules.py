@@ -1,0 +1,141 @@
+"""Roots, absolute values, exponentials and Jacobi functions that are no generators.
+
+Which value is the principal one is shown by signs.  The argument of a function may be in the words
+of a hint; a sum of arguments is taken apart by an addition theorem, term by term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import reduce
+from operator import mul
+
+from flint import fmpq
+
+from .axioms import BEHIND, SPECIAL_VALUES, SUMS, ZETA
+from .field import Field, rule
+from .limits import EXPONENT, CertificateError, within
+from .ring import Element
+
+
+@rule("Pow")
+def root(field: Field, node: int) -> Element:
+    """base**(1/q): a value whose power and whose branch are checked."""
+    _, base, exponent = field.nodes.all[node]
+    value = field.hinted(node)
+    if value is None:
+        raise CertificateError("there is no generator for a Pow")
+    if not (field.image(value) ** int(exponent.q) - field.image(base)).is_zero:
+        raise CertificateError("the power of what a root is said to be is another")
+    if not any(shown(field, value, exponent) for shown in BRANCHES):
+        raise CertificateError("what a root is said to be is not shown to be >= 0 there")
+    return field.image(value)
+
+
+def is_not_negative(field: Field, node: int, _exponent: fmpq) -> bool:
+    """Whether a value is real and not negative."""
+    return field.signs.not_negative(node)
+
+
+def is_multiple(field: Field, node: int, exponent: fmpq) -> bool:
+    """Whether a value is r f**(1/q) with r >= 0, the root of r**q f whatever f is."""
+    match field.nodes.all[node]:
+        case ("Mul", *factors):
+            rest = [f for f in factors if not field.signs.not_negative(f)]
+            return len(rest) == 1 and field.nodes.all[rest[0]][::2] == ("Pow", exponent)
+    return False
+
+
+BRANCHES: list[Callable[[Field, int, fmpq], bool]] = [is_not_negative, is_multiple]
+"""What may show that a value is a principal root, of which the exponent is given."""
+
+
+@rule("Abs")
+def absolute_value(field: Field, node: int) -> Element:
+    """abs(f): a value whose square is right, and that is not negative."""
+    value = field.hinted(node)
+    if value is None:
+        raise CertificateError("there is no generator for a Abs")
+    if not (field.image(value) ** 2 - field.squared(field.nodes.all[node][1])).is_zero:
+        raise CertificateError("what an absolute value is said to be has another square")
+    if not field.signs.not_negative(value):
+        raise CertificateError("what an absolute value is said to be is not shown to be >= 0 there")
+    return field.image(value)
+
+
+@rule("conjugate")
+def conjugate(field: Field, node: int) -> Element:
+    """The conjugate, by its formula."""
+    return field.image(field.signs.conjugate(field.nodes.all[node][1]))
+
+
+@rule("diff")
+def derivative(field: Field, node: int) -> Element:
+    """A derivative of an image, step by step."""
+    _, inner, *before, variable = field.nodes.all[node]
+    lower = field.made("diff", inner, *before) if before else field.image(inner)
+    return field.derivative(lower, variable)
+
+
+def whole(value: fmpq) -> int:
+    """The integer that a coefficient in an argument must be."""
+    if value.q != 1:
+        raise CertificateError("coefficients in a sum of arguments must be integers")
+    within("coefficients", abs(int(value.p)), EXPONENT)
+    return int(value.p)
+
+
+@rule("exp")
+def exponential(field: Field, node: int) -> Element:
+    """exp(u + v) = exp(u) exp(v), exp(n u) = exp(u)**n, exp(q log f) = f**q."""
+    z = field.nodes.all[node][1]
+    terms = field.nodes.terms(z)
+    if len(terms) > 1:
+        return reduce(mul, (field.made("exp", term) for term in terms))
+    times, u = field.nodes.multiple(z)
+    if field.nodes.all[u][0] == "log":
+        f = field.nodes.all[u][1]
+        return field.image(f) if times == 1 else field.made("Pow", f, times)
+    if times == 0:
+        return field.one
+    if u == z:
+        raise CertificateError("there is no generator for a function of a sum")
+    return field.made("exp", u) ** whole(times)
+
+
+@rule(*SUMS)
+def elliptic(field: Field, node: int) -> Element | None:
+    """sn, cn, dn, epsilon and zeta, by the addition theorems and their values at 0 and K."""
+    nodes = field.nodes
+    name, z, m = nodes.all[node]
+    field.need_parameters(node)
+    if name == "jacobi_zeta" and not field.primitives(name):
+        return field.read(ZETA, z=z, m=m)
+    terms, (times, u) = nodes.terms(z), nodes.multiple(z)
+    if len(terms) > 1:
+        rest = terms[1] if len(terms) == 2 else nodes.made("Add", *terms[1:])
+        return field.read(SUMS[name], u=terms[0], v=rest, m=m, z=z)
+    if times == 0 or u == nodes.made("elliptic_k", m):
+        if times in (0, 1):
+            return field.read(SPECIAL_VALUES[name][int(times.p)], m=m)
+    elif times == 1:
+        raise CertificateError("there is no generator for a function of a sum")
+    if times < 0:
+        value = field.made(name, nodes.times(whole(-times), u), m)
+        return value if name in ("jacobi_cn", "jacobi_dn") else -value
+    half = whole(times) // 2
+    rest = nodes.times(whole(times) - half, u)
+    return field.read(SUMS[name], u=nodes.times(half, u), v=rest, m=m, z=z)
+
+
+@rule("jacobi_theta")
+def theta(field: Field, node: int) -> Element:
+    """Theta(u - d) by the product theorem."""
+    _, z, m = field.nodes.all[node]
+    field.need_parameters(node)
+    terms = field.nodes.terms(z)
+    for place, term in enumerate(terms):
+        times, d = field.nodes.multiple(term)
+        if len(terms) == 2 and times == -1:
+            return field.read(BEHIND, u=terms[1 - place], d=d, m=m)
+    raise CertificateError("theta's argument must be a difference of two")

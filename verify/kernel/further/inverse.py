@@ -1,0 +1,149 @@
+"""Logarithms and inverse functions: by signs, by bounds, by continuity.
+
+Let v be real and continuous on a connected domain.  If tan v is f there, which is finite, v is at
+no odd multiple of pi/2 anywhere; if it lies between -pi/2 and pi/2 at one point, it does so at all
+of them, and is atan f.  So is v = asin f if sin v = f is between -1 and 1, and v = acos f, between
+0 and pi, if cos v is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import reduce
+from operator import mul
+
+from flint import fmpq
+
+from ..axioms import FUNCTIONS, HALF_PI, Ends, Function
+from ..bounds import Interval
+from ..denominators import is_linear
+from ..field import CONTINUITY, Field, rule
+from ..limits import CertificateError
+from ..node_balls import Balls
+from ..ring import Element
+from .principal import angle_of
+from .turns import PHASE
+
+UNIT_ENDS: Ends = (fmpq(-1), fmpq(1))
+
+FUNCTIONS |= {
+    "asinh": Function("arc", definition="log(z + sqrt(1 + z**2))", symmetry="same"),
+    "acosh": Function("cut", definition="log(z + sqrt(z - 1)*sqrt(z + 1))",
+                      values=Interval(fmpq(0)), between=(fmpq(1), None)),
+    "atanh": Function("cut", definition="(log(1 + z) - log(1 - z))/2", symmetry="same",
+                      between=UNIT_ENDS),
+    "asin": Function("cut", definition="-I*log(I*z + sqrt(1 - z**2))", symmetry="same",
+                     between=UNIT_ENDS),
+    "acos": Function("cut", definition="pi/2 - asin(z)", values=Interval(fmpq(0)),
+                     between=UNIT_ENDS),
+}  # fmt: skip
+
+PRINCIPAL: Mapping[str, Ends] = {
+    "asin": (-HALF_PI, HALF_PI),
+    "acos": (fmpq(0), 2 * HALF_PI),
+    "atan": (-HALF_PI, HALF_PI),
+    "asinh": (None, None),
+    "acosh": (fmpq(0), None),
+    "atanh": (None, None),
+}
+"""Between which real numbers the values of inverse functions lie."""
+
+
+@rule("log")
+def logarithm(field: Field, node: int) -> Element | None:
+    """log of a product of powers of positive factors, and of one factor of any kind."""
+    nodes, inner = field.nodes, field.nodes.all[node][1]
+    value = field.hinted(node)
+    if value in (None, node):
+        return _logarithm_of_exponential(field, inner)
+    terms = [nodes.multiple(term) for term in nodes.terms(value)]
+    if any(nodes.all[u][0] != "log" for _, u in terms):
+        raise CertificateError("what a logarithm is said to be must be a sum of logarithms")
+    factors = [(q, nodes.all[u][1]) for q, u in terms]
+    powers = [q for q, f in factors if not field.signs.not_negative(f)]
+    if powers not in ([], [1]):
+        raise CertificateError("a factor in a logarithm is not shown to be positive")
+    # It is not 0 where the logarithm is smooth.
+    product = reduce(mul, (field.made("Pow", f, q) for q, f in factors))
+    if product.is_zero or not (product - field.image(inner)).is_zero:
+        raise CertificateError("a logarithm is not of the product that it is said to be of")
+    return field.image(value)
+
+
+def _logarithm_of_exponential(field: Field, f: int) -> Element | None:
+    """log exp(z) = z for real z, and for z = i r with abs r < pi; log i = i pi/2."""
+    match field.nodes.all[f]:
+        case ("I",):
+            return field.image(f) * field.made("pi") * field.ring.number(fmpq(1, 2))
+        case ("exp", z):
+            angle = angle_of(field, z)
+            turn = angle is not None and field.signs.is_between(angle, -2 * HALF_PI, 2 * HALF_PI)
+            return field.image(z) if turn or field.signs.positive(f) else None
+    return None
+
+
+@rule(*PRINCIPAL)
+def inverse_function(field: Field, node: int) -> Element | None:
+    """The principal one of the numbers of which the function is f; else the definition."""
+    name, f = field.nodes.all[node]
+    value = field.hinted(node)
+    if value is None:
+        return None
+    if not (field.signs.is_between(value, *PRINCIPAL[name]) or field.is_kept(name, f, value)):
+        raise CertificateError(f"what an {name} is said to be is not shown to be a principal value")
+    if not is_value(field, name, f, value):
+        raise CertificateError(f"what an {name} is said to be is that of another argument")
+    return field.image(value)
+
+
+def is_value(field: Field, name: str, f: int, value: int) -> bool:
+    """Whether a function of ``value`` is ``f``: tan v if exp(2 i v) = (1 + i f)/(1 - i f)."""
+    nodes = field.nodes
+    if name == "atan":
+        turned = field.made("exp", nodes.product(nodes.rational(2), nodes.made("I"), value))
+        return (turned - field.read(PHASE, z=f)).is_zero
+    return (field.made(name.removeprefix("a"), value) - field.image(f)).is_zero
+
+
+def is_kept(field: Field, name: str, f: int, value: int) -> bool:
+    """Whether ``value``, of which the function is ``f``, is the principal one on all the domain."""
+    if name not in ("atan", "asin", "acos") or not is_convex(field):
+        return False
+    if not (is_continuous(field, f) and is_continuous(field, value)):
+        return False
+    one, square = field.nodes.rational(1), field.nodes.made("Pow", f, fmpq(2))
+    if name != "atan" and not field.signs.positive(field.nodes.gap(square, one)):
+        return False
+    ball = Balls(field.nodes, field.point).ball(value)
+    turn = ball.real / HALF_PI - (1 if name == "acos" else 0)
+    return bool(ball.imag == 0 and turn > -1 and turn < 1)
+
+
+CONTINUITY.append(is_kept)
+
+
+def is_convex(field: Field) -> bool:
+    """Whether all inequalities of the domain are linear in real symbols."""
+    nodes = field.nodes
+    inside = (nodes.all[node] for node in nodes.below([*field.positive]))
+    whole = any(node[2:] == ("integer",) for node in inside)
+    return not whole and all(is_linear(nodes, node) for node in field.positive)
+
+
+def is_continuous(field: Field, node: int) -> bool:
+    """Whether a formula is evidently real and continuous on the whole domain."""
+    return all(_is_continuous(field, inner) for inner in field.nodes.below([node]))
+
+
+def _is_continuous(field: Field, node: int) -> bool:
+    name, *arguments = field.nodes.all[node]
+    if not field.signs.is_real(node) or arguments[1:] == ["integer"]:
+        return False
+    match name:
+        case "number" | "symbol" | "pi" | "Add" | "Mul" | "Abs" | "asin" | "acos" | "acosh":
+            return True
+        case "log":
+            return field.signs.positive(arguments[0])
+        case "Pow":
+            return arguments[1] > 0 or field.signs.interval(arguments[0]).is_not_zero
+    return name in FUNCTIONS and FUNCTIONS[name].kind in ("entire", "regular", "arc")

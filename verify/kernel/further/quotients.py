@@ -1,0 +1,177 @@
+"""An equation for a quotient of long polynomials in two generators, at many values of one of them.
+
+U = N/D in x and t is put in at more values of t than the residual's degree.  A derivative of order
+n has the numerator P over D**(n + 1), where
+
+    P -> P_x D - (n + 1) P D_x    raises the order in x,   P = N_t D - N D_t is the first in t.
+
+If N and D have degree at most d in t, the residual times D**top has degree at most top d in t, so
+that it is 0 if it is the zero polynomial in x at top d + 1 values of t.  Exact, and far cheaper
+than to multiply out.  If U(-x, -t) is U(x, t) and the terms' orders are all even or all odd, the
+residual at -t is 0 if that at t is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from operator import mul
+
+from flint import fmpq, fmpq_mpoly, fmpq_poly
+
+from ..check import SHORTCUTS
+from ..field import Field
+from ..limits import CertificateError
+from ..nodes import Nodes
+from ..ring import Element
+from ..statement import Statement
+
+Rows = list[fmpq_poly]
+"""Polynomials in x, the factors of the powers of t."""
+
+Rates = dict[int, tuple[fmpq, fmpq]]
+"""For each variable, the constant derivatives of x and t."""
+
+LONG = 20
+"""Terms of a numerator from which a quotient in two generators is evaluated, not multiplied out."""
+
+WORK_PER_TERM = 50
+"""Operations on a coefficient for each value of t: order 9 of the rational family takes 40."""
+
+Shape = tuple[int, frozenset[int]]
+"""The power of D below an equation, and whether its terms' orders are even (0) or odd (1)."""
+
+
+def shape(nodes: Nodes, node: int) -> Shape | None:
+    """The shape of a polynomial in an unknown's derivatives over the rationals; None for others."""
+    match nodes.all[node]:
+        case ("number", _):
+            return 0, frozenset({0})
+        case ("unknown", _, shifts) if not any(shifts):
+            return 1, frozenset({0})
+        case ("diff", inner, *along) if nodes.all[inner][0] == "unknown" and shape(nodes, inner):
+            return 1 + len(along), frozenset({len(along) % 2})
+        case (("Add" | "Mul") as name, *inner):
+            parts = [shape(nodes, part) for part in inner]
+            known = [part for part in parts if part is not None]
+            if len(known) == len(parts):
+                return reduce(_plus if name == "Add" else _times, known)
+        case ("Pow", base, exponent) if exponent.q == 1 and exponent > 0:
+            own = shape(nodes, base)
+            return None if own is None else reduce(_times, [own] * int(exponent.p))
+    return None
+
+
+def _plus(left: Shape, right: Shape) -> Shape:
+    return max(left[0], right[0]), left[1] | right[1]
+
+
+def _times(left: Shape, right: Shape) -> Shape:
+    return left[0] + right[0], frozenset((a + b) % 2 for a in left[1] for b in right[1])
+
+
+class _Partials:
+    """Numerators of derivatives at one value of t, each with the power of D below it."""
+
+    def __init__(self, nodes: Nodes, N: Rows, D: Rows, t: int, rates: Rates) -> None:
+        self._nodes, self._rates = nodes, rates
+        n, self._below = _value(N, t), _value(D, t)
+        first = _slope(N, t) * self._below - n * _slope(D, t)
+        self._slope = self._below.derivative()
+        self._found: dict[tuple[int, int], fmpq_poly] = {(0, 0): n, (0, 1): first}
+
+    def value(self, node: int) -> tuple[fmpq_poly, int]:
+        """An equation, its numerator and the power of D below it."""
+        match self._nodes.all[node]:
+            case ("number", value):
+                return fmpq_poly([value]), 0
+            case ("Add", *terms):
+                parts = [self.value(term) for term in terms]
+                top = max(power for _, power in parts)
+                raised = (part * self._below ** (top - power) for part, power in parts)
+                return sum(raised, fmpq_poly([0])), top
+            case ("Mul", *factors):
+                parts = [self.value(factor) for factor in factors]
+                return reduce(mul, (part for part, _ in parts)), sum(power for _, power in parts)
+            case ("Pow", base, exponent):
+                part, power = self.value(base)
+                return part ** int(exponent.p), power * int(exponent.p)
+            case ("diff", _, *along):
+                return self._jet(along), 1 + len(along)
+        return self._found[0, 0], 1
+
+    def _jet(self, along: Sequence[int]) -> fmpq_poly:
+        """The numerator of a derivative along variables."""
+        total = {(0, 0): fmpq(1)}
+        for variable in along:
+            moved: dict[tuple[int, int], fmpq] = {}
+            for (a, b), weight in total.items():
+                for place, rate in zip(
+                    ((a + 1, b), (a, b + 1)), self._rates[variable], strict=True
+                ):
+                    moved[place] = moved.get(place, fmpq(0)) + weight * rate
+            total = {place: weight for place, weight in moved.items() if weight != 0}
+        return sum((w * self._partial(*place) for place, w in total.items()), fmpq_poly([0]))
+
+    def _partial(self, a: int, b: int) -> fmpq_poly:
+        if b > 1:
+            raise CertificateError("a quotient must have at most one derivative in t")
+        if (a, b) not in self._found:
+            lower = self._partial(a - 1, b)
+            self._found[a, b] = lower.derivative() * self._below - (a + b) * lower * self._slope
+        return self._found[a, b]
+
+
+def _rows(polynomial: fmpq_mpoly, x: int, t: int) -> Rows:
+    found: list[dict[int, fmpq]] = [{}]
+    for exponents, coefficient in polynomial.terms():
+        powers = exponents[::-1]
+        found += [{} for _ in range(int(powers[t]) + 1 - len(found))]
+        found[int(powers[t])][int(powers[x])] = coefficient
+    return [fmpq_poly([row.get(i, 0) for i in range(max(row, default=0) + 1)]) for row in found]
+
+
+def _value(rows: Rows, t: int) -> fmpq_poly:
+    return reduce(lambda total, row: total * t + row, reversed(rows), fmpq_poly([0]))
+
+
+def _slope(rows: Rows, t: int) -> fmpq_poly:
+    return _value([power * row for power, row in enumerate(rows)][1:], t)
+
+
+def long_quotient(field: Field, statement: Statement) -> tuple[Element, int, int, Rates] | None:
+    """The formula if it is a long quotient in two generators x and t of constant slopes."""
+    if field.ring.relations or len(field.generators) != 2 or len(statement.formulas) > 1:
+        return None
+    image = field.image(statement.formulas[0])
+    if len(image.numerator) < LONG:
+        return None
+    t, x = sorted(range(2), key=lambda place: image.numerator.degrees()[1 - place])
+    rates: Rates = {}
+    for variable in statement.variables:
+        slopes = [field.slope(place, variable) for place in (x, t)]
+        if any(slope.places for slope in slopes):
+            return None
+        zero = (0,) * len(field.ring.names)
+        rates[variable] = (slopes[0].numerator[zero], slopes[1].numerator[zero])
+    return image, x, t, rates
+
+
+def quotient_vanishes(field: Field, statement: Statement, equation: int) -> bool | None:
+    """Whether an equation holds for a long quotient; None if the formula or equation is another."""
+    own, found = shape(field.nodes, equation), long_quotient(field, statement)
+    if own is None or found is None:
+        return None
+    (top, orders), (image, x, t, rates) = own, found
+    parts = image.numerator, image.denominator()
+    above, below = (_rows(part, x, t) for part in parts)
+    last = (top * (max(len(above), len(below)) - 1) + 1) // 2
+    is_even = not any(sum(exponents) % 2 for part in parts for exponents in part.monoms())
+    first = 0 if is_even and len(orders) == 1 else -last
+    length = max(map(len, (*above, *below)))
+    field.ring.spend((last + 1 - first) * top * length * WORK_PER_TERM)
+    values = (_Partials(field.nodes, above, below, t, rates) for t in range(first, last + 1))
+    return not any(partials.value(equation)[0] for partials in values)
+
+
+SHORTCUTS.append(quotient_vanishes)

@@ -1,0 +1,127 @@
+"""Roots of unity, exponentials of i atan, powers of what is negative.
+
+exp(i pi k/n), k and n coprime, is a primitive root of unity, of order n for even k and 2 n for odd
+k, and a root of the cyclotomic polynomial.  For an integer n and f < 0, f**n = (-1)**n (-f)**n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flint import fmpq, fmpz_poly
+
+from ..axioms import FUNCTIONS, Function
+from ..field import RELATIONS, Field, rule
+from ..function_rules import whole
+from ..limits import CertificateError
+from ..nodes import Nodes
+from ..ring import Element
+from .principal import angle_of
+
+UNITY: Mapping[int, str] = {
+    1: "-1",
+    2: "I",
+    3: "(1 + I*sqrt(3))/2",
+    4: "(1 + I)*sqrt(2)/2",
+    6: "(sqrt(3) + I)/2",
+}
+"""exp(i pi/n)."""
+
+PHASE, HALF_PHASE = "(1 + I*z)/(1 - I*z)", "(1 + I*z)/sqrt(1 + z**2)"
+"""exp(2 i atan z) and exp(i atan z)."""
+
+LARGEST_ORDER = 60
+"""Denominator of a share of i pi whose exponential has a relation."""
+
+FUNCTIONS["parity"] = Function("jump")
+
+
+def share_of_turn(nodes: Nodes, z: int) -> fmpq | None:
+    """q if a node is a product i pi q, with a number q of small denominator; else None."""
+    share, names, waiting = fmpq(1), list[str](), [z]
+    while waiting:
+        match nodes.all[waiting.pop()]:
+            case ("Mul", *factors):
+                waiting += factors
+            case ("number", value):
+                share *= value
+            case ("Pow", base, exponent) if exponent == -1 and (below := nodes.value(base)):
+                share /= below
+            case (str(name),):
+                names.append(name)
+            case _:
+                return None
+    return share if sorted(names) == ["I", "pi"] and share.q <= LARGEST_ORDER else None
+
+
+def cyclotomic_relation(field: Field, node: int) -> tuple[int, Element] | None:
+    """The degree of exp(i pi q), a root of unity, and that power of it in lower ones."""
+    share = share_of_turn(field.nodes, field.nodes.all[node][1])
+    if share is None:
+        return None
+    order = int(share.q) * (1 if share.p % 2 == 0 else 2)
+    *lower, _ = [int(c) for c in fmpz_poly.cyclotomic(order).coeffs()]
+    root = field.ring.generator(len(field.generators))
+    return len(lower), field.sum([field.ring.number(-c) * root**n for n, c in enumerate(lower)])
+
+
+@rule("exp", first=True)
+def root_of_unity(field: Field, node: int) -> Element | None:
+    """exp(i pi q) as a power of a generator, or of exp(i pi/n) for some small n."""
+    share = share_of_turn(field.nodes, field.nodes.all[node][1])
+    if share is None:
+        return None
+    for other in field.primitives("exp"):
+        own = share_of_turn(field.nodes, field.nodes.all[other][1]) or fmpq(0)
+        for times in range(2 * int(own.q)):
+            if ((times * own - share) / 2).q == 1:
+                return field.image(other) ** times
+    first = UNITY.get(int(share.q))
+    return None if first is None else field.read(first) ** (int(share.p) % (2 * int(share.q)))
+
+
+@rule("exp", first=True)
+def phase_of_arctangent(field: Field, node: int) -> Element | None:
+    """exp(n i atan f)."""
+    times, u = field.nodes.multiple(field.nodes.all[node][1])
+    angle = angle_of(field, u)
+    if angle is None or field.nodes.all[angle][0] != "atan":
+        return None
+    f, n = field.nodes.all[angle][1], whole(times)
+    even = field.read(PHASE, z=f) ** (n // 2)
+    return even * field.read(HALF_PHASE, z=f) if n % 2 else even
+
+
+def parity_relation(field: Field, node: int) -> tuple[int, Element]:
+    """The square of (-1)**n for an integer symbol n."""
+    if field.nodes.all[field.nodes.all[node][1]][::2] != ("symbol", "integer"):
+        raise CertificateError("parity is no generator")
+    return 2, field.one
+
+
+RELATIONS |= {"exp": cyclotomic_relation, "parity": parity_relation}
+
+
+@rule("parity")
+def parity(field: Field, node: int) -> Element:
+    """(-1)**z of a sum of integer symbols times integers, and of an integer."""
+    z = field.nodes.all[node][1]
+    terms, (times, rest) = field.nodes.terms(z), field.nodes.multiple(z)
+    if len(terms) > 1:
+        return field.product([field.nodes.made("parity", term) for term in terms])
+    if field.nodes.value(z) is not None:
+        return field.one if whole(times) % 2 == 0 else -field.one
+    if rest == z:
+        raise CertificateError("a power of -1 must be to a sum of integers")
+    return field.made("parity", rest) ** whole(times)
+
+
+@rule("power", first=True)
+def power_of_negative(field: Field, node: int) -> Element | None:
+    """f**n for f < 0, unless f has a logarithm among the generators."""
+    _, base, exponent = field.nodes.all[node]
+    negative = field.nodes.negative(base)
+    turns = field.nodes.is_integer(exponent) and field.signs.positive(negative)
+    if not turns or field.known(field.nodes.made("log", base)) is not None:
+        return None
+    return field.made("parity", exponent) * field.made("power", negative, exponent)
