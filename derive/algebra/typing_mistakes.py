@@ -28,6 +28,9 @@ from derive.algebra.typing_rules import (
 LONGEST_CORRECTED = 400
 """Characters of a text that is rewritten, and of what comes out: an error is one line."""
 
+FUNCTIONS_BY_NAME = ("gamma", "beta", "zeta", "Gamma", "Delta", "delta", "O")
+"""Names that read as functions where a bracket follows, unless they are declared."""
+
 ROUNDS = 40
 """Most applications of a stage: each moves one sign further in."""
 
@@ -145,6 +148,8 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
         match = re.fullmatch(_filled(pattern, spelling.patterns()), name)
         if match and (base := match["base"]) in {*spelling.variables, *spelling.unknowns}:
             return match.expand(text) if text else _free_name(match["rest"], spelling, base)
+    if called := _called(name, spelling, declared):
+        return called
     match = re.fullmatch(rf"(\w+)([{VARIABLES}])", name)
     if match is None or declared or match[2] not in spelling.variables:
         return None
@@ -152,6 +157,15 @@ def misread(name: str, spelling: Spelling, *, declared: bool = False) -> str | N
     is_product = len(match[1]) == 1 or match[1] in factors
     factor = "I" if match[1] in set("ij") - {*spelling.declared} else match[1]
     return f"{factor}*{match[2]}" if is_product else None
+
+
+def _called(name: str, spelling: Spelling, declared: bool) -> str | None:
+    """The call that a name such as ``sin2x`` reads as, of a letter that occurs."""
+    match = re.fullmatch(rf"({_either(spelling.functions)})(\d*)([A-Za-z])", name)
+    if match is None or declared or match[3] not in {*spelling.variables, *spelling.declared}:
+        return None
+    function, factor, letter = match.groups()
+    return f"{function}({factor}*{letter})" if factor else f"{function}({letter})"
 
 
 _READINGS: tuple[tuple[str, str], ...] = (
@@ -246,12 +260,20 @@ def _calls(spelling: Spelling) -> tuple[Rule, ...]:
     continuous = [letter for letter in spelling.variables if letter in VARIABLES]
 
     def primed(found: re.Match[str]) -> str:
-        return f"{found[1]}_{continuous[0] * len(found[2])}" if len(continuous) == 1 else found[0]
+        unknown, site, primes = found.groups()
+        letter = continuous[0] if continuous else "t" if site else ""
+        if not letter or len(continuous) > 1:
+            return found[0]
+        steps = [letter] * len(primes)
+        return (
+            f"diff({unknown}{site}, {', '.join(steps)})" if site else f"{unknown}_{''.join(steps)}"
+        )
 
     return (
-        (r"(?<![\w.])(<U>)('+)", primed),
+        (r"(?<![\w.])(<U>)('+)(\[[^\[\]]*\])", r"\1\3\2"),
+        (r"(?<![\w.])(<U>)(\[[^\[\]]*\])?('+)", primed),
         (r"(?<![\w.])[A-Za-z]\w*(?=\s*(?:[\[(]|\*\*|\s[\w(-]))", named),
-        (r"(?<![\w.])(<F>)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
+        (r"(?<![\w.])(<F>(?:\*\*\w+)?)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
         (r"(?<!\w)\[((?:[^\[\]]|<[]>)*)\]", r"(\1)"),
         (r"(?<![\w.])(?!<U>(?![A-Za-z0-9]))([A-Za-z]\w*)\s*\[((?:[^\[\]]|<[]>)*)\]", r"\1(\2)"),
     )
@@ -272,7 +294,11 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
             return found[0]
         free = len(name) > 2 and name not in {*spelling.declared, *GREEK}
         meant = similar(name, spelling.functions) if free else None
-        return found[0].replace(name, meant) if meant else f"{name}*"
+        if meant:
+            return found[0].replace(name, meant)
+        called = found[0] == name and found.string[found.end() :].startswith("(")
+        is_function = free or (name in FUNCTIONS_BY_NAME and name not in spelling.declared)
+        return found[0] if called and is_function else f"{name}*"
 
     atom = r"(?:\d+(?:\.\d+)?|(?!<F>\b)(?<![A-Za-z_])[A-Za-z]\w*|<()>)(?:\*\*(?:\w+|<()>))?"
     return (
@@ -285,7 +311,10 @@ def _products(spelling: Spelling) -> tuple[Rule, ...]:
         (rf"(?<![\w.])(<F>)\s+(-?\s*(?!\()(?:{atom})(?:\s*{atom})*)", r"\1(\2)"),
         (r"(?<![\w.])(?!diff)(<F>)\s+(?=<()>)", r"\1"),
         (r"(?<![\w.])sqrt(\d+)\b", r"sqrt(\1)"),
-        (r"(?<![\w.])(\d+(?:\.\d*)?|\.\d+)(?![\d.]|[eE][+-]?\d)\s*(?=[A-Za-z(])", r"\1*"),
+        (
+            r"(?<![\w.])(?!0[xX]\d)(\d+(?:\.\d*)?|\.\d+)(?![\d.]|[eE][+-]?\d)\s*(?=[A-Za-z(])",
+            r"\1*",
+        ),
         (r"(?<![\w.])((?!and\b|or\b)[A-Za-z]\w*)(?:\s+(?=[\w(])|(?=\())", multiplied),
         (r"([\])])\s*(?=[\w(])", r"\1*"),
         (r"(?<![\w.])[A-Za-z]\w*", read),

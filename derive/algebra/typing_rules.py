@@ -30,6 +30,21 @@ def _repeated(found: re.Match[str]) -> str:
     return "_" + re.sub(r"[\s,]", "", inside)
 
 
+def _at_its_variables(found: re.Match[str]) -> str:
+    """``u(x, t)`` as ``u``, unless the letters say more than where u is taken."""
+    at = re.findall(r"[xyzt]", found["at"])
+    lists = re.findall(rf"{re.escape(found['of'])}\s*[\[(]([xyzt_,\s]+)[\])]", found.string)
+    alike = {"".join(re.findall(r"[xyzt]", letters)) for letters in lists}
+    return found[0] if len(set(at)) < len(at) or len(alike) > 1 else found["of"]
+
+
+def _joined(found: re.Match[str]) -> str:
+    """Subscripts with a comma between them, where that parts no arguments."""
+    before = found.string[: found.start()]
+    inside = any(before.count(a) > before.count(b) for a, b in ("()", "[]"))
+    return found[0] if inside else found[1] + found[2]
+
+
 def _quotient(found: re.Match[str]) -> str:
     """``du/dt``, ``d^2u/dx^2`` as ``u_t``, ``u_xx``; at a site with diff."""
     steps = re.findall(r"([xyzt])[\s*(]*(\d?)", found["steps"])
@@ -52,9 +67,12 @@ def _derived(expression: str, letters: str) -> str:
 
 
 LATEX: tuple[Rule, ...] = (
+    (r"\s*#.*", ""),
+    (r"(?<=[xyzt])\s*\$\s*(?=\d)", ","),
+    (r"(?<=[=\s])'([^']*)'\s*$", r"\1"),
     (r"\\(?:operatorname|math(?:rm|it|bf|cal|bb)|text(?:rm|it)?)\*?\s*\{([^{}]*)\}", r" \1 "),
     (r"\\(?:left|right|[bB]igg?[lr]?|displaystyle|limits|rm)(?![A-Za-z])", ""),
-    (r"\\[,;:! ]|\\q?quad\b|~|\$|\\\\|(?<!&)&(?!&)", " "),
+    (r"\\[,;:! ]|\\q?quad\b|(?<!\s)~(?!\s)|\$|\\\\|(?<!&)&(?!&)", " "),
     (r"\\(?:cdot|times|ast)\b(?!\s*\})", "*"),
     (r"\\leq?(?:slant)?\b", "<="),
     (r"\\geq?(?:slant)?\b", ">="),
@@ -92,15 +110,15 @@ BRACES: tuple[Rule, ...] = (
     (r"\}", ")"),
     (r"\^", "**"),
     (r"\\partial\s*", " d "),
-    (r"\\([A-Za-z]+)", r" \1 "),
+    (r"\\(?!Delta|nabla)([A-Za-z]+)", r" \1 "),
     (r"^\s*[\"`]+|[\"`]+\s*$", ""),
 )
 
 SPELLED_NUMBERS: tuple[Rule, ...] = (
     (r"(?<![\w.])(?:np|sp|numpy|sympy|math|cmath|mp|mpmath|scipy|torch)\.(?=[A-Za-z])", ""),
     (r"(?<=[\w)\]])\.(?=[*/])", ""),
-    (r"\*\s+\*", "**"),
-    (r"(?<![\w.,])(\d+),(\d+)(?![\w.,])", _decimal),
+    (r"\*\s+\*|\*{3,}", "**"),
+    (r"(?<![\w.,])(\d+),(?!\d{3}(?!\d))(\d+)(?![\w.,])", _decimal),
     (r"(?<![\w.])(\d+)(?=<e>(?![\w+-]))", r"\1*"),
     (r"(?<![\w.])(?:Pi|PI)\b", "pi"),
     (r"(?<![\w.])exp\s*\*\*\s*(?=\()", "exp"),
@@ -122,9 +140,9 @@ _STEP = rf"d\s*[xyzt]{_ORDER}"
 
 DERIVATIVES: tuple[Rule, ...] = (
     (
-        rf"(?<![\w.])(<U>(?:_[{VARIABLES}]+)?)\s*[\[(]\s*(?:[{VARIABLES}]_?\s*,\s*)*"
-        rf"[{VARIABLES}]_?\s*[\])]",
-        r"\1",
+        rf"(?<![\w.])(?P<of><U>(?:_[{VARIABLES}]+)?)\s*[\[(]"
+        rf"(?P<at>\s*(?:[{VARIABLES}]_?\s*,\s*)*[{VARIABLES}]_?\s*)[\])]",
+        _at_its_variables,
     ),
     (
         r"(?<![\w.])(<U>(?:_[xyzt]+)?)\s*[\[(]\s*(n)_?(\s*[+-]\s*\d+)?\s*(?:,\s*t_?\s*)?[\])]"
@@ -143,15 +161,23 @@ DERIVATIVES: tuple[Rule, ...] = (
     ),
     (rf"(?<![\w.])d\s*/\s*(?P<steps>{_STEP})\s*(?P<of><D>|<()>)", _quotient),
     (
+        rf"(?<![A-Za-z_])(<()>)_([{VARIABLES}]+)(?!\w)",
+        lambda m: f"diff({m[1][1:-1]}, {', '.join(m[2])})",
+    ),
+    (rf"(?<![\w.])D([{VARIABLES}])\s*(?=\()", r"D_\1 "),
+    (
         r"(?<![\w.])D_(?:\((?P<many>[xyzt]+)\)|(?P<one>[xyzt]+(?![A-Za-z])))"
         r"(?:\s*\*\*\s*(?:(?P<order>\d)|\((?P<within>\d)\)))?\s*(?P<of><U>(?![A-Za-z0-9_])"
         r"(?:\[[^\[\]]*\])?|<()>|<F><()>)",
         _partial,
     ),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}]+)_([{VARIABLES}]+)", r"\1_\2\3"),
+    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)_(?!\w)", r"\1"),
+    (rf"(?<![\w.])(<U>_[{VARIABLES}]+)\s*,\s*([{VARIABLES}]+)(?!\w)", _joined),
     (rf"(?<![\w.])(<U>)_(\d)([{VARIABLES}])\b", lambda m: f"{m[1]}_{m[3] * int(m[2])}"),
     (rf"(?<![\w.])(<U>)_([{VARIABLES}])(\d)\b", lambda m: f"{m[1]}_{m[2] * int(m[3])}"),
     (r"(<D>)\s*\.\s*conj(?:ugate)?\s*\(\s*\)", r"conjugate(\1)"),
+    (r"(?<![\w.])(<F>|ln)\s*\|([^|]+)\|", r"\1(abs(\2))"),
     (r"\|([^|]+)\|", r"abs(\1)"),
     (r"(<D>)\s*\*(?=\s*(?:$|[)=,;]|\s[+-]\s))", r"conjugate(\1)"),
 )

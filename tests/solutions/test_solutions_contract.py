@@ -273,7 +273,7 @@ def test_arguments_are_left_alone() -> None:
     assert np.array_equal(X, np.linspace(-1, 1, 5))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     form=st.sampled_from(CATALOGUE.of("mKdV")),
     X=st.floats(-1e15, 1e15),

@@ -41,6 +41,8 @@ _DOMAIN_WORDS = {
 _IS = r"\s*(?:::|:|==|=|\bis\b|\bin\b|\belement\b)?\s*"
 _COMPARED = re.compile(r"<=|>=|!=|<|>")
 _NAME = re.compile(r"[A-Za-z]\w*")
+_LEADING = re.compile(r"(?:let|with|for|where|assume|given)\s+")
+_SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 
 
 def corrected_error(
@@ -99,8 +101,9 @@ def _rewritten(given: Parts, functions: set[str]) -> Parts:
         for text in given["parameters"]
         for name in re.findall(r"(?:^|[;,])\s*([A-Za-z]\w*)\s*(?=[:=<>]|,|;|$|\b(?:is|in)\b)", text)
     }
-    formulas = " ;; ".join([*given["equation"], *given["solution"]])
     unknowns = _unknowns(given["equation"], given["solution"], functions)
+    given = {**given, "equation": [_with_case_of(unknowns, text) for text in given["equation"]]}
+    formulas = " ;; ".join([*given["equation"], *given["solution"]])
     variables = [
         letter
         for letter in VARIABLES + SITE
@@ -136,10 +139,18 @@ def _unknowns(
     return tuple(dict.fromkeys(headings or derived))
 
 
+def _with_case_of(unknowns: Sequence[str], text: str) -> str:
+    """An equation whose unknown has the other case of a solution's letter, in that case."""
+    for name in unknowns:
+        if not re.search(rf"(?<![\w.\\]){name}(?![A-Za-z0-9])", text):
+            text = re.sub(rf"(?<![\w.\\]){name.swapcase()}(?![A-Za-z0-9])", name, text)
+    return text
+
+
 def _equation(text: str, spelling: Spelling) -> str:
     """An equation with single equals signs; ``a = b = c`` is two equations."""
     parts = []
-    for part in _separated(corrected(_equals(text), spelling)):
+    for part in _corrected_parts(text, spelling):
         sides = [side.strip() for side in part.split("=")]
         pairs = [(a, b) for a, b in itertools.pairwise(sides) if a != b]
         parts += [" = ".join(pair) for pair in pairs] if len(sides) > 2 else [part]
@@ -147,10 +158,17 @@ def _equation(text: str, spelling: Spelling) -> str:
 
 
 def _solution(text: str, spelling: Spelling) -> str:
-    parts = _separated(corrected(_equals(text), spelling))
+    parts = _corrected_parts(text, spelling)
     unknowns = list(spelling.unknowns)
     lone = len(unknowns) == 1 and len(parts) == 1 and "=" not in text
     return f"{unknowns[0]} = {parts[0]}" if lone else " ;; ".join(parts)
+
+
+def _corrected_parts(text: str, spelling: Spelling) -> list[str]:
+    """The formulas of a text, each corrected; those of a list in square brackets, too."""
+    text = re.sub(r"^\s*\[(.*)\]\s*$", r"\1", _equals(text), flags=re.DOTALL)
+    lines = re.split(r"\n|\band\b", text)
+    return [part for line in lines for part in _separated(corrected(line, spelling))]
 
 
 def _equals(text: str) -> str:
@@ -158,8 +176,8 @@ def _equals(text: str) -> str:
 
 
 def _separated(text: str) -> list[str]:
-    """The formulas of a text: between ``;;``, semicolons, lines and commas outside brackets."""
-    return [part.strip() for part in _split(text, r";;|;|\n|,|\band\b") if part.strip()]
+    """The formulas of a line: between ``;;``, semicolons and commas outside brackets."""
+    return [part.strip() for part in _split(text, r";;|;|,") if part.strip()]
 
 
 def _split(text: str, separators: str) -> list[str]:
@@ -202,7 +220,7 @@ def _chunks(text: str) -> list[str]:
     text = re.sub(r"=<", "<=", re.sub(r"=>", ">=", re.sub(r"<>|=/=|/=|~=", "!=", ascii_text(text))))
     text = re.sub(r"(?<![\w.,(\[])(\d+),(\d+)(?![\w.,)\]])", r"\1.\2", text)
     parts = _split(text, r";|\n|&&?|\band\b|,")
-    return [part.strip().rstrip(".") for part in parts if part.strip()]
+    return [_LEADING.sub("", part.strip()).rstrip(".") for part in parts if part.strip()]
 
 
 def _place(
@@ -229,7 +247,7 @@ def _place(
             values[name] = corrected(named[2], spelling)
             return name
     if not conditions:
-        text = re.sub(r"^\s*[A-Za-z]\w*\s*:\s*(?=[A-Za-z0-9])", "", chunk)
+        text = re.sub(r"^\s*[A-Za-z]\w*\s*:\s*(?=[-+.\w(])", "", chunk)
         if named and re.match(rf"{named[1]}\s*:\s*[<>!]", chunk):
             text = f"{named[1]}{named[2]}"
         name, conditions = _inequality(text, last, spelling)
@@ -252,6 +270,7 @@ def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
     if text.lower() in ("nonnegative", "non-negative"):
         return [f"{name}>=0"]
     interval = re.fullmatch(r"([(\[\]])\s*([^,;]+)[,;]\s*([^,;]+)([)\]\[])", text)
+    interval = interval or re.fullmatch(r"()(.*?)\s*\.\.+\s*(.*)()", text)
     if interval:
         first, low, high, final = interval.groups()
         left = "<=" if first == "[" else "<"
@@ -262,6 +281,9 @@ def _domain_of(name: str, text: str, spelling: Spelling) -> list[str]:
 
 def _inequality(text: str, last: str, spelling: Spelling) -> tuple[str, list[str]]:
     """The name that an inequality is of, and its conditions."""
+    if sized := _SIZED.fullmatch(text.strip()):
+        other, sign, bound = sized.groups()
+        text = f"-{bound}{sign}{other}{sign}{bound}"
     sides = [corrected(side, spelling) for side in _COMPARED.split(text)]
     signs = _COMPARED.findall(text)
     if not signs:

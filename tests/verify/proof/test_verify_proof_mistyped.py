@@ -16,11 +16,13 @@ KDV = ("u_t + 6*u*u_x + u_xxx", "u = 2*k**2*sech(k*(x - 4*k**2*t))**2", "k: k>0"
 KDV_OF_SPEED = (KDV[0], "u = c/2*sech(sqrt(c)/2*(x - c*t))**2", "c: c>0")
 NLS = ("I*u_t + u_xx + 2*abs(u)**2*u", "u = a*sech(a*x)*exp(I*a**2*t)", "a: a>0")
 SN = ("u_xx + (1+m)*u - 2*m*u**3", "u = jacobi_sn(x, m)", "m: 0<m<1")
+KINK = ("u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2)))", "c: -1<c<1")
 SINE = ("u_xx + u", "u = sin(x)", "")
 LOG = ("x*u_x - 1", "u = log(x)", "")
 EXP = ("u_x - u", "u = exp(x)", "")
 TURN = ("u_x - I*u", "u = exp(I*x)", "")
 PI = ("u_x - pi*u", "u = exp(pi*x)", "")
+CHAIN = ("diff(q[n], t, t) = q[n+1] - q[n]", "q[n] = 3", "")
 SITES = ("u[n+1] - u[n] - 1", "u[n] = n", "")
 HALF = ("u_x - 0.5", "u = 0.5*x", "")
 ROOT = ("u_x - 1/(2*sqrt(x))", "u = sqrt(x)", "")
@@ -49,6 +51,18 @@ EQUATIONS: dict[Texts, tuple[str, ...]] = {
         "u_t + 6*u*u_x + u_xxx =",
         "u_t + 6*u*u_x + u_xxx)",
         "u_t + 6·u·u_x + u_xxx",
+        "U_t + 6*U*U_x + U_xxx",
+        "u_t + 6*u*u_x + u_x,xx",
+        "u_t + 6*u*u_x + u_xxx_",
+        "u_t + 6*u*u_x + diff(u_x, 'x', 2) # KdV",
+    ),
+    ("diff(u, t) + 6*u*diff(u, x) + diff(u, x, x, x)", *KDV[1:]): (
+        "diff(u,t) + 6*u*diff(u,x) + diff(u,x$3)",
+        "Dt(u) + 6*u*Dx(u) + Dx(Dx(Dx(u)))",
+    ),
+    ("u_t + 3*diff(u**2, x) + u_xxx", *KDV[1:]): (
+        "u_t + 3(u^2)_x + u_xxx = 0",
+        "u_t + 3*(u**2)_x + u_xxx",
     ),
     NLS: (
         "I*u_t + u_xx + 2*|u|^2*u",
@@ -63,6 +77,7 @@ EQUATIONS: dict[Texts, tuple[str, ...]] = {
         "I*u_t + u_xx + 2*u^2*u^*",
         r"I*u_t + u_xx + 2*u^2*\bar{u}",
     ),
+    CHAIN: ("q_n'' = q_{n+1} - q_n", "q''[n] = q[n+1] - q[n]"),
     SITES: ("u_{n+1} - u_n - 1", "u(n+1) - u(n) - 1"),
     SINE: (r"\frac{d^2 u}{dx^2} + u", "u'' + u"),
 }
@@ -87,10 +102,15 @@ SOLUTIONS: dict[Texts, tuple[str, ...]] = {
         "u = 2*k**2*np.sech(k*(x - 4*k**2*t))**2",
         "u = 2*k.^2.*sech(k.*(x - 4*k.^2.*t)).^2",
         "u = 2*k**2*sech(k*(x - 4*k**2*t))**2;",
+        "u = 2*k**2*sech(k*(x - 4*k**2*t))***2",
+        "u = '2*k**2*sech(k*(x - 4*k**2*t))**2'",
+        "u = 2 k² sech²[k(x − 4k²t)]",
     ),
     KDV_OF_SPEED: (r"u = \frac{c}{2}\operatorname{sech}^2\left(\frac{\sqrt{c}}{2}(x-ct)\right)",),
     SINE: ("u = sin x", "u = Sin[x]", "u = sin[x]", r"u = \sin x", "u = sinx(x)"),
-    LOG: ("u = ln(x)", "u = ln x", "u = Log[x]"),
+    LOG: ("u = ln(x)", "u = ln x", "u = Log[x]", "u = logx"),
+    (LOG[0], "u = log(abs(x))", ""): ("u = ln|x|", "u = ln(|x|)"),
+    (SINE[0], "u = sin(x)/2 - cos(2*x)*0", ""): ("u = sinx/2 - cos2x*0",),
     EXP: ("u = e^x", "u = E^x", "u = e**x", "u = Exp[x]", "u = exp x"),
     TURN: ("u = exp(i*x)", "u = exp(ix)", "u = e^{ix}", "u = exp(1j*x)"),
     PI: ("u = exp(Pi*x)", "u = exp(π x)"),
@@ -104,9 +124,19 @@ SOLUTIONS: dict[Texts, tuple[str, ...]] = {
 }
 
 PARAMETERS: dict[Texts, tuple[str, ...]] = {
-    KDV: ("k>0", "k > 0", "k: positive real", "k = positive", "k: k>0, ", "k: >0", "k: (0, oo)"),
-    (*KDV[:2], "k: 0<k<1"): ("0 < k < 1", "k ∈ (0, 1)"),
+    KDV: (
+        "k>0",
+        "k > 0",
+        "k: positive real",
+        "k = positive",
+        "k: k>0, ",
+        "k: >0",
+        "k: (0, oo)",
+        "let k>0",
+    ),
+    (*KDV[:2], "k: 0<k<1"): ("0 < k < 1", "k ∈ (0, 1)", "k: 0..1"),
     SN: ("0<m<1", "m in (0,1)", "0 < m, m < 1", "m ∈ (0, 1)"),
+    KINK: ("|c|<1", "c: abs(c) < 1", "c in (-1, 1)", "-1<c<1"),
     LINE: ("a, b, c", "a real; b real; c real"),
 }
 
@@ -116,6 +146,10 @@ CASES: list[tuple[Texts, Texts]] = [
     *((right, (*right[:2], text)) for right, texts in PARAMETERS.items() for text in texts),
     (SITES, ("u(n+1) - u(n) - 1", "u(n) = n", "")),
     (("u_x - 1", "u = x + a1", "a1: real"), ("u_x - 1", "u = x + x1", "x1: real")),
+    (KINK, ("u_tt - u_xx + sin u", "u = 4*arctan(exp((x - c*t)/sqrt(1 - c**2)))", KINK[2])),
+    (("u_x - 1 ;; v_t - 1", "u = x ;; v = t", ""), ("u_x - 1\nv_t - 1", "u = x\nv = t", "")),
+    (("u_x - 1 ;; v_t - 1", "u = x ;; v = t", ""), ("[u_x-1, v_t-1]", "[u=x, v=t]", "")),
+    (("u_x = 1 ;; v_t = 1", "u = x ;; v = t", ""), ("u_x = 1 and v_t = 1", "u = x, v = t", "")),
     (("u_x - 1 ;; v_t - 1", "u = x ;; v = t", ""), ("u_x - 1; v_t - 1", "u = x, v = t", "")),
 ]
 
@@ -145,6 +179,28 @@ def test_there_are_as_many_as_asked_for() -> None:
 def test_the_error_shows_the_statement_that_was_meant(right: Texts, mistyped: Texts) -> None:
     meant, found = read_statement(*right), read_statement(*corrected(mistyped))
     assert found == meant
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution"),
+    [
+        ("u_x - floor(x)", "u = x"),
+        ("u_x - gamma(x)", "u = x"),
+        ("u_xx + u_yy", "u = arg(x + I*y)"),
+        (r"\Delta u", "u = x*y"),
+        ("u_x ~ 1", "u = x"),
+        ("u_x - 1", "u = x + O(x^2)"),
+        ("u_x - 0x10", "u = 16*x"),
+        ("u_x - 1,000", "u = 1000*x"),
+        ("u[t] + u[x]", "u = x - t"),
+    ],
+)
+def test_nothing_is_shown_for_what_has_no_text_of_the_same_meaning(
+    equation: str, solution: str
+) -> None:
+    with pytest.raises(FormulaError) as raised:
+        read_statement(equation, solution)
+    assert "; write" not in str(raised.value)
 
 
 def test_the_command_line_shows_it(capsys: pytest.CaptureFixture[str]) -> None:
