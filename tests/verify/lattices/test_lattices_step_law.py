@@ -16,6 +16,8 @@ from verify.lattices.lattice_derivation import lattice_wave
 from verify.lattices.lattice_run import compared_cells, lattice_times
 from verify.lattices.lattice_scene import LatticeScene
 from verify.lattices.ring_runs import RingRuns
+from verify.studies.estimate_scenes import RandomScene
+from verify.studies.estimates import judge_scene
 
 
 def plane_wave(K2: float, eps: float) -> LatticeScene:
@@ -122,6 +124,44 @@ def test_a_carrier_that_begins_where_all_its_cells_pass_through_rest_is_run() ->
     scene = scene.changed(times=(begin, begin + 20.0))
     estimate, true = judged(scene)
     assert true <= estimate <= scene.tolerance
+
+
+def steep(K4: float, tolerance: float, t0: float, end: float, compared: int) -> Scene:
+    return Scene.of(
+        name="kink",
+        wave="kink",
+        parameters=(("A", 1.0),),
+        eps=0.2,
+        K2=1.0,
+        K4=K4,
+        t0=t0,
+        snapshots=(end,),
+        compared=compared,
+        tolerance=tolerance,
+        observables=("strain",),
+        engine="stencil",
+    )
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        steep(-6.501, 2e-4, 0.0, 27.8355, 1),
+        steep(-5.3052, 6.15e-4, 0.0, 66.192, 3),
+        steep(-6.4889, 3.82e-3, -38.39, 0.0, 1),
+        steep(-4.974, 1.36e-3, 0.0, 54.781, 3),
+    ],
+    ids=["steepest", "later", "before its crest", "slender"],
+)
+def test_the_true_error_of_a_steep_kink_is_within_the_estimate(scene: Scene) -> None:
+    """Errors 4.7, 2.8, 1.2 and 1.2 times their estimates when the control run alone was asked."""
+    assert judge_scene(RandomScene(0, 0, scene, 0)).verdict == "honest"
+
+
+def test_a_steep_kink_is_not_said_to_blow_up_for_its_negative_at_the_seam() -> None:
+    """Catches: a negative whose middle is a site's, which overshoots where the kink does not."""
+    scene = steep(-7.215842554228913, 1.65e-4, -36.71017234234397, 36.71017234234397, 30)
+    assert judge_scene(RandomScene(0, 0, scene, 0)).verdict == "honest"
 
 
 def test_the_true_error_of_a_steep_breather_is_within_the_estimate() -> None:
