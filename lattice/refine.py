@@ -10,7 +10,7 @@ before it, in each of the things that were varied.
 That is so only where the error of the step obeys its law, step^order. Near the longest stable step
 it does not: there the errors of two steps may agree, and so may the runs. So no run is judged by a
 step at which the law has not been seen: what a shorter step changes must have fallen from what it
-changed at a longer one as the order says, and is not believed to be much less than that.
+changed at a longer one as the order says, and is not believed to be less than that.
 
 How the choices are come by does not matter for that. They are searched for by laws: the error of a
 step falls like step^order, that of a domain like a power of its size. Where a control run says
@@ -36,6 +36,7 @@ from lattice.trial import (
     StoppedTrial,
     Trial,
     difference,
+    difference_around,
 )
 from solutions.run.cores import usable_cores
 
@@ -70,11 +71,8 @@ WARY = 100.0
 shorter ones, whose roundings are more (scenes of `benchmarks/estimates.py`)."""
 
 LAWFUL = 3.0
-"""What a step changes obeys its law if it is at most this much larger than the law has it."""
-
-DOUBT = 4.0
-"""By so much less than the law has it is a step's change believed to be: a fifth, with a control
-step of 0.8 and an order of 6, would be less than the control run's error."""
+"""What a step changes obeys its law if it is at most this much larger than the law has it, and has
+fallen as half of the order would have it."""
 
 LEAST = 1e-5
 """Least share of the tolerance that an error is told as: no run was looked at more closely."""
@@ -144,8 +142,9 @@ def _refined(search: "_Search", engine: Engine, tolerance: float) -> Refined:
     for _ in range(ATTEMPTS):
         trial, control = search.pair(choices)
         rounding = max(trial.rounding, control.rounding)
-        change = max(difference(trial, control), scouting.lawful_change(choices) / DOUBT)
-        error = max(engine.safety * change + rounding + control.alike, LEAST * tolerance)
+        change = engine.safety * difference(trial, control)
+        change = max(change, SAFETY * scouting.lawful_change(choices))
+        error = max(change + rounding + control.alike, LEAST * tolerance)
         if error <= tolerance and search.wary:
             grown = search.grown(choices)
             rounding, error = rounding + grown, error + grown
@@ -276,8 +275,9 @@ class _Search:
         if not math.isfinite(change):
             return
         step, expected = self.engine.taken(choices), self.lawful_change(choices)
-        fallen = change <= max(LAWFUL * expected, self._negligible)
-        if fallen and max(self._changes, default=0.0) > step:
+        longer = min((one for one in self._changes if one > step), default=math.inf)
+        slack = min(LAWFUL, (longer / step) ** (self.engine.order / 2.0))
+        if change <= max(slack * expected, self._negligible) and longer < math.inf:
             self._lawful = max(self._lawful, step)
         self._changes[step] = change
 
@@ -285,7 +285,7 @@ class _Search:
         """What rounding has come to: ``SAFETY`` times what changes with the data's last digits."""
         nudged = replace(choices, nudged=True)
         self._run({choices: False, nudged: False})
-        return SAFETY * difference(self._done[choices], self._done[nudged])
+        return SAFETY * difference_around(self._done[choices], self._done[nudged])
 
     def check_rounding(self, choices: Choices) -> None:
         """Raise ValueError if rounding alone comes to more than the tolerance."""

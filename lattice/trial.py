@@ -53,7 +53,8 @@ class Trial:
     They are None after a blow-up. ``rounding`` estimates what rounding has done to them, ``alike``
     bounds what a run with a shorter step would not show, for it does the same. ``payload`` is the
     engine's own. ``shown`` if the observables can be asked for. An unfinished run holds the times
-    before it was stopped.
+    before it was stopped. ``around`` are values on more sites, if there are any: what rounding has
+    grown to on a few of them may be little by chance.
     """
 
     choices: Choices
@@ -64,6 +65,7 @@ class Trial:
     payload: Any
     shown: bool = True
     alike: float = 0.0
+    around: Array | None = None
 
 
 class StoppedTrial(KeyboardInterrupt):
@@ -76,10 +78,20 @@ class StoppedTrial(KeyboardInterrupt):
 
 def difference(one: Trial, other: Trial) -> float:
     """Largest difference of y/eps between two runs; infinite if either blew up."""
-    if one.values is None or other.values is None:
+    return _apart(one.values, other.values)
+
+
+def difference_around(one: Trial, other: Trial) -> float:
+    """The same, or that on more sites if it is larger."""
+    found = difference(one, other)
+    return found if one.around is None else max(found, _apart(one.around, other.around))
+
+
+def _apart(one: Array | None, other: Array | None) -> float:
+    if one is None or other is None:
         return math.inf
     with np.errstate(invalid="ignore", over="ignore"):
-        found = float(np.max(np.abs(one.values - other.values)))
+        found = float(np.max(np.abs(one - other)))
     return found if math.isfinite(found) else math.inf
 
 

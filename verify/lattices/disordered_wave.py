@@ -118,6 +118,11 @@ class DisorderedWave(LatticeWave):
         return self._wave.growth_shares
 
     @property
+    def frequency(self) -> float:
+        """The carrier's."""
+        return self._wave.frequency
+
+    @property
     def effective_speed(self) -> float:
         """The speed of very long waves, in units of the ordered lattice's.
 

@@ -89,14 +89,23 @@ class EnvelopeData(LatticeWave):
         self._declared = lattice or envelope.lattice
         names = {str(symbol) for symbol in self._declared.constants}
         self._numbers = {name: value for name, value in numbers.items() if name in names}
+        self._strained: dict[tuple[float, ...], NumericLattice] = {}
         self.lattice = self.strained((0.0,))
         background = sum(term.value.real for term in self.carrier.mean if term.power == 2)
         self._uniform = self.eps**2 * background * mean_square if order == "leading" else 0.0
 
     def strained(self, mean_strain: tuple[float, ...]) -> NumericLattice:
         """The lattice about this uniform strain."""
-        used = mean_strain if any(mean_strain) else ()
-        return numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+        if mean_strain not in self._strained:
+            used = mean_strain if any(mean_strain) else ()
+            found = numeric_lattice(self._declared, self._numbers, used, self.growth_shares)
+            self._strained[mean_strain] = found
+        return self._strained[mean_strain]
+
+    @property
+    def frequency(self) -> float:
+        """The carrier's."""
+        return abs(float(self.carrier.omega))
 
     @property
     def growth_shares(self) -> tuple[float, ...]:

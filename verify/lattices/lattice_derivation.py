@@ -103,21 +103,10 @@ def derivation(scene: LatticeScene) -> LatticeDerivation:
     Raises ValueError for constants that are missing or wrong, where there is no equation, and for
     a wave of another one: the line says which is derived and which waves it has.
     """
-    return _derivation(scene.changed(eps=0.1, name="", title="", disorder=()))
-
-
-@lru_cache(maxsize=8)
-def _derivation(scene: LatticeScene) -> LatticeDerivation:
     form = _form(scene)
-    symbolic = declared_lattice(scene)
-    values = _constant_values(scene, symbolic)
-    numeric = symbolic.with_values(values)
-    if scene.is_envelope:
-        source, numbers = _envelope(scene, symbolic, values, formula("k", scene.carrier, {}))
-        normal = source.normal_form(**numbers)
-        found = [LatticeDerivation(source.lattice, source, normal, numbers)]
-    else:
-        found = list(_reductions(scene, numeric))
+    same = {"eps": 0.1, "tolerance": 1.0, "name": "", "title": "", "wave": "", "parameters": ()}
+    ran = {"order": "leading", "disorder": (), "half_width": None, "compared": 1}
+    found = _derivations(scene.changed(**same, **ran, times=(0.0, 1.0), slow_times=()))
     for one in found:
         if _fits(form, one.normal_form):
             return one
@@ -125,9 +114,21 @@ def _derivation(scene: LatticeScene) -> LatticeDerivation:
     fitting = [f.name for f in CATALOGUE if any(_fits(f, one.normal_form) for one in found)]
     remedy = f"one of {', '.join(fitting)}" if fitting else "none of the catalogue does"
     raise ValueError(
-        f"wave must solve the {names} equation, which is derived from {symbolic.name} here, got "
+        f"wave must solve the {names} equation, which is derived from {scene.lattice} here, got "
         f"{form.name} of the {equation_of_form(form)} equation ({remedy})"
     )
+
+
+@lru_cache(maxsize=8)
+def _derivations(scene: LatticeScene) -> tuple[LatticeDerivation, ...]:
+    """All that are found of a scene's lattice, whatever its wave."""
+    symbolic = declared_lattice(scene)
+    values = _constant_values(scene, symbolic)
+    numeric = symbolic.with_values(values)
+    if not scene.is_envelope:
+        return tuple(_reductions(scene, numeric))
+    source, numbers = _envelope(scene, symbolic, values, formula("k", scene.carrier, {}))
+    return (LatticeDerivation(source.lattice, source, source.normal_form(**numbers), numbers),)
 
 
 def _form(scene: LatticeScene) -> ClosedForm:

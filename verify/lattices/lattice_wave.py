@@ -124,6 +124,11 @@ class LatticeWave(ABC):
         """The unit in which errors are told."""
         return float(self.eps**self.power)
 
+    @property
+    def frequency(self) -> float:
+        """The carrier's; 0, unless overridden, where the wave itself is long."""
+        return 0.0
+
     def background(self, cells: ArrayLike, t: float) -> Array:
         """What the wave deviates from, as `strain`; 0 unless overridden."""
         return np.zeros_like(self.strain(cells, t))

@@ -42,11 +42,18 @@ SCHEME = REDUCED_PHASE_6
 LIMIT_SHARE = 0.9
 """Longest step tried, in units of the stability limit at the stiffest bonds of the data."""
 
+LAWFUL_TURN = 3.3
+"""Longest step tried, in radians that a carrier turns in it: up to there what a linear wave is off
+follows the law of the order within a tenth, and at 4.7 its amplitude's error changes its sign."""
+
 STEP_RATIO = 0.8
 """Step of a control run, in units of the one before it."""
 
 WIDER = 64
 """Cells, along each axis, by which the ring of a control run is wider."""
+
+AROUND = 32
+"""Cells beyond the compared ones on which is looked at what rounding has grown to."""
 
 LOOK_SECONDS = 0.02
 """Seconds between two looks at whether the state is finite; Ctrl-C waits for them."""
@@ -86,11 +93,11 @@ class ComparedCells:
             found.append((low - wider // 2, high + wider - wider // 2))
         return found
 
-    def places(self, ring: Sequence[Ends], t: float) -> tuple[slice, ...]:
-        """Where they are on the ring."""
+    def places(self, ring: Sequence[Ends], t: float, beyond: int = 0) -> tuple[slice, ...]:
+        """Where they are on the ring, and so many cells beyond."""
         middles = (self.middle(t), *(0 for _ in self.reach[1:]))
         return tuple(
-            slice(middle - reach - low, middle + reach - low + 1)
+            slice(max(0, middle - reach - beyond - low), middle + reach + beyond - low + 1)
             for middle, reach, (low, _) in zip(middles, self.reach, ring, strict=True)
         )
 
@@ -158,7 +165,8 @@ class RingRecord:
 class RingRuns(StepSearch):
     """Runs of one wave at ``times``, the first of which is the start.
 
-    Values are what is compared, in units of the wave's scale. Raises ValueError, before anything
+    Values are what is compared, in units of the wave's scale, and its rate: an error that passes
+    through 0 at one of the times does not seem to be none. Raises ValueError, before anything
     large is made, for what would take too long or too much memory, and for an unstable lattice.
     """
 
@@ -179,11 +187,13 @@ class RingRuns(StepSearch):
         check_rest(near.lattice, wave.rest_slopes(near))
         fastest = max(near.lattice.highest_frequency(slopes), lattice.highest_frequency(rest))
         self._check_cost(fastest, self.signals)
-        longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
+        longest = longest_step(fastest, wave.frequency)
+        self.fragile = math.isinf(max(map(abs, wave.support(self.times[0]))))
+        self._turn = wave.frequency or lattice.highest_frequency(rest)
         self._room = wave.seam_room(self.times[0])
         sites = sites_of(compared.ring(self.times, self.signals, 2 * self._room))
         self._metered: dict[float, Array] = {}
-        self._least = float(np.max(np.abs(wave.measured(near.f, near.mean_strain))))
+        self._least = float(np.max(np.abs(self._seen(near, near.f, near.v))))
         super().__init__(SCHEME.order, longest, np.array(self.times), float(sites))
 
     def _check_cost(self, fastest: float, signals: Sequence[float]) -> None:
@@ -206,9 +216,9 @@ class RingRuns(StepSearch):
         meter = self.wave.meter(ring)
         march = March(ring, self.times, choices.step, loop)
         for t in march.through():
-            found = self.wave.measured(march.f, ring.mean_strain)
-            places = self.compared.places(ends, t)
-            march.measured.append(found[(slice(None), *places)] / self.wave.scale)
+            seen = self._seen(ring, march.f, march.v) / self.wave.scale
+            march.measured.append(seen[:, :, *self.compared.places(ends, t)])
+            around = seen[:, :, *self.compared.places(ends, t, AROUND)]
             if meter is not None:
                 march.metered.append(np.array(meter(march.f, march.v)))
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
@@ -219,11 +229,13 @@ class RingRuns(StepSearch):
         energies = energy, _energy(ring, march.f, march.v)
         if march.metered:
             energies = float(march.metered[0][-1]), float(march.metered[-1][-1])
-        record = RingRecord(measured, energies, sites_of(ends), choices.step, steps, metered)
+        record = RingRecord(
+            [row[0] for row in measured], energies, sites_of(ends), choices.step, steps, metered
+        )
         values = np.array(measured)
         largest = float(np.max(np.abs(ring.f))) / self.wave.scale
         evaluations = steps * SCHEME.stages
-        whole = float(np.max(np.abs(self.wave.measured(ring.f, ring.mean_strain))))
+        whole = float(np.max(np.abs(self._seen(ring, ring.f, ring.v))))
         limit = GROWTH * max(self._least, whole) / self.wave.scale
         sound = len(measured) == len(self.times) and bool(np.all(np.abs(values) <= limit))
         return Trial(
@@ -233,7 +245,13 @@ class RingRuns(StepSearch):
             perf_counter() - loop.begun,
             rounding_error(largest, evaluations),
             record,
+            around=around if sound else None,
         )
+
+    def _seen(self, ring: CellRing, f: Array, v: Array) -> Array:
+        """What is compared, in all cells of a ring, and its rate in the same unit."""
+        rates = self.wave.measured(v, (0.0,) * len(ring.mean_strain)) / self._turn
+        return np.stack([self.wave.measured(f, ring.mean_strain), rates])
 
     def metered_before(self, record: RingRecord) -> Array:
         """What the meter gave in the run with the next longer step; nan where there is none."""
@@ -255,6 +273,18 @@ class RingRuns(StepSearch):
     def work(self, choices: Choices) -> float:
         """Forces on fields of cells."""
         return super().work(choices) * SCHEME.stages * choices.size * self._fields
+
+
+def longest_step(fastest: float, carrier: float) -> float:
+    """The longest step tried where these are the frequencies of the fastest wave and the carrier.
+
+    >>> longest_step(2.0, 0.5) == LIMIT_SHARE * stability_limit(SCHEME) / 2.0
+    True
+    >>> longest_step(2.0, 2.0) == LAWFUL_TURN / 2.0
+    True
+    """
+    stable = LIMIT_SHARE * stability_limit(SCHEME) / fastest
+    return min(stable, LAWFUL_TURN / carrier) if carrier else stable
 
 
 def _energy(ring: CellRing, f: Array, v: Array) -> float:

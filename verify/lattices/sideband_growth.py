@@ -43,6 +43,7 @@ from verify.lattices.ring_runs import (
     SCHEME,
     March,
     check_rest,
+    longest_step,
     stiffest_slopes,
 )
 from verify.provenance import provenance
@@ -340,7 +341,7 @@ class SidebandRuns(StepSearch):
         fastest = max(lattice.highest_frequency(stiffest), lattice.highest_frequency(rest))
         self._check_cost(fastest)
         self._least = self._largest(self.ring.f)
-        longest = LIMIT_SHARE * stability_limit(SCHEME) / fastest
+        longest = longest_step(fastest, abs(omega))
         super().__init__(SCHEME.order, longest, self._times, float(plan.ring.cells))
 
     def _check_cost(self, fastest: float | None = None) -> None:

@@ -55,14 +55,18 @@ OWN: Mapping[tuple[str, str], Callable[[Draw], float]] = {
 }
 
 
-def soak_scene(seed: int, index: int, redrawn: int = 0) -> LatticeScene:
+def soak_scene(
+    seed: int, index: int, redrawn: int = 0, lattice: str = "", enveloped: bool | None = None
+) -> LatticeScene:
     """The scene of (seed, index), or the one that is drawn in its place after so many others.
+
+    It is on that ``lattice``, and ``enveloped`` or a long wave, where that is given.
 
     >>> soak_scene(1, 3) == soak_scene(1, 3)
     True
     """
     draw = random.Random(f"{seed}:{index}:{redrawn}")
-    scene = _scene(draw, f"scene {seed}:{index}")
+    scene = _scene(draw, f"scene {seed}:{index}", lattice, enveloped)
     try:
         derivation(scene)
     except ValueError as refusal:
@@ -96,9 +100,10 @@ def _varied(draw: Draw, scene: LatticeScene) -> LatticeScene:
     return scene
 
 
-def _scene(draw: Draw, name: str) -> LatticeScene:
-    lattice = LATTICES[draw.choice(list(LATTICES))]
-    enveloped = draw.random() < 0.4
+def _scene(draw: Draw, name: str, on: str, carried: bool | None) -> LatticeScene:
+    drawn, chance = draw.choice(list(LATTICES)), draw.random()
+    lattice = LATTICES[on or drawn]
+    enveloped = chance < 0.4 if carried is None else carried
     waves = CATALOGUE.of("NLS" if enveloped else draw.choice(["KdV", "mKdV", "Gardner"])).names
     wave = draw.choice(list(waves))
     eps = _between(0.02, 0.2)(draw)
