@@ -93,32 +93,31 @@ class StatementVerdict(ProofVerdict):
 def decide_statement(statement: Statement, progress: Progress = lambda _: None) -> StatementVerdict:
     """The verdict on a statement; ``progress`` is told what is done next."""
     start = time.perf_counter()
-    found: list[ProofVerdict] = []
+    verdicts: list[ProofVerdict] = []
     count = len(statement.equations)
     typed = _typed_values(statement)
     for number, equation in enumerate(statement.equations, 1):
         progress(f"equation {number} of {count}")
         verdict = _decide_equation(statement, equation)
-        found.append(verdict if typed is None else _as_typed(statement, number, verdict, typed))
-        if found[-1].outcome is Outcome.REFUTED:
+        verdicts.append(verdict if typed is None else _as_typed(statement, number, verdict, typed))
+        if verdicts[-1].outcome is Outcome.REFUTED:
             break
-    verdict = _together(statement, found, time.perf_counter() - start)
-    if verdict.outcome is Outcome.REFUTED:
-        return _with_functions(statement, verdict)
-    if statement.complexes and verdict.outcome is Outcome.UNDECIDED:
+    found = _together(statement, verdicts, time.perf_counter() - start)
+    if found.outcome is Outcome.REFUTED:
+        return _with_functions(statement, found)
+    if statement.complexes and found.outcome is Outcome.UNDECIDED:
         failing = failing_values(statement)
     else:
         failing = None if typed is None else _shown(typed.failure())
     if failing is not None:
-        refuted = replace(
-            verdict, outcome=Outcome.REFUTED, detail=EXCLUDED, witness=failing, **NO_PROOF
-        )
+        refuted = undecided(statement, EXCLUDED, time.perf_counter() - start)
+        refuted = replace(refuted, outcome=Outcome.REFUTED, witness=failing)
         return _with_functions(statement, refuted)
-    divisor = undefined(statement) if verdict.outcome is Outcome.PROVED else None
+    divisor = undefined(statement) if found.outcome is Outcome.PROVED else None
     if divisor is not None:
         reason = f"divisors must be shown not to be 0, got {abbreviated(divisor)}"
         return undecided(statement, reason, time.perf_counter() - start)
-    return verdict
+    return found
 
 
 def _typed_values(statement: Statement) -> TypedValues | None:
