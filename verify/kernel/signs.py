@@ -76,10 +76,10 @@ class Signs:
     def needed(self, name: str, *arguments: int) -> str:
         """What a function needs of its parameter, if that is not shown."""
         own = FUNCTIONS[name]
-        if own.above_zero and not all(map(self.positive, own.parameters(*arguments))):
-            return "m > 0"
         if own.below_one and not all(map(self.below_one, own.parameters(*arguments))):
             return "m < 1"
+        if own.above_zero and not all(map(self.positive, own.parameters(*arguments))):
+            return "m > 0"
         return ""
 
     def positive(self, node: int) -> bool:

@@ -70,7 +70,7 @@ def test_one_digit_changed_is_rejected(written: str, tmp_path: Path, capsys: Out
         (lambda text: "[3]", "certificate must be an object, got int"),
         (lambda text: '"yes"', "certificate must be an object, got str"),
         (lambda text: "{}", "lacks 'format'"),
-        (lambda text: text.replace("longwave proof 3", "longwave proof 2"), "format must be"),
+        (lambda text: text.replace("longwave proof 4", "longwave proof 3"), "format must be"),
         (lambda text: text.replace('"solutions"', '"solution"'), "kink: the digest does not"),
     ],
 )

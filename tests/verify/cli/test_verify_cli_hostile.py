@@ -99,12 +99,10 @@ ATTACKS: dict[str, Callable[[Data], Any]] = {
     "an unknown function": lambda d: hint(d, "eval(X)"),
     "formulas that are none": lambda d: d["proof"].update(formulas=None),
     "a proof that is none": lambda d: d.update(proof=7),
-    "hints of hints": lambda d: d["proof"].update(sums=[[0, [[[], []]]]]),
+    "hints of hints": lambda d: d["proof"].update(values=[[0, [[[], []]]]]),
     "a million generators": lambda d: d["proof"].update(generators=[["atom", 0]] * 10**6),
     "generators of nothing": lambda d: d["proof"].update(generators=[[]]),
-    "a part of itself": lambda d: d["proof"].update(
-        generators=[["part", 0, 0]], parts=[[0, 0, {}]]
-    ),
+    "a part of itself": lambda d: d["proof"].update(generators=[["part", 0]], parts=[[0, 0, {}]]),
     "a point that is text": lambda d: d["proof"].update(point="1/2"),
     "no variables": lambda d: d["statement"].update(variables=[]),
     "a variable that is a list": lambda d: d["statement"].update(variables=[[]]),
