@@ -48,6 +48,11 @@ class Interval:
         return self.high is not None and self.high <= 0 and not self.is_not_negative
 
     @property
+    def closed(self) -> Interval:
+        """The interval with its ends."""
+        return Interval(self.low, self.high)
+
+    @property
     def ends(self) -> tuple[End, End]:
         """The two ends."""
         return (self.low, self.low_open), (self.high, self.high_open)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from . import function_rules  # noqa: F401  (its rules)
-from .denominators import Denominators, is_linear
+from .denominators import Denominators, is_continuous_end, is_linear
 from .field import Field, Hints
 from .limits import (
     FORMAT,
@@ -165,6 +165,8 @@ def _check_point(field: Field, statement: Statement) -> None:
         gap = balls.ball(right) - balls.ball(left)
         if not (gap.real > 0 and gap.imag == 0):
             raise CertificateError("the point is not in the domain, or not inside it")
+        if not (is_continuous_end(field, left) and is_continuous_end(field, right)):
+            raise CertificateError("a domain's ends must be shown to be real and without jumps")
         if weak and not (is_linear(nodes, left) and is_linear(nodes, right)):
             raise CertificateError("<= must be between formulas of degree 1 (write < instead)")
     symbols = all(nodes.all[generator.formula][0] == "symbol" for generator in field.generators)

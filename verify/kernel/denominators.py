@@ -96,7 +96,7 @@ def is_connected(field: Field, statement: Statement) -> bool:
             continue
         rest = [ends for i, (_, *ends) in enumerate(statement.domain) if i != place]
         match nodes.all[left], nodes.all[right]:
-            case ("symbol", *_), ("elliptic_k", m) if field.signs.below_one(m):
+            case ("symbol", *_), ("elliptic_k", m) if is_continuous_end(field, right):
                 others = [ends for ends in rest if left in nodes.below(ends)]
                 lower = [nodes.value(low) for low, high in others if high == left]
                 alone = len(lower) == len(others) and left not in nodes.below([m])
@@ -104,6 +104,15 @@ def is_connected(field: Field, statement: Statement) -> bool:
                     continue
         return False
     return True
+
+
+def is_continuous_end(field: Field, node: int) -> bool:
+    """Whether an end of the domain is evidently real and continuous: no point of it is alone."""
+    signs, nodes = field.signs, field.nodes
+    name, *arguments = nodes.all[node]
+    if name == "elliptic_k":
+        return signs.below_one(arguments[0]) and is_continuous_end(field, arguments[0])
+    return signs.is_bounded(node) and all(map(signs.is_real, nodes.below([node])))
 
 
 def is_linear(nodes: Nodes, node: int) -> bool:

@@ -109,7 +109,9 @@ class Signs:
             self._intervals[node] = Interval()  # no rule asks for its own node
             found = self._interval(node) & self._stated(node)
             if node in self._witnesses and not found.is_not_zero:
-                found = found & self.interval(self._witness(node))
+                other = self._witness(node)
+                shown = self.interval(other)  # an open end is where the witness is defined
+                found = found & (shown if self.is_bounded(other) else shown.closed)
             self._intervals[node] = found
         return self._intervals[node]
 

@@ -52,3 +52,65 @@ def test_no_white_space_hides_a_part_of_what_is_printed(white: str) -> None:
     """A carriage return lets what follows it be written over what stands before it."""
     printed = check_certificate(certificate(f"u -{white}x", "u = x", ["x"], {"x": "1"}))
     assert "equation: u - x\n" in printed
+
+
+def logarithm(formula: str) -> str:
+    """A formula's square, positive wherever it is defined: nowhere where the formula is 0."""
+    return f"1/4*exp(log((2*{formula})**2))"
+
+
+HALF_LINE = "(x + abs(x))"
+"""Not 0 for x > 0 alone."""
+
+JUMP = "(atan(x) + atan(1/x) - pi/2)"
+"""Not 0 for x < 0 alone."""
+
+FALSE_ROOTS = [
+    (HALF_LINE, f"{HALF_LINE}**2", logarithm(HALF_LINE), "1"),
+    (JUMP, f"{JUMP}**2/(1 + {JUMP}**2)", f"1/(1 + 1/{JUMP}**2)", "-1"),
+]
+
+
+@pytest.mark.parametrize("by_hint", [True, False])
+@pytest.mark.parametrize(("zero", "real", "witness", "point"), FALSE_ROOTS)
+def test_a_real_part_is_not_positive_where_its_witness_is_undefined(
+    zero: str, real: str, witness: str, point: str, by_hint: bool
+) -> None:
+    """sqrt(w**2) is w where the real part of w is positive, and -w for w = -i."""
+    atoms = ["x", "I", "abs(x)", "pi", "atan(x)", "atan(1/x)", f"log((2*{zero})**2)"]
+    w = f"{real} + I*x*{point}"
+    value = w if by_hint else f"{witness} + I*x*{point}"
+    signs = {real: witness} if by_hint else {}
+    data = certificate(
+        f"u - sqrt(({w})**2)", f"u = {w}", atoms, {"x": point},
+        values={f"sqrt(({w})**2)": value}, signs=signs,
+    )  # fmt: skip
+    refused(data, "not shown to be >= 0 there|not shown to be finite")
+
+
+@pytest.mark.parametrize(
+    ("equation", "solution", "value", "zero", "square", "domain"),
+    [
+        ("u - asin(sin(x))", "u = x", "asin(sin(x))", "cos(x)", "1 - sin(x)**2", ["0 < x < 2"]),
+        ("u - atan(x/x**2)", "u = pi/2 - atan(x)", "atan(x/x**2)", "x", "x**2", []),
+    ],
+)
+def test_a_value_is_not_kept_through_a_point_at_which_a_witness_is_undefined(
+    equation: str, solution: str, value: str, zero: str, square: str, domain: list[str]
+) -> None:
+    """asin(sin(1.8)) is pi - 1.8, and atan(1/x) jumps at x = 0."""
+    atoms = ["x", "I", "pi", "exp(I*x)", "atan(x)", f"log((2*{zero})**2)"]
+    data = certificate(
+        equation, solution, atoms, {"x": "1"}, {"domain": domain},
+        values={value: solution.removeprefix("u = ")}, signs={square: logarithm(zero)},
+    )  # fmt: skip
+    refused(data, "not shown to be a principal value")
+
+
+def test_no_point_of_a_domain_is_alone() -> None:
+    """With sign(0) = 0 the domain holds x = 0, at which abs(x - 1) is not x - 1."""
+    domain, hints = "0 < x + 1 - 2*sign(x)**2", {"values": {"abs(x-1)": "x-1"}}
+    data = certificate(
+        "u - abs(x-1)", "u = x-1", ["x", "abs(x)"], {"x": "2"}, {"domain": [domain]}, **hints
+    )
+    refused(data, "real and without jumps")

@@ -15,8 +15,9 @@ def is_principal(field: Field, node: int, exponent: fmpq) -> bool:
     if exponent != HALF:
         return False
     height, real = angle_of(field, node), real_part(field, node)
-    above = height is not None and field.signs.not_negative(height)
-    return above or (real is not None and field.signs.positive(real))
+    if height is not None and field.signs.not_negative(height):
+        return True
+    return real is not None and field.signs.positive(real) and field.signs.is_bounded(real)
 
 
 BRANCHES.append(is_principal)
