@@ -118,7 +118,7 @@ def typed_parts(
 
     def expression(formula: FormulaTree) -> sp.Expr:
         found = builder.expression(formula)
-        return sp.expand_power_exp(found) if kept else found
+        return sp.expand_power_exp(found) if kept and not found.has(*kept) else found
 
     whole = (put_in(statement.trees, f) for f in (*statement.trees.solutions.values(), equation))
     found = []

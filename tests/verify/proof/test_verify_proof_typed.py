@@ -45,6 +45,24 @@ SIMPLIFIED = [
     ("u - 1", "u = 1 + 0*tanh(k*(x - t))", "", ""),
     ("sqrt(u**2) - u", "u = sqrt(x**2)", "", ""),
     ("u[n+1] - abs(n+1)", "u[n] = sqrt(n**2)", "", ""),
+    ("u[n-1] - abs(n - 1)", "u[n] = abs(n)", "", "n > 0"),
+    ("abs(u)**2*sign(u)**2 - u**2", "u = x + I", "", ""),
+    ("u_x - u*log(u)", "u = exp((1/2)*(a*exp(x/2)**2))**2", "a: real", ""),
+    ("u[n+1] - r*u[n]", "u[n] = r**n", "r: r>0", ""),
+    ("u[n+1] - u[n]**2", "u[n] = exp((3/5)*2**n)", "", ""),
+    ("u[n+1] - u[n]", "u[n] = 1**n*exp((1 - 1)*t)", "", "t < 5"),
+    ("log(u) - 2*log(abs(x - t))", "u = (x - t)**2", "", ""),
+    ("diff(sinh(u), x) - 1", "u = asinh(x)", "", ""),
+    ("u_x - u + u**(4 + 1)", "u = (1/(1 + exp(-4*x)))**(1/4)", "", ""),
+    ("sqrt(1 - u**2) - cos(x)", "u = 2*sin(x/2)*cos(x/2)", "", "-3/2 < x, x < 3/2"),
+    ("u_t + 6*u*u_x + u_xxx", "u = 2*diff(log(x**3 + 12*t), x, x)", "", ""),
+    ("diff(abs(u), x, x) = diff(sqrt(2 + 2*cos(x)), x, x)", "u = 1 + exp(I*x)", "", ""),
+    (
+        "diff(u[n+1], t) - diff(u[n], t) - 2*a*sin((u[n+1] + u[n])/2)",
+        "u[n] = 4*atan((-1)**n*exp(k*n + w*t))",
+        "k: k>0; a: a>0; w = a*tanh(k/2)",
+        "",
+    ),
 ]
 
 
