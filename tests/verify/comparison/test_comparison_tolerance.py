@@ -23,8 +23,8 @@ from verify.comparison.spectral_data import ring_data
 Array = NDArray[np.float64]
 
 PESSIMISM = 500.0
-"""Most by which an estimate may exceed the error, unless it is a small part of the tolerance: it is not
-believed that an error falls faster than its law, and in this window it does."""
+"""Most by which an estimate may exceed the error, unless it is a small part of the tolerance.
+That an error falls faster than its law is not believed, and in this window it does."""
 
 SMALL = 0.1
 
