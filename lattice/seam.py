@@ -94,8 +94,8 @@ def blend_seam(profile: Profile, circumference: float, width: float, x: Array) -
 def negate_at_seam(profile: Profile, circumference: float, crest: float, x: Array) -> Array:
     """A kink's profile with its negative about the seam, at points -L/2 <= x <= L/2.
 
-    ``crest`` is the kink's place. Half-way between it and the seam the two pass into each other. The
-    negative lies between sites as the kink does: a steep one's strains depend on that.
+    ``crest`` is the kink's place. Half-way between it and the seam the two pass into each other.
+    The negative lies between sites as the kink does: a steep one's strains depend on that.
 
     >>> values = negate_at_seam(np.tanh, 80.0, 0.0, np.array([-40.0, -30.0, 0.0, 30.0, 39.0]))
     >>> values.round(3) + 0.0
