@@ -17,7 +17,14 @@ from fractions import Fraction
 import sympy as sp
 from sympy.functions.special.bessel import BesselBase
 
-from solutions.functions import jacobi_dn, jacobi_epsilon, jacobi_theta, jacobi_zeta
+from solutions.functions import (
+    jacobi_cn,
+    jacobi_dn,
+    jacobi_epsilon,
+    jacobi_sn,
+    jacobi_theta,
+    jacobi_zeta,
+)
 from solutions.functions.jacobi import JacobiFunction
 from solutions.functions.jet_functions import JetFunction
 from solutions.functions.weierstrass import WeierstrassFunction
@@ -335,6 +342,8 @@ def _between(low: sp.Expr, high: sp.Expr) -> sp.Rational:
 
 POLES = {sp.tan: sp.cos, sp.sec: sp.cos, sp.cot: sp.sin, sp.csc: sp.sin}
 HYPERBOLIC_POLES = (sp.coth, sp.csch)
+COMPLEX_POLES = (sp.tanh, sp.sech, jacobi_sn, jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_zeta)
+"""Functions with poles off the real axis alone."""
 DEPTH = 3
 """Levels of a subexpression that a line shows."""
 
@@ -374,6 +383,8 @@ def _lines(node: sp.Expr, signs: DomainSigns) -> list[str]:
         lines.append(f"branch point of {_short(node)}")
     if isinstance(node, BesselBase) and not (is_entire(node) or signs.is_positive(node.args[1])):
         lines.append(f"branch point where {_short(node.args[1])} is not positive")
+    if isinstance(node, COMPLEX_POLES) and not all(map(signs.is_real, node.args)):
+        lines.append(f"poles of {_short(node)}")
     if isinstance(node, WeierstrassFunction):
         lines.append(f"poles of {_short(node)}")
     if isinstance(node, sp.atan | sp.asinh) and not signs.is_real(node.args[0]):

@@ -366,4 +366,6 @@ def needs_integers(size: sp.Expr) -> bool:
     """Whether a modulus or sign is known only as symbols are integers: abs(n-1) for n > 0."""
     whole = [s for s in size.free_symbols if s.is_integer]
     real = {s: sp.Dummy(real=True, positive=s.is_positive, negative=s.is_negative) for s in whole}
-    return bool(whole) and isinstance(sp.Abs(size.args[0].xreplace(real)), sp.Abs)
+    if not whole or isinstance(sp.Abs(size.args[0]), sp.Abs):
+        return False
+    return isinstance(sp.Abs(size.args[0].xreplace(real)), sp.Abs)

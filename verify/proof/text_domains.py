@@ -11,6 +11,7 @@ from derive.algebra.formula_expression import ExpressionBuilder
 from derive.algebra.formula_text import FormulaError, Parser, Token, Vocabulary, tokens
 
 from .domains import REAL, Domain
+from .text_names import SITE
 
 WORDS = {
     "real": REAL,
@@ -113,7 +114,9 @@ def inhabited(part: TextPart, domain: Domain, name: str, place: int = 0) -> Doma
 
 
 def symbol_of(name: str, domain: Domain) -> sp.Symbol:
-    """A real symbol that knows the sign that its domain gives it."""
+    """A real symbol that knows the sign that its domain gives it, but for a site: it is shifted."""
+    if name == SITE:
+        return sp.Symbol(name, integer=True)
     known: dict[str, bool] = {"integer": True} if domain.integer else {"real": True}
     if domain.lower.is_nonnegative:
         positive = domain.lower_open or domain.lower.is_positive

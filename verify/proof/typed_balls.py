@@ -194,6 +194,8 @@ class TypedPlace:
 
     def _power(self, base: FormulaTree, exponent: FormulaTree) -> TypedBall:
         below, number = self.value(base), self._exact_value(exponent)
+        if number is not None and number > 0 and self._is_zero(base, below):
+            return below
         if number is not None and number.denominator == 1:
             names = {node.name for node in exponent.nodes() if isinstance(node, Name)}
             if names <= self._balls.integers or not below.jet.value.contains(0):
@@ -220,6 +222,11 @@ class TypedPlace:
 
         return rational(mapped(exponent, image))
 
+    def _is_zero(self, formula: FormulaTree, ball: TypedBall) -> bool:
+        """Whether a formula is 0 and in no continuous variable: so are its modulus and roots."""
+        names = {node.name for node in formula.nodes() if isinstance(node, Name | Unknown)}
+        return bool(ball.jet.value == 0) and not names & {*self._balls.letters}
+
     def _check_smooth(self, function: type, ball: TypedBall) -> None:
         """Raise ValueError on a cut; a real argument of a logarithm or power stays on it."""
         value = ball.jet.value
@@ -238,6 +245,8 @@ class TypedPlace:
             jets = [ball.jet, *(other.jet for other in further)]
             is_real = ball.is_real and all(other.is_real for other in further)
             return TypedBall.of(special_jet(function, jets), is_real)
+        if name == "abs" and self._is_zero(parts[0], ball):
+            return ball
         if name in SIZES:
             return self._size(name, ball)
         if name in MEAN:

@@ -7,9 +7,9 @@ texts excludes 0, and a proof is compared with such balls.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import islice, product
+from itertools import islice
 
 import sympy as sp
 from flint import arb
@@ -18,6 +18,8 @@ from .domains import Domain, Domains
 from .samples import sample
 from .typed_balls import TextPoint, TypedBalls
 from .typed_statement import StatementTrees
+
+Point = Mapping[sp.Symbol, sp.Rational]
 
 POINTS = 4
 """Points of the domain that are drawn."""
@@ -64,19 +66,28 @@ class TypedValues:
         known = {str(symbol): symbol for symbol in self._domains}
         added = {sp.Symbol(name, real=True): Domain() for name in self._names - known.keys()}
         integers = [s for s in self._domains if self._domains[s].integer]
+        integers.sort(key=lambda symbol: len(self._domains[symbol].symbols))
         for drawn in sample({**self._domains, **added}, POINTS):
             yield {str(symbol): Fraction(int(v.p), int(v.q)) for symbol, v in drawn.items()}
             if not integers:
                 continue
-            for values in islice(product(*map(self._first, integers)), MOST):
-                whole = {**drawn, **dict(zip(integers, values, strict=True))}
+            for whole in islice(self._with_first(drawn, integers), MOST):
                 if all(d.contains(whole[s], whole) for s, d in self._domains.items()):
                     yield {str(s): Fraction(int(v.p), int(v.q)) for s, v in whole.items()}
 
-    def _first(self, symbol: sp.Symbol) -> list[sp.Integer]:
-        domain = self._domains[symbol]
-        if domain.lower.is_Rational:
-            return [sp.floor(domain.lower) + step for step in range(FIRST + 1)]
-        if domain.upper.is_Rational:
-            return [sp.ceiling(domain.upper) - step for step in range(FIRST + 1)]
+    def _with_first(self, point: Point, integers: Sequence[sp.Symbol]) -> Iterator[Point]:
+        """The point with the first values of integers; the ends of later ones may hold earlier."""
+        if not integers:
+            yield point
+            return
+        symbol, *others = integers
+        for value in self._first(self._domains[symbol], point):
+            yield from self._with_first({**point, symbol: value}, others)
+
+    def _first(self, domain: Domain, point: Point) -> list[sp.Integer]:
+        lower, upper = domain.lower.xreplace(point), domain.upper.xreplace(point)
+        if lower.is_Rational:
+            return [sp.floor(lower) + step for step in range(FIRST + 1)]
+        if upper.is_Rational:
+            return [sp.ceiling(upper) - step for step in range(FIRST + 1)]
         return [sp.Integer(step) for step in range(-FIRST // 2, FIRST // 2 + 1)]

@@ -23,7 +23,26 @@ FALSE = [
         "",
     ),
 ]
+BORDER = {
+    ("u[n+1] - 2*cosh(k)*u[n] + u[n-1]", "u[n] = exp(-k*abs(n))", "k: k>0", "n >= 0"): 0,
+    (
+        "I*diff(u[n],t) + u[n+1] + u[n-1]",
+        "u[n] = exp(-k*abs(n) + 2*I*cosh(k)*t)",
+        "k: k>0",
+        "n >= 0",
+    ): 0,
+    ("u[n] - u[n-1] - 1", "u[n] = abs(n)", "", "n >= 0"): 0,
+    ("u[n] - u[n-1] - 1", "u[n] = sqrt(n**2)", "", "n >= 0"): 0,
+    ("u[n] - u[n-1] - 1", "u[n] = (n**4)**(1/4)", "", "n >= 0"): 0,
+    ("u[n] - u[n-1] - 2**(n-1)", "u[n] = 2**abs(n)", "", "n >= 0"): 0,
+    ("u[n+1] - 2*u[n] + u[n-1]", "u[n] = abs(n)", "", "n <= 0"): 0,
+    ("u[n] - u[n-5] - 5", "u[n] = abs(n)", "j: integer, j>3", "n >= j"): 4,
+}
+"""Statements that fail at the first site of their domain alone, and that site."""
+
 TRUE = [
+    ("u[n-1] - abs(n-1) + u[n] - abs(n)", "u[n] = abs(n)", "", "n >= 0"),
+    ("u[n-1] + u[n] - 1", "u[n] = abs(n)", "", "0 <= n <= 1"),
     ("abs(u)**2*sign(u)**2 - u**2", "u = x + I", "", ""),
     ("u[n-2] - abs(n-2)", "u[n] = abs(n)", "", "n > 0"),
     ("u_x - 2*x*sign(u)", "u = sqrt(x**4)", "", "x > 0"),
@@ -91,6 +110,37 @@ def test_what_sympy_reads_as_a_solution_is_refuted_as_it_was_typed(
     typed = TypedValues(statement.trees, statement.domains)
     point = {name: Fraction(value) for name, value in (found.witness or {}).items()}
     assert typed.fails_at(point)
+
+
+@pytest.mark.parametrize("texts", BORDER)
+def test_the_first_site_is_looked_at_with_its_neighbours(texts: tuple[str, str, str, str]) -> None:
+    equation, solution, parameters, domain = texts
+    verdict = prove(equation, solution, parameters=parameters, domain=domain)
+    assert verdict.outcome is Outcome.REFUTED
+    assert verdict.witness is not None
+    assert verdict.witness["n"] == str(BORDER[texts])
+
+
+@pytest.mark.parametrize("first", ["n >= 1", "n >= 7/2"])
+def test_a_modulus_is_known_at_all_sites_of_the_domain(first: str) -> None:
+    verdict = prove("u[n] - u[n-1] - 1", "u[n] = abs(n)", domain=first)
+    assert verdict.outcome is Outcome.PROVED
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "jacobi_sn(I*x, m)",
+        "jacobi_dn(x + I*t, m)",
+        "jacobi_zeta(I*x, m)",
+        "tanh(x + I*t*m)",
+        "sech(x + I*m)",
+    ],
+)
+def test_poles_off_the_real_axis_are_named(formula: str) -> None:
+    verdict = prove(f"u - {formula}", f"u = {formula}", parameters="m: 0<m<1")
+    assert verdict.outcome is Outcome.PROVED
+    assert any(line.startswith("poles of") for line in verdict.singularities)
 
 
 @pytest.mark.parametrize("texts", TRUE)
