@@ -24,15 +24,18 @@ PAGES = sorted(
 )
 LONG = (
     "how-to/command-line.md",
+    "how-to/derive.md",
     "how-to/disorder.md",
     "how-to/lattice-scene.md",
     "how-to/pictures.md",
     "how-to/prove-your-own.md",
     "how-to/run-files.md",
+    "how-to/scene.md",
+    "how-to/stores.md",
     "how-to/sweeps.md",
     "tutorial.md",
 )
-"""Pages whose commands take 8 to 20 s of a processor."""
+"""Pages whose commands take 4 to 20 s of a processor."""
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 TARGETS = re.findall(r"^([\w-]+):", (HOUSE / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -295,7 +295,9 @@ envelope = { k = 2 }
 }
 
 
-@pytest.mark.parametrize("scene", SHORT)
+@pytest.mark.parametrize(
+    "scene", [pytest.param(s, marks=[pytest.mark.slow] * (s == "growth.toml")) for s in SHORT]
+)
 def test_a_run_is_written_though_nobody_reads_what_it_prints(scene: str, tmp_path: Path) -> None:
     (tmp_path / scene).write_text(SHORT[scene], encoding="utf-8")
     words = [sys.executable, "-m", "longwave", "run", scene, "--output", "run.nc"]

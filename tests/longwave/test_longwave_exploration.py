@@ -144,6 +144,7 @@ def found() -> Comparison:
     return compare(scene_of_choices(SOLITON))
 
 
+@pytest.mark.slow
 def test_a_comparison_holds_what_the_run_holds(found: Comparison, tmp_path: Path) -> None:
     from verify.comparison import run
 

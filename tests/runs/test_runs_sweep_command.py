@@ -42,6 +42,7 @@ def test_a_store_is_not_the_file_of_its_sweep(
     assert not Path(both).exists()
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -58,6 +59,7 @@ def test_a_disk_that_is_full_at_the_end_is_told_with_what_is_kept(
         assert told == f"error: sw.nc: No space left on device ({kept})"
 
 
+@pytest.mark.slow
 def test_one_damaged_pack_is_told_once_and_one_cell_as_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -146,7 +146,7 @@ class Certificate(Data):
 
     >>> nothing = StatementTexts((), (), ())
     >>> Certificate.signed("nothing", NodeTable(), nothing, {"generators": [], "point": []})
-    <Certificate of nothing: 0 generators, 283 bytes, digest edd04e24>
+    <Certificate of nothing: 0 generators, 283 bytes, digest 4a5b90ec>
     """
 
     @classmethod

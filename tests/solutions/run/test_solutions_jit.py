@@ -124,6 +124,7 @@ def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
     assert call(house, **plain) == ["27.0", "1"]
 
 
+@pytest.mark.slow
 def test_old_byte_code_spoils_nothing(house: Path) -> None:
     """Python runs old byte code where a change keeps time and size; that must not stay."""
     call(house)
@@ -156,6 +157,7 @@ print(*values)
     assert call(house, code, XDG_CACHE_HOME=str(tmp_path / "file")) == ["27.0", "27.0"]
 
 
+@pytest.mark.slow
 def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) -> None:
     for number in range(12):
         (house / "solutions" / "__pycache__" / f"solutions.kernel-{number}").mkdir(parents=True)
@@ -167,6 +169,7 @@ def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) ->
     assert call(house) == ["27.0", "1"]
 
 
+@pytest.mark.slow
 def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -> None:
     """Numba's own index can hand one of them the other's machine code."""
 
@@ -271,6 +274,7 @@ def test_an_inner_function_takes_no_flags_from_the_kernel_that_calls_it_first() 
     assert strict(a, a, -1.0) == a * a - 1.0
 
 
+@pytest.mark.slow
 def test_machine_code_does_not_depend_on_what_was_compiled_before(
     house: Path, tmp_path: Path
 ) -> None:

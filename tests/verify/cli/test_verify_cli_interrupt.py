@@ -12,7 +12,11 @@ import pytest
             ["verify", "--only", "rational_3", "--only", "rational_40", "--max-time", "none"],
             "2 forms to be checked: about",
         ),
-        (["verify", "mutations", "--only", "rational_12"], "the misprints of rational_12: about"),
+        pytest.param(
+            ["verify", "mutations", "--only", "rational_12"],
+            "the misprints of rational_12: about",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_long_request_is_announced_and_ends_on_ctrl_c(

@@ -313,6 +313,7 @@ def test_a_crash_costs_its_own_statement_alone(monkeypatch: pytest.MonkeyPatch) 
     assert verdicts[2].detail == "no verdict within 2000 MB of memory"
 
 
+@pytest.mark.slow
 def test_a_refutation_stays_if_the_search_for_a_hint_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
     def hang(*_: Any) -> Any:
         while True:

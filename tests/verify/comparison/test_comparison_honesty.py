@@ -91,7 +91,7 @@ LEFT_GOING = _scene(
         KINK,
         WAVE_CN,
         STEEP,
-        LONG,
+        pytest.param(LONG, marks=pytest.mark.slow),
         pytest.param(FAST, marks=pytest.mark.slow),
         pytest.param(FASTER, marks=pytest.mark.slow),
         pytest.param(LEFT_GOING, marks=pytest.mark.slow),

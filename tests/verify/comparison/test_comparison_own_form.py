@@ -86,6 +86,7 @@ print(longwave.run(scene).error.values[-1] < 0.01)
 """
 
 
+@pytest.mark.slow
 def test_it_is_proved_and_run_from_outside_of_the_checkout(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(USER)
     path = {"PYTHONPATH": str(Path(__file__).parents[3])}

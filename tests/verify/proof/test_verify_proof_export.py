@@ -249,8 +249,8 @@ PREMISES = {
     ],
     ("u_t - u_xx", "u = jacobi_theta_3(x, exp(-4*t))", "", "t > 0"): [
         "t > 0",
-        "exp((-4)*t) > 0",
         "exp((-4)*t) < 1",
+        "exp((-4)*t) > 0",
         "exp(4*t) is not 0",
     ],
     ("I*u_t + u_xx + 2*abs(u)**2*u", "u = sech(x)*exp(I*t)", "", ""): [

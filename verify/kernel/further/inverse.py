@@ -51,8 +51,10 @@ PRINCIPAL: Mapping[str, Ends] = {
 
 @rule("log")
 def logarithm(field: Field, node: int) -> Element | None:
-    """log of a product of powers of positive factors, and of one factor of any kind."""
+    """log of a product of powers of positive factors, and of one factor of any kind; log 1 = 0."""
     nodes, inner = field.nodes, field.nodes.all[node][1]
+    if nodes.value(inner) == 1:
+        return field.zero
     value = field.hinted(node)
     if value in (None, node):
         return _logarithm_of_exponential(field, inner)
