@@ -328,6 +328,10 @@ class Parser:
         for letter in steps:
             if letter not in known or letter not in variables:
                 words = f"expected variables of {base} behind _ ({' '.join(known)}), got {token}"
+                derived = (w.text.partition("_") for w in self.words)
+                letters = dict.fromkeys("".join(end for start, _, end in derived if start == base))
+                if steps.isalpha():
+                    words += f" (or name all of them: --variables {','.join(letters)})"
                 raise self.error(words, token)
         return Unknown(base, tuple(steps), index, shift, at=token.start)
 
@@ -352,7 +356,9 @@ class Parser:
             remedy = self._nearest(name, functions)
             known = name in self.vocabulary.names or name in self.vocabulary.fields
             if known or name in self.vocabulary.variables or (len(name) == 1 and not remedy):
-                remedy = f" (write {name}*(...) for a product)"
+                may_be_declared = self.vocabulary.unknown_name is not None and not known
+                other = f", or declare {name}: function" if may_be_declared else ""
+                remedy = f" (write {name}*(...) for a product{other})"
             raise self.error(f"expected a known function, got '{name}'{remedy}", token)
         arity = functions[name][1]
         arguments = [argument for argument, _ in self._arguments(token)]

@@ -245,7 +245,7 @@ class BallEvaluator:
                 self._check_smooth(node, node.args[0])
             return self.jet(node.args[0]).composed(ELEMENTARY[node.func])
         raise ValueError(
-            f"functions must have ball arithmetic, got {node.func.__name__} (add it to balls.py)"
+            f"functions must have ball arithmetic, got {node.func.__name__} (write it by others)"
         )
 
     def _check_smooth(self, node: sp.Expr, inner: sp.Expr) -> None:

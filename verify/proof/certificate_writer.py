@@ -96,7 +96,7 @@ class NodeTable:
         name = RENAMED.get(expression.func.__name__, expression.func.__name__)
         if FUNCTIONS.get(name) is not expression.func and not isinstance(expression, JetFunction):
             raise ValueError(
-                f"functions must have a node in certificates, got {name} (add it to FUNCTIONS)"
+                f"functions must have a node in certificates, got {name} (write it by others)"
             )
         return [name, *map(self.place, expression.args)]
 

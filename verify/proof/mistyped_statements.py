@@ -42,6 +42,9 @@ _IS = r"\s*(?:::|:|==|=|\bis\b|\bin\b|\belement\b)?\s*"
 _COMPARED = re.compile(r"<=|>=|!=|<|>")
 _NAME = re.compile(r"[A-Za-z]\w*")
 _LEADING = re.compile(r"(?:let|with|for|where|assume|given)\s+")
+_CALLED = re.compile(r"(?<![\w.\\])([fghFGH])\s*(?=\()")
+"""Letters that stand for arbitrary functions where nothing else is said of them."""
+
 _SIZED = re.compile(r"(?:abs\(|\|)\s*([A-Za-z]\w*)\s*[)|]\s*(<=?)\s*(\w[\w.]*)")
 
 
@@ -110,10 +113,13 @@ def _rewritten(given: Parts, functions: set[str]) -> Parts:
         if re.search(rf"(?<![A-Za-z\\]){letter}(?![A-Za-z0-9])|_\{{?[a-z]*{letter}", formulas)
     ]
     indexed = {n for n in declared if re.fullmatch(r"[xyztn][1-9]\d*", n) and n[0] in variables}
-    spelling = Spelling(functions, unknowns, variables, declared - indexed - {*unknowns})
+    called = {*_CALLED.findall(" ".join(given["solution"]))} - declared - {*unknowns}
+    spelling = Spelling(functions | called, unknowns, variables, declared - indexed - {*unknowns})
     equations = [_equation(text, spelling) for text in given["equation"]]
     solutions = [_solution(text, spelling) for text in given["solution"]]
     parameters, limits = _conditions(given, spelling)
+    arbitrary = [f"{name}: function" for name in sorted(called)]
+    parameters = ["; ".join([*filter(None, parameters), *arbitrary])]
     wanted = [re.sub(r"[\s;,]+", ", ", text.strip()) for text in given["solve"]]
     return {
         "equation": equations,

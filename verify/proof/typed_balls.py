@@ -259,7 +259,7 @@ class TypedPlace:
             return self._quotient(name, ball)
         if function not in ELEMENTARY:
             raise ValueError(
-                f"functions must have ball arithmetic, got {name} (add it to balls.py)"
+                f"functions must have ball arithmetic, got {name} (write it by others)"
             )
         if function not in PERIODIC:
             self._check_smooth(function, ball)

@@ -146,6 +146,14 @@ CASES: list[tuple[Texts, Texts]] = [
     *((right, (*right[:2], text)) for right, texts in PARAMETERS.items() for text in texts),
     (SITES, ("u(n+1) - u(n) - 1", "u(n) = n", "")),
     (("u_x - 1", "u = x + a1", "a1: real"), ("u_x - 1", "u = x + x1", "x1: real")),
+    (
+        ("u_t + c*u_x", "u = F(x - c*t)", "c: real; F: function"),
+        ("u_t + c u_x", "u(x,t) = F(x - c t)", "c real"),
+    ),
+    (
+        ("u_tt - u_xx", "u = f(x - t) + g(x + t)", "f: function; g: function"),
+        (r"\partial_t^2 u = \partial_x^2 u", "u = f(x-t) + g(x+t)", ""),
+    ),
     (KINK, ("u_tt - u_xx + sin u", "u = 4*arctan(exp((x - c*t)/sqrt(1 - c**2)))", KINK[2])),
     (("u_x - 1 ;; v_t - 1", "u = x ;; v = t", ""), ("u_x - 1\nv_t - 1", "u = x\nv = t", "")),
     (("u_x - 1 ;; v_t - 1", "u = x ;; v = t", ""), ("[u_x-1, v_t-1]", "[u=x, v=t]", "")),
