@@ -1,7 +1,8 @@
 """Three searches for what the proof kernel reads or accepts wrongly, against a second reader.
 
 reading: a random statement of texts is read by the kernel and evaluated, as nodes or, where it has
-derivatives, by the kernel's images; `TextBalls` evaluates the texts themselves.  signs: what the
+derivatives, by the kernel's images, and by the parser of the command line as trees; `TextBalls`
+evaluates the texts themselves.  signs: what the
 kernel says of signs, bounds, branches and denominators on a random domain is looked at at points of
 it.  certificates: forged proofs of statements that are false by balls, and mutated true ones.
 
@@ -14,13 +15,14 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from random import Random
 
 from flint import acb, arb, ctx, fmpq
 
 from benchmarks.false_certificates import false_certificates
 from benchmarks.random_texts import ONE_PLACE, RandomText, condition, points
-from benchmarks.text_balls import BITS, TextBalls, Unsaid, Values
+from benchmarks.text_balls import BITS, TextBalls, Unsaid, Values, words
 from verify.kernel import CertificateError, check_certificate
 from verify.kernel.axioms import FUNCTIONS
 from verify.kernel.denominators import Denominators
@@ -31,6 +33,8 @@ from verify.kernel.reading import Scope, formula
 from verify.kernel.ring import Element
 from verify.kernel.statement import Statement, read_statement
 from verify.kernel.substitution import Substitution
+from verify.proof.statement_text import read_statement as typed_statement
+from verify.proof.typed_balls import TypedBalls
 
 Texts = dict[str, list[str]]
 Found = Iterator[tuple[str, str]]
@@ -191,12 +195,13 @@ def reading(rng: Random) -> Found:
             yield "refused names", line("a name is a parameter", name, texts) if read else ""
         return
     try:
-        kernel, balls = Reading(texts), TextBalls(texts)
+        kernel, balls, trees = Reading(texts), TextBalls(texts), trees_of(texts)
     except ERRORS:
         return
     own = [*texts["equations"], *map(" ".join, balls.solutions.values())]
     for point in points(rng, texts, 6):
         real = {k: v if isinstance(v, fmpq) else fmpq(int(v.real), 7) for k, v in point.items()}
+        yield from trees_against(trees, balls, texts, real)
         try:
             theirs = kernel.values(real)
         except ERRORS:
@@ -211,6 +216,31 @@ def reading(rng: Random) -> Found:
                     "derivatives" if "diff" in text or "_x" in text else "values",
                     "" if mine.overlaps(their) else line(mine, their, text, texts, real),
                 )
+
+
+def trees_of(texts: Texts) -> TypedBalls | None:
+    """The statement as the command line reads it; None where its grammar is narrower."""
+    used = {word for part in ("equations", "solutions") for t in texts[part] for word in words(t)}
+    wanted = [text for text in texts["parameters"] if words(text)[0] in used]
+    try:
+        trees = typed_statement(texts["equations"], texts["solutions"], "; ".join(wanted)).trees
+    except ERRORS:
+        return None
+    return None if trees is None else TypedBalls(trees, {"j"})
+
+
+def trees_against(trees: TypedBalls | None, balls: TextBalls, texts: Texts, point: Values) -> Found:
+    """Compare the left-hand sides of the trees with those of the words at a point."""
+    if trees is None:
+        return
+    exact = {name: Fraction(int(value.p), int(value.q)) for name, value in point.items()}
+    try:
+        mine = [balls.value(text, point) for text in texts["equations"]]
+        theirs = list(trees.residuals(exact, BITS))
+    except (*ERRORS, Unsaid):
+        return
+    for text, own, other in zip(texts["equations"], mine, theirs, strict=True):
+        yield "trees", "" if own.overlaps(other) else line(own, other, text, texts, point)
 
 
 def signs(rng: Random) -> Found:

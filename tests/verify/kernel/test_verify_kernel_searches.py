@@ -1,5 +1,6 @@
 """A small part of what `benchmarks/kernel_attacks.py` does, and faults that it must see."""
 
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -8,10 +9,12 @@ from flint import fmpq
 from benchmarks import kernel_attacks
 from benchmarks.false_certificates import false_certificates
 from benchmarks.text_balls import TextBalls, Unsaid
+from derive.algebra.formula_tree import FormulaTree, Unknown
 from verify.kernel import CertificateError, check_certificate
 from verify.kernel.node_balls import Balls
 from verify.kernel.reading import Scope, TextReader
 from verify.kernel.signs import Signs
+from verify.proof.typed_balls import TypedBall, TypedPlace
 
 
 @pytest.mark.parametrize(("name", "count"), [("reading", 400), ("signs", 1500)])
@@ -65,6 +68,19 @@ def test_the_search_sees_that_a_sign_is_squared_to_one(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(TextReader, "power", power)
     assert kernel_attacks.search("reading", 6000, 0)[1]
+
+
+def test_the_search_sees_a_tree_with_another_shift(monkeypatch: pytest.MonkeyPatch) -> None:
+    """u[n+1] taken where n is, as a formula simplified on its domain is when it is shifted."""
+    right = TypedPlace._value
+
+    def value(self: TypedPlace, formula: FormulaTree) -> TypedBall:
+        here = isinstance(formula, Unknown) and (formula.name, 0) in self.unknowns
+        return right(self, replace(formula, shift=0) if here else formula)
+
+    monkeypatch.setattr(TypedPlace, "_value", value)
+    failures = kernel_attacks.search("reading", 1500, 0)[1]
+    assert failures
 
 
 def test_the_search_sees_a_root_of_any_real_value(monkeypatch: pytest.MonkeyPatch) -> None:
