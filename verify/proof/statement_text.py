@@ -2,8 +2,8 @@
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
-    parameters  k: k>0; m: 0<m<1; c = (1+m)/2     a domain, or a name for an expression;
-                b: complex; f: function
+    parameters  k: k>0; b: complex; f: function   a domain or kind,
+    parameters  c = (1+m)/2                       or a name for an expression
     domain      t > 0                             of the variables x, y, z, t and the site n
 
 Several equations or solutions stand in one text with ``;;`` between them, or in a list.
