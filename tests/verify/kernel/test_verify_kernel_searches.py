@@ -67,7 +67,7 @@ def test_the_search_sees_that_a_sign_is_squared_to_one(monkeypatch: pytest.Monke
         return right(self, base, exponent)
 
     monkeypatch.setattr(TextReader, "power", power)
-    assert kernel_attacks.search("reading", 9000, 0)[1]
+    assert kernel_attacks.search("reading", 1500, 6)[1]
 
 
 def test_the_search_sees_trees_without_their_shifts(monkeypatch: pytest.MonkeyPatch) -> None:
