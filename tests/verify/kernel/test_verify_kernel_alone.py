@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from solutions import closed_form
+from tests.test_house import lines_of_code
 from verify.proof import prove_form
 from verify.proof.catalogue_proofs import NAMES, prove_named
 from verify.proof.text_prover import prove
@@ -55,6 +56,14 @@ def test_the_page_on_trust_counts_the_lines() -> None:
     page = (HOUSE / "docs" / "trust.md").read_text(encoding="utf-8")
     (stated,) = re.findall(r"([0-9]+) lines of our own", page)
     assert abs(int(stated) - lines(FILES)) <= 50, f"docs/trust.md should say {lines(FILES)}"
+
+
+def test_the_kernel_is_read_in_an_afternoon() -> None:
+    """Lines with more than a comment or a docstring: all of it, and the core beside its reader."""
+    code = {path: lines_of_code(path.read_text(encoding="utf-8")) for path in FILES}
+    reader = [KERNEL / name for name in ("reading.py", "statement.py", "substitution.py")]
+    assert sum(code.values()) <= 2700
+    assert sum(code[path] for path in CORE if path not in reader) <= 1700
 
 
 def alone(folder: Path, text: str, *left_out: str) -> subprocess.CompletedProcess[str]:
