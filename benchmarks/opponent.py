@@ -66,6 +66,9 @@ FASTER = 1.5
 SECONDS = 2.0
 """Of the processor, for a run and its reference."""
 
+FIRST = 10.0
+"""Of the processor, for a family's first scene with its derivation."""
+
 CHEAP = 0.15
 """Most seconds that a family's first scene may take."""
 
@@ -164,10 +167,12 @@ class LatticeFamily:
         for redrawn in range(REDRAWN):
             try:
                 scene = self._drawn(redrawn)
-                of_lattice(scene)
+                with time_limit(FIRST):
+                    of_lattice(scene)
                 begun = time.process_time()
-                of_lattice(scene)
-            except (ValueError, NeutralError):
+                with time_limit(SECONDS):
+                    of_lattice(scene)
+            except (ValueError, NeutralError, OutOfTime):
                 continue
             if time.process_time() - begun <= CHEAP:
                 self.base = scene
