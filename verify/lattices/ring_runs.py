@@ -218,7 +218,6 @@ class RingRuns(StepSearch):
         for t in march.through():
             seen = self._seen(ring, march.f, march.v) / self.wave.scale
             march.measured.append(seen[:, :, *self.compared.places(ends, t)])
-            around = seen[:, :, *self.compared.places(ends, t, AROUND)]
             if meter is not None:
                 march.metered.append(np.array(meter(march.f, march.v)))
             progress((t - self.times[0]) / (self.times[-1] - self.times[0]))
@@ -237,6 +236,7 @@ class RingRuns(StepSearch):
         evaluations = steps * SCHEME.stages
         whole = float(np.max(np.abs(self._seen(ring, ring.f, ring.v))))
         limit = GROWTH * max(self._least, whole) / self.wave.scale
+        around = self._seen(ring, march.f, march.v) / self.wave.scale
         sound = len(measured) == len(self.times) and bool(np.all(np.abs(values) <= limit))
         return Trial(
             choices,
@@ -245,7 +245,9 @@ class RingRuns(StepSearch):
             perf_counter() - loop.begun,
             rounding_error(largest, evaluations),
             record,
-            around=around if sound else None,
+            around=around[:, :, *self.compared.places(ends, self.times[-1], AROUND)]
+            if sound
+            else None,
         )
 
     def _seen(self, ring: CellRing, f: Array, v: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Statements in text: equations, solutions, parameters and domains, as `Statement`.
+"""Statements in text: equations, solutions, parameters and domains.
 
     equation    u_t + 6*u*u_x + u_xxx             "= 0" understood, or left = right
     solution    u = 2*k**2*sech(k*(x - 4*k**2*t))**2
