@@ -19,6 +19,7 @@ from sympy.core.function import AppliedUndef
 from derive.algebra.bounded_building import without_sizes
 from derive.algebra.formula_printing import formula_as_text
 
+from . import typed_statement
 from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns
 from .domains import Domains, Point, settled_domains
@@ -38,7 +39,7 @@ class StatementProblem(Problem):
     ``unknown`` and ``formula`` are those of the first unknown in it.
     """
 
-    statement: Statement | None = None
+    statement: typed_statement.Statement | None = None
     also: tuple[sp.Expr, ...] = ()
 
     @property
