@@ -48,6 +48,9 @@ ATOMS = ("symbol", "I", "pi", "exp", "log", "atan", "Pow", "Abs", "parity", "ell
 MOST = 60
 """Generators of a field."""
 
+DEGREE_IN_N = 3
+"""Sites at which a denominator may be 0 by itself, as n**3 - n is."""
+
 LIKENESSES = ("ux", "u_t", "ubar", "u_bar", "uxx", "ustar", "u_x", "\u0443")
 
 
@@ -368,13 +371,15 @@ def denominators(
                 check.check(factor)
     except ERRORS:
         return
-    zeros = 0
+    of_sites, zeros = "n" in words(below), set[object]()
     for point in points_inside:
         try:
-            zeros += balls.value(below, point).contains(0)
+            if balls.value(below, point).contains(0):
+                zeros.add(point["n"] if of_sites else tuple(point.values()))
         except Unsaid:
             continue
-        yield "denominator", line(below, statement.domain, point) if zeros > 2 else ""
+        failed = len(zeros) > (DEGREE_IN_N if of_sites else 2)
+        yield "denominator", line(below, statement.domain, point) if failed else ""
 
 
 def certificates(rng: Random) -> Found:
