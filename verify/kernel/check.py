@@ -137,7 +137,7 @@ def _register(field: Field, entry: object, parts: Sequence[Any], statement: Stat
     match listed(entry, 3, "a generator"):
         case ["atom", node]:
             field.register(place(node))
-        case ["forms", list(primitives), list(rows)] if 0 < len(rows) == len(primitives) <= FORMS:
+        case ["forms", list(primitives), list(rows)] if len(rows) == len(primitives) <= FORMS:
             forms = [([place(f) for f in factors], place(shift)) for factors, shift in _pairs(rows)]
             field.register_forms([place(p) for p in primitives], forms)
         case ["part", int(number_of)] if 0 <= number_of < len(parts):

@@ -22,7 +22,7 @@ from .nodes import Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
-    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]+)"
+    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]{1,5})"
     r"|(?P<sign>\*\*|<=|>=|!=|[-+*/()\[\]<>=,:'])",
     re.ASCII,
 )
@@ -262,7 +262,7 @@ class TextReader:
         match kind:
             case "number":
                 return self._nodes.made("number", rational(word))
-            case "place" if int(word[1:8]) < len(self._places) and len(word) <= 8:
+            case "place" if int(word[1:]) < len(self._places):
                 return self._places[int(word[1:])]
             case "sign" if word == "(":
                 found = self.sum()
