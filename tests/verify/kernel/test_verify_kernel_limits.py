@@ -131,7 +131,7 @@ def test_a_list_at_its_limit() -> None:
         with pytest.raises(CertificateError, match=f"it must be a list of {length}"):
             listed([1, 2], 9, "it", length)
     for value in ((1, 2), {}, "ab"):
-        with pytest.raises(CertificateError, match="it must be a list$"):
+        with pytest.raises(CertificateError, match=r"it must be a list$"):
             listed(value, 9, "it")
 
 

@@ -69,7 +69,7 @@ def test_work_beyond_the_budget_is_refused(three: Three, monkeypatch: pytest.Mon
 def test_degrees_beyond_the_limit_are_refused(
     three: Three, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made, x, y, z = three
+    made, x, y, _ = three
     monkeypatch.setattr(ring, "DEGREE", 6)
     assert made.product(x**2 * y, y**3 + 1) == x**2 * y**4 + x**2 * y
     with pytest.raises(CertificateError, match="degrees must be at most 6, got 7"):
