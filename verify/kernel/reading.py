@@ -318,11 +318,12 @@ class TextReader:
         if len(indices) != len(along):
             raise CertificateError(f"the unknown {name} must have an index for each site")
         for variable, index in zip(along, indices, strict=True):
-            rest = [term for term in self._nodes.terms(index) if term != variable]
-            value = self._nodes.value(rest[0]) if len(rest) == 1 else fmpq(0)
-            if len(self._nodes.terms(index)) != len(rest) + 1 or value is None or value.q != 1:
+            terms = self._nodes.terms(index)
+            values = [value for value in map(self._nodes.value, terms) if value is not None]
+            shifts[variable] = int(sum(value.p for value in values))
+            whole = all(value.q == 1 for value in values)
+            if not whole or variable not in terms or len(values) != len(terms) - 1:
                 raise CertificateError("an index must be a variable plus an integer")
-            shifts[variable] = int(value.p)
             within("a shift", abs(shifts[variable]), SHIFT)
         return self._scope.unknown(name, tuple(shifts.values()))
 
