@@ -9,7 +9,7 @@ from verify.kernel import CertificateError
 from verify.kernel.bounds import POSITIVE, UNIT, Interval
 from verify.kernel.denominators import is_continuous_end, is_linear
 from verify.kernel.field import Field, Hints
-from verify.kernel.further.inverse import is_continuous, is_convex
+from verify.kernel.further.inverse import is_continuous, is_convex, is_kept
 from verify.kernel.further.principal import angle_of, real_part
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula
@@ -254,3 +254,34 @@ def test_angles_and_real_parts() -> None:
     for text, part in parts.items():
         found = real_part(field, node(text))
         assert found == (None if part is None else node(part)), (text, found and nodes.all[found])
+
+
+KEPT = [
+    # domain, function, argument, value, whether it is the principal one by continuity
+    (("1 - x", "x + 1"), "acos", "x", "pi/2 - asin(x)", True),
+    (("1 - x", "x + 1"), "acos", "x", "asin(x) - pi/2", False),
+    (("1 - x", "x + 1"), "acos", "x", "5*pi/2 - asin(x)", False),
+    (("1 - x", "x + 1"), "acos", "x", "pi/2 + asin(x)", True),
+    (("1 - x", "x + 1"), "asin", "x", "asin(x)", True),
+    (("1 - x", "x + 1"), "asin", "x", "pi - asin(x)", False),
+    (("1 - x", "x + 1"), "asin", "x", "-pi - asin(x)", False),
+    (("1 - x=", "x + 1="), "asin", "x", "asin(x)", False),
+    (("2 - x", "x + 1"), "asin", "x", "asin(x)", False),
+    ((), "atan", "x", "atan(x)", True),
+    ((), "atan", "x", "atan(x) + pi", False),
+    ((), "atan", "x", "atan(x) - pi", False),
+    ((), "atan", "1/x", "atan(1/x)", False),
+    ((), "atan", "x", "sign(x)", False),
+    (("x*y",), "atan", "x", "atan(x)", False),
+    ((), "atanh", "x", "atan(x)", False),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", KEPT, ids=str)
+def test_a_value_is_kept_on_a_convex_domain(
+    case: tuple[tuple[str, ...], str, str, str, bool],
+) -> None:
+    positive, name, argument, value, kept = case
+    domain = Domain(*positive)
+    domain.field.point = {domain.node("x"): fmpq(1, 2), domain.node("y"): fmpq(1)}
+    assert is_kept(domain.field, name, domain.node(argument), domain.node(value)) is kept
