@@ -196,6 +196,8 @@ def test_a_power_of_0_or_of_a_negative_number_to_a_symbol() -> None:
     assert abs(value("(-2)**(2*n - 1)") + 32) < 1e-12
     scope = scope_of()
     assert scope.nodes.all[formula(scope, "(-1)**n")][0] == "parity"
+    assert scope.nodes.all[formula(scope, "(1/2)**n")][0] == "power"
+    assert scope.nodes.all[formula(scope, "(-1/2)**n")][0] == "Mul"
     assert scope.nodes.all[formula(scope, "(-1)**x")][0] == "power"
     with pytest.raises(CertificateError, match="0 must not be raised to a symbol"):
         formula(scope, "0**n")
