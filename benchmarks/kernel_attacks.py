@@ -156,7 +156,10 @@ def random_statement(rng: Random) -> Texts:
     solution = inner.formula(rng.randint(1, 3))
     unknowns = ["u"]
     if "n" in variables:
-        unknowns += [f"u[n{rng.choice('+-')}{rng.randint(1, 3)}]", f"u[n + {rng.randint(1, 9)}]"]
+        unknowns += [
+            f"u[n{rng.choice('+-')}{rng.randint(1, 3)}]",
+            f"u[n + 1 + {rng.randint(0, 8)}]",
+        ]
     if rng.random() < 0.3:
         letter = rng.choice([v for v in variables if v != "n"])
         unknowns = ["u", f"u_{letter}", f"diff(u, {letter})", f"diff(u, x, {letter})"]

@@ -137,7 +137,7 @@ def _register(field: Field, entry: object, parts: Sequence[Any], statement: Stat
     match listed(entry, 3, "a generator"):
         case ["atom", node]:
             field.register(place(node))
-        case ["forms", list(primitives), list(rows)] if 0 < len(rows) == len(primitives) <= FORMS:
+        case ["forms", list(primitives), list(rows)] if len(rows) == len(primitives) <= FORMS:
             forms = [([place(f) for f in factors], place(shift)) for factors, shift in _pairs(rows)]
             field.register_forms([place(p) for p in primitives], forms)
         case ["part", int(number_of)] if 0 <= number_of < len(parts):
@@ -169,8 +169,7 @@ def _check_point(field: Field, statement: Statement) -> None:
             raise CertificateError("a domain's ends must be shown to be real and without jumps")
         if weak and not (is_linear(nodes, left) and is_linear(nodes, right)):
             raise CertificateError("<= must be between formulas of degree 1 (write < instead)")
-    symbols = all(nodes.all[generator.formula][0] == "symbol" for generator in field.generators)
-    if symbols and not field.ring.relations:
+    if all(nodes.all[generator.formula][0] == "symbol" for generator in field.generators):
         return  # polynomials in symbols
     if not all(value.is_finite() for value in field.balls(balls)):
         raise CertificateError("a function is not shown to be finite at the point")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -39,14 +40,12 @@ class Derivation:
 
     def __call__(self, element: Element) -> Element:
         """(N / F)' for F a product of powers of factors f: N'/F - sum of n N f'/(f F)."""
-        powers = dict(element.powers)
-        for place, power in self.below.items():
-            powers[place] = powers.get(place, 0) + power
+        powers = Counter(element.powers) + self.below
         parts = [Element(self.ring, self.along(element.numerator), powers)]
         for place, power in element.powers.items():
             slope, divides = self._factor_slope(place)
             above = self.ring.product(-power * slope, element.numerator)
-            raised = powers if divides else {**powers, place: powers[place] + 1}
+            raised = powers if divides else powers + Counter([place])
             parts.append(Element(self.ring, above, raised))
         return total(self.ring, parts).cancelled()
 

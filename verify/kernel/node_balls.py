@@ -36,7 +36,8 @@ class Balls:
         conjugate: Callable[[int], int] | None = None,
     ) -> None:
         self._nodes, self._turns, self._formula = nodes, turns or {}, conjugate
-        self._found = {symbol: acb(arb(value)) for symbol, value in point.items()}
+        with ctx.workprec(BITS):
+            self._found = {symbol: acb(arb(value)) for symbol, value in point.items()}
         self._elliptic: dict[int, Jacobi] = {}
 
     def ball(self, node: int) -> acb:

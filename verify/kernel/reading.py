@@ -22,7 +22,7 @@ from .nodes import Nodes
 
 TOKEN = re.compile(
     r"\s+|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
-    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]+)"
+    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<place>\#[0-9]{1,5})"
     r"|(?P<sign>\*\*|<=|>=|!=|[-+*/()\[\]<>=,:'])",
     re.ASCII,
 )
@@ -262,7 +262,7 @@ class TextReader:
         match kind:
             case "number":
                 return self._nodes.made("number", rational(word))
-            case "place" if int(word[1:8]) < len(self._places) and len(word) <= 8:
+            case "place" if int(word[1:]) < len(self._places):
                 return self._places[int(word[1:])]
             case "sign" if word == "(":
                 found = self.sum()
@@ -318,11 +318,12 @@ class TextReader:
         if len(indices) != len(along):
             raise CertificateError(f"the unknown {name} must have an index for each site")
         for variable, index in zip(along, indices, strict=True):
-            rest = [term for term in self._nodes.terms(index) if term != variable]
-            value = self._nodes.value(rest[0]) if len(rest) == 1 else fmpq(0)
-            if len(self._nodes.terms(index)) != len(rest) + 1 or value is None or value.q != 1:
+            terms = self._nodes.terms(index)
+            values = [value for value in map(self._nodes.value, terms) if value is not None]
+            shifts[variable] = int(sum(value.p for value in values))
+            whole = all(value.q == 1 for value in values)
+            if not whole or variable not in terms or len(values) != len(terms) - 1:
                 raise CertificateError("an index must be a variable plus an integer")
-            shifts[variable] = int(value.p)
             within("a shift", abs(shifts[variable]), SHIFT)
         return self._scope.unknown(name, tuple(shifts.values()))
 

@@ -9,8 +9,11 @@ their identities hold wherever no entry of `Ring.factors` vanishes.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import or_
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
@@ -58,8 +61,6 @@ class Ring:
 
     def product(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
         """The normal form of a product; raises CertificateError beyond the budget."""
-        if left.is_constant() or right.is_constant():
-            return left * right
         self.spend(len(left) * len(right))
         within("degrees", int(left.total_degree() + right.total_degree()), DEGREE)
         return self.reduced(left * right)
@@ -140,8 +141,8 @@ class Element:
 
     def over(self, powers: Powers) -> fmpq_mpoly:
         """The numerator over a multiple of the denominator."""
-        rest = {i: power - self.powers.get(i, 0) for i, power in powers.items()}
-        return self.ring.product(self.numerator, self.ring.multiplied_out(rest))
+        rest = self.ring.multiplied_out(Counter(powers) - Counter(self.powers))
+        return self.ring.product(self.numerator, rest)
 
     def denominator(self) -> fmpq_mpoly:
         """The denominator multiplied out."""
@@ -157,9 +158,7 @@ class Element:
         return self + -other
 
     def __mul__(self, other: Element) -> Element:
-        powers = dict(self.powers)
-        for place, power in other.powers.items():
-            powers[place] = powers.get(place, 0) + power
+        powers = Counter(self.powers) + Counter(other.powers)
         numerator = self.ring.product(self.numerator, other.numerator)
         return Element(self.ring, numerator, powers).cancelled()
 
@@ -212,13 +211,9 @@ class Element:
         return Element(self.ring, numerator, {i: n for i, n in powers.items() if n})
 
 
-def common(elements: Iterable[Element]) -> dict[int, int]:
+def common(elements: Iterable[Element]) -> Counter[int]:
     """The least common denominator."""
-    powers: dict[int, int] = {}
-    for element in elements:
-        for place, power in element.powers.items():
-            powers[place] = max(powers.get(place, 0), power)
-    return powers
+    return reduce(or_, (Counter(element.powers) for element in elements), Counter())
 
 
 def total(ring: Ring, elements: Sequence[Element]) -> Element:

@@ -21,12 +21,12 @@ class Substitution:
 
     def __call__(self, node: int) -> int:
         """The node with the formulas put in."""
-        if node not in self._images:
-            match self._nodes.all[node]:
+        for inner in self._nodes.below([node]):
+            match self._nodes.all[inner]:
                 case ("unknown", place, shifts):
-                    self._images[node] = self.shifted(self._formulas[place], shifts)
+                    self._images[inner] = self.shifted(self._formulas[place], shifts)
                 case _:
-                    self._images[node] = self._nodes.rebuilt(node, self)
+                    self._images[inner] = self._nodes.rebuilt(inner, self._images.__getitem__)
         return self._images[node]
 
     def shifted(self, node: int, shifts: tuple[int, ...]) -> int:

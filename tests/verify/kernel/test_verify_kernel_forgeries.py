@@ -114,3 +114,17 @@ def test_no_point_of_a_domain_is_alone() -> None:
         "u - abs(x-1)", "u = x-1", ["x", "abs(x)"], {"x": "2"}, {"domain": [domain]}, **hints
     )
     refused(data, "real and without jumps")
+
+
+@pytest.mark.parametrize("index", ["n+1+1", "n+x+7", "n+1/2+k", "n+n+n"])
+def test_an_index_of_more_terms_is_not_its_variable(index: str) -> None:
+    """What had two terms besides its variable was read as the variable alone."""
+    statement = {"variables": ["n", "x"]}
+    data = certificate(f"u[{index}] - u[n]", "u[n] = n", ["n"], {"n": "1", "x": "1"}, statement)
+    refused(data, "the residual is not 0|an index must be a variable plus an integer")
+
+
+def test_an_index_of_numbers_is_their_sum() -> None:
+    statement = {"variables": ["n"]}
+    data = certificate("u[n+3-1] - u[n] - 2", "u[n] = n", ["n"], {"n": "1"}, statement)
+    assert "u[n+3-1]" in check_certificate(data)

@@ -55,6 +55,16 @@ VALUES: list[tuple[str, str, str, tuple[str, ...], list[str], Hints]] = [
     ("jacobi_epsilon(-x, 1/2)", "-jacobi_epsilon(x, 1/2)", "jacobi_epsilon(x, 1/2)",
      (*ATOMS, *(f"jacobi_{n}(x, 1/2)" for n in ("cn", "sn", "dn", "epsilon"))), [],
      {"sums": {"jacobi_sn(-x, 1/2)": {"x": "-1"}}}),
+    ("log(1) + x", "x", "x + 1", ATOMS, [], {}),
+    ("jacobi_sn(x + x + y, 1/2)", "jacobi_sn(2*x + y, 1/2)", "jacobi_sn(x + y, 1/2)",
+     (*ATOMS, *(f"jacobi_{n}({z}, 1/2)" for z in "xy" for n in ("sn", "cn", "dn"))), [], {}),
+    ("exp(2*I*pi/5)**4", "-1 - w - w**2 - w**3".replace("w", "exp(2*I*pi/5)"),
+     "-1 + w - w**2 + w**3".replace("w", "exp(2*I*pi/5)"), (*ATOMS, "pi", "exp(2*I*pi/5)"), [], {}),
+    ("exp(I*pi/5)**4", "-1 + w - w**2 + w**3".replace("w", "exp(I*pi/5)"),
+     "-1 - w - w**2 - w**3".replace("w", "exp(I*pi/5)"), (*ATOMS, "pi", "exp(I*pi/5)"), [], {}),
+    ("x**y*0**0", "x**y", "1", (*ATOMS, "log(x)", "exp(y*log(x))"), ["x > 0"], {}),
+    ("1/(-8*x)**(1/3)", "(-8*x)**(2/3)/(-8*x)", "(-8*x)**(1/3)/(-8*x)", (*ATOMS, "(-8*x)**(1/3)"),
+     [], {}),
     ("exp(x + x - x)", "exp(x)", "2*exp(x)", (*ATOMS, "exp(x)", "exp(x + x - x)"), [], {}),
     ("exp(2*lambert_w(x))", "x**2/lambert_w(x)**2", "x/lambert_w(x)", (*ATOMS, "lambert_w(x)"), [],
      {}),
@@ -157,7 +167,15 @@ def test_a_generator_that_is_none(entry: list[Any], message: str) -> None:
     refused(signed(statement, proof, data), message)
 
 
-@pytest.mark.parametrize(("function", "shown"), [("atan(x)", True), ("atan(I*x/9)", False)])
+@pytest.mark.parametrize(
+    ("function", "shown"),
+    [
+        ("atan(x)", True),
+        ("atan(I*x/9)", False),
+        ("log(x + 1)", False),
+        ("log(1 + x**2)", True),
+    ],
+)
 def test_a_denominator_with_a_modulus_has_no_function_that_may_jump(
     function: str, shown: bool
 ) -> None:
@@ -230,3 +248,55 @@ def test_a_power_of_minus_one_has_a_value_at_integers_alone() -> None:
     assert Balls(nodes, {n: fmpq(3)}).ball(turn) == -1
     with pytest.raises(CertificateError, match="to an integer at the point"):
         Balls(nodes, {n: fmpq(1, 2)}).ball(turn)
+
+
+SLOPES = [
+    # formula, slope, wrong slope, atoms, hints
+    ("sqrt(x/(1 + x**2))", "(1 - x**2)/(2*u*(1 + x**2)**2)", "1/(2*u*(1 + x**2)**2)", (), {}),
+    ("(x/(1 + x)**2)**(1/3)", "(1 - x)/(3*u**2*(1 + x)**3)", "1/(3*u**2)", (), {}),
+    ("exp(sqrt(9*x))", "3*u/(2*sqrt(x))", "9*u/2", ("sqrt(x)",),
+     {"values": {"sqrt(9*x)": "3*sqrt(x)"}}),
+    ("exp((1 + x**2)**3)", "6*x*(1 + x**2)**2*u", "3*(1 + x**2)**2*u", (), {}),
+    ("exp(1/(1 + x)**2)", "-2*u/(1 + x)**3", "-2*u/(1 + x)", (), {}),
+    ("x**(3/2)", "3*sqrt(x)/2", "sqrt(x)/2", ("sqrt(x)",), {}),
+    ("abs(1 + I*x)", "x/u", "1/u", (), {}),
+    ("log(2*x*(1 + x))", "1/x + 1/(1 + x)", "1/x", (), {}),
+    ("exp(2*x*x*y)", "4*x*y*u", "2*x*y*u", (), {}),
+    ("airy_ai(x**2)", "2*x*airy_ai_prime(x**2)", "airy_ai_prime(x**2)", ("airy_ai_prime(x**2)",),
+     {}),
+    ("airy_bi_prime(x)", "x*airy_bi(x)", "airy_bi(x)", ("airy_bi(x)",), {}),
+    ("erf(x)", "2*exp(-x**2)/sqrt(pi)", "exp(-x**2)/sqrt(pi)",
+     ("pi", "exp(-x**2)", "sqrt(pi)"), {}),
+    ("lambert_w(x)", "u/(x*(1 + u))", "u/(1 + u)", (), {}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SLOPES, ids=lambda case: case[0])
+def test_a_slope(case: tuple[str, str, str, tuple[str, ...], Hints]) -> None:
+    formula, slope, wrong, atoms, hints = case
+    own = () if formula == "x**(3/2)" else (formula,)
+    for said, right in ((slope, True), (wrong, False)):
+        statement = XY | {"domain": ["x > 0"]}
+        atoms_of = ("x", "y", "I", *atoms, *own)
+        data = certificate(f"u_x - ({said})", f"u = {formula}", atoms_of, POINT, statement, **hints)
+        if right:
+            assert f"u = {formula}" in check_certificate(data)
+        else:
+            refused(data, "the residual is not 0")
+
+
+def test_a_hint_may_be_tried_before_its_generators_are_there() -> None:
+    """What fails while y has no image is not "made of itself" when it has one."""
+    root = "sqrt(1 + exp(2*x))"
+    atoms = ("x", "exp(x)", root, "y", "exp(1)", "exp(y)")
+    hints = {"values": {"exp(y + 1)": "exp(y + 1 + 0*x)"}}
+    u = f"u = {root}*exp(y + 1)"
+    data = certificate(f"u - {root}*exp(1)*exp(y)", u, atoms, POINT, XY, **hints)
+    assert u in check_certificate(data)
+
+
+def test_polynomials_in_symbols_may_be_0_at_the_point() -> None:
+    data = certificate("u*x - 1", "u = 1/x", ["x"], {"x": "0"})
+    assert "u = 1/x" in check_certificate(data)
+    data = certificate("u*x - exp(x)", "u = exp(x)/x", ["x", "exp(x)"], {"x": "0"})
+    refused(data, "a denominator is not shown to be other than 0")

@@ -7,7 +7,7 @@ from verify.kernel import CertificateError
 from verify.kernel.node_balls import Balls
 from verify.kernel.nodes import Nodes
 from verify.kernel.reading import Scope, formula, rational
-from verify.kernel.statement import read_statement
+from verify.kernel.statement import read_statement, statement_text
 
 POINT = {"x": fmpq(3, 7), "t": fmpq(-2, 5), "n": fmpq(3), "k": fmpq(5, 2)}
 
@@ -180,3 +180,143 @@ def test_a_domain_is_its_inequalities() -> None:
         *((False, q, zero), (True, x, t)),
     ]
     assert nodes.all[m][2] == "integer"
+
+
+@pytest.mark.parametrize("text", ["x/0", "1/0*x", "0/0"])
+def test_a_division_by_0_stands_as_it_is(text: str) -> None:
+    scope = scope_of()
+    inner = scope.nodes.all[formula(scope, text)]
+    assert scope.nodes.made("Pow", scope.nodes.rational(0), fmpq(-1)) in inner
+
+
+def test_a_power_of_0_or_of_a_negative_number_to_a_symbol() -> None:
+    assert abs(value("(1/2)**n") - 1 / 8) < 1e-12
+    assert abs(value("(-1/2)**n") + 1 / 8) < 1e-12
+    assert abs(value("(-1/2)**(-n)") + 8) < 1e-12
+    assert abs(value("(-2)**(2*n - 1)") + 32) < 1e-12
+    scope = scope_of()
+    assert scope.nodes.all[formula(scope, "(-1)**n")][0] == "parity"
+    assert scope.nodes.all[formula(scope, "(1/2)**n")][0] == "power"
+    assert scope.nodes.all[formula(scope, "(-1/2)**n")][0] == "Mul"
+    assert scope.nodes.all[formula(scope, "(-1)**x")][0] == "power"
+    with pytest.raises(CertificateError, match="0 must not be raised to a symbol"):
+        formula(scope, "0**n")
+
+
+def test_nodes_below_are_each_there_once_arguments_first() -> None:
+    scope = Scope(Nodes())
+    nodes, x = scope.nodes, scope.node("x")
+    exp = nodes.made("exp", x)
+    both = nodes.made("Add", x, exp)
+    nodes.rational(7)
+    assert list(nodes.below([])) == []
+    assert list(nodes.below([x])) == [x]
+    assert list(nodes.below([exp])) == [x, exp]
+    assert list(nodes.below([exp, both])) == [x, exp, both]
+
+
+def test_gaps_multiples_and_products_of_nodes() -> None:
+    scope = scope_of()
+    nodes = scope.nodes
+    x, t, zero, one = (formula(scope, text) for text in ("x", "t", "0", "1"))
+    minus = nodes.made("Mul", nodes.rational(-1), x)
+    assert nodes.gap(zero, x) == x
+    assert nodes.gap(x, zero) == nodes.negative(x) == minus
+    assert nodes.gap(x, t) == nodes.made("Add", t, minus)
+    assert nodes.times(1, x) == x
+    assert nodes.product() == one
+    assert nodes.product(x) == x
+    assert nodes.multiple(formula(scope, "-3*x*t/2")) == (fmpq(-3, 2), nodes.product(x, t))
+    assert nodes.multiple(x) == (1, x)
+    assert nodes.multiple(nodes.rational(5)) == (5, one)
+    assert nodes.terms(x) == (x,)
+    assert nodes.terms(formula(scope, "x + t + x")) == tuple(sorted((x, x, t)))
+    constants = {"pi + I": True, "x": False, "exp(2)": True, "n": False}
+    for text, constant in constants.items():
+        assert nodes.is_constant(formula(scope, text)) is constant
+
+
+@pytest.mark.parametrize("sort", [("real", "x"), ("integer", "n")])
+def test_a_variable_called_n_is_an_integer_where_nothing_else_is_said(
+    sort: tuple[str, str],
+) -> None:
+    kind, name = sort
+    parts = {"variables": [name], "equations": ["u"], "solutions": ["u = 1"]}
+    found, scope = read_statement(Nodes(), statement(**parts))
+    assert scope.nodes.all[found.variables[0]] == ("symbol", name, kind)
+    other = {"real": "integer", "integer": "real"}[kind]
+    found, scope = read_statement(Nodes(), statement(**parts, parameters=[f"{name}: {other}"]))
+    assert scope.nodes.all[found.variables[0]] == ("symbol", name, other)
+
+
+def test_a_statement_is_printed_as_it_was_typed_with_its_symbols() -> None:
+    parts = statement(
+        variables=["x", "n"],
+        equations=["u_x - k*c", "v - f(x)"],
+        solutions=["u =  k*c*x", "v = f(x)"],
+        parameters=["k: 0 < k", "c = 2*k", "z: complex", "f: function", "m = 3"],
+        domain=["x > 0", "x < 1"],
+    )
+    found, _ = read_statement(Nodes(), parts)
+    assert statement_text(found, parts).splitlines() == [
+        "equation: u_x - k*c; v - f(x)",
+        "solution: u = k*c*x; v = f(x)",
+        "where c = 2*k; m = 3",
+        "for all real k, x; integer n; complex z; function f with k: 0 < k; z: complex; "
+        "f: function; x > 0; x < 1, wherever the formulas are smooth",
+    ]
+    plain = statement()
+    found, _ = read_statement(Nodes(), plain)
+    assert statement_text(found, plain).splitlines() == [
+        "equation: u_t + u_x",
+        "solution: u = x - t",
+        "for all real t, x, wherever the formulas are smooth",
+    ]
+
+
+def test_an_equation_is_its_left_side_less_its_right_side() -> None:
+    nodes = Nodes()
+    sides = ["u_t = -u_x", "u_t + u_x = 0", "u_t + u_x", "0 = u_t"]
+    found, scope = read_statement(nodes, statement(equations=sides))
+    whole, minus = formula(scope, "u_t + u_x"), formula(scope, "-u_t")
+    assert found.equations[1:] == (whole, whole, minus)
+    assert nodes.all[found.equations[0]][0] == "Add"
+    with pytest.raises(CertificateError, match="expected the end"):
+        read_statement(nodes, statement(equations=["u_t = u = x"]))
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("u[n+2]", (2, 0, 0)),
+        ("u[n+2, x-1, t]", (2, -1, 0)),
+        ("u[n, x, 3+t]", (0, 0, 3)),
+        ("u[n]", (0, 0, 0)),
+        ("u[n+1+1]", (2, 0, 0)),
+        ("u[2+n-5]", (-3, 0, 0)),
+    ],
+)
+def test_an_unknown_at_shifted_variables(text: str, parts: tuple[int, ...]) -> None:
+    scope = scope_of("v", "u")
+    assert scope.nodes.all[formula(scope, text)] == ("unknown", 1, parts)
+
+
+@pytest.mark.parametrize("text", ["u[n+x]", "u[x, n, t]", "u[1]", "u[n+n]", "u[n+x+1]", "u[n, x]"])
+def test_an_index_is_a_variable_plus_an_integer(text: str) -> None:
+    with pytest.raises(CertificateError, match="an index"):
+        formula(scope_of("u"), text)
+
+
+@pytest.mark.parametrize(
+    "name", ["u_", "u_k", "ubar", "ustar", "uconj", "udot", "uprime", "ux", "utxx", "u_bar"]
+)
+def test_a_name_that_reads_as_something_of_an_unknown(name: str) -> None:
+    with pytest.raises(CertificateError, match=r"subscripts must be variables|reads as a"):
+        formula(scope_of("u"), name)
+    assert formula(scope_of("w"), name) >= 0
+
+
+@pytest.mark.parametrize("name", ["uk", "u2", "uxk", "bar", "x_u", "uu"])
+def test_a_name_that_reads_as_nothing_else(name: str) -> None:
+    scope = scope_of("u")
+    assert scope.nodes.all[formula(scope, name)] == ("symbol", name, "real")
