@@ -28,7 +28,7 @@ Complex = NDArray[np.complex128]
 TOLERANCE = 1e-8
 """Of Y1, in units of the largest change that F_p makes in a unit of T."""
 
-POINTS, MOST_POINTS = 384, 6144
+POINTS, MOST_POINTS = 384, 24576
 """Of the interval: at first, doubled while the modes that are dropped have not fallen."""
 
 RESOLVED = 3e-7
