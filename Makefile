@@ -33,7 +33,7 @@ report-full: $(STAMP)
 	@$(PY) -m reports --force --full --output reports/build
 
 bench: $(STAMP)
-	@$(PY) -m reports.bench --output reports/build/bench
+	@$(PY) -m longwave.reports.bench --output reports/build/bench
 
 docs: $(DOCS_STAMP)
 	@$(PY) -m sphinx --quiet --fail-on-warning --keep-going --jobs $(WORKERS) docs docs/build
@@ -59,7 +59,7 @@ format: $(STAMP)
 
 docs/rogue_wave.png docs/rogue_wave.gif: $(STAMP)
 	@mkdir -p docs
-	@$(PY) -m reports.figures $@
+	@$(PY) -m longwave.reports.figures $@
 
 clean:
 	rm -rf reports/build docs/build docs/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis

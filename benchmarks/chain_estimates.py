@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections import Counter
 
-from verify.studies.random_chains import judge
+from longwave.verify.studies.random_chains import judge
 
 
 def main() -> int:

@@ -15,7 +15,7 @@ import numpy as np
 from problem import Array, Problem
 from scipy.integrate import solve_ivp
 
-from lattice.schemes import Scheme
+from longwave.lattice.schemes import Scheme
 
 Contender = Callable[[float, Array, Array], tuple[float, Array]]
 

@@ -15,9 +15,9 @@ import statistics
 import time
 from concurrent.futures import ProcessPoolExecutor
 
-from verify.comparison.expected_cost import expected_cost
-from verify.comparison.scene_run import run
-from verify.studies.estimate_scenes import random_scene
+from longwave.verify.comparison.expected_cost import expected_cost
+from longwave.verify.comparison.scene_run import run
+from longwave.verify.studies.estimate_scenes import random_scene
 
 
 def ratios(seed: int, index: int, budget: float) -> tuple[str, float, float] | None:

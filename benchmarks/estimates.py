@@ -17,8 +17,15 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from verify.studies.estimate_scenes import random_scene
-from verify.studies.estimates import QUANTILES, VERDICTS, Judged, estimate_rows, judge, warm_up
+from longwave.verify.studies.estimate_scenes import random_scene
+from longwave.verify.studies.estimates import (
+    QUANTILES,
+    VERDICTS,
+    Judged,
+    estimate_rows,
+    judge,
+    warm_up,
+)
 
 POOL = 64
 """Scenes handed to the pool ahead, so that an interrupt is soon obeyed."""

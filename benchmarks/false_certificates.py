@@ -14,12 +14,12 @@ from flint import fmpq
 from benchmarks.forged_proofs import Data, Proof, signed
 from benchmarks.random_texts import ONE_PLACE, RandomText, condition, points
 from benchmarks.text_balls import TextBalls, Unsaid, words
-from solutions.catalogue import CATALOGUE
-from verify.cli.published import published
-from verify.kernel.limits import digest
-from verify.proof.catalogue_proofs import prove_form
-from verify.proof.statement_verdict import decide_statement
-from verify.proof.text_prover import prove
+from longwave.solutions.catalogue import CATALOGUE
+from longwave.verify.cli.published import published
+from longwave.verify.kernel.limits import digest
+from longwave.verify.proof.catalogue_proofs import prove_form
+from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.proof.text_prover import prove
 
 Texts = Mapping[str, Sequence[str]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from verify.kernel.limits import FORMAT, digest
+from longwave.verify.kernel.limits import FORMAT, digest
 
 Data = dict[str, Any]
 Pairs = Mapping[str, str]

@@ -83,7 +83,7 @@ def problem(draw: Random) -> FuzzCase:
 
 def certificate(draw: Random) -> FuzzCase:
     """A certificate, checked; its digest is made to fit, so that more than this is looked at."""
-    from verify.kernel.limits import digest
+    from longwave.verify.kernel.limits import digest
 
     data: Any = json.loads(draw.choice(certificates()))
     for _ in range(few(draw)):

@@ -21,12 +21,17 @@ try:
 except ImportError:
     sys.exit("benchmarks/fuzz_readers.py needs atheris (pip install atheris)")
 
-with atheris.instrument_imports(include=["derive", "verify.comparison", "verify.lattices", "runs"]):
-    from derive.lattice_file import read_lattice
-    from runs.run_file import load_run, scene_of_run
-    from verify.cli.certificates import read_certificates
-    from verify.cli.problem_file import problem_texts
-    from verify.lattices.lattice_scene import find_any_scene
+with atheris.instrument_imports(
+    include=[
+        *("longwave.derive", "longwave.verify.comparison", "longwave.verify.lattices"),
+        "longwave.runs",
+    ]
+):
+    from longwave.derive.lattice_file import read_lattice
+    from longwave.runs.run_file import load_run, scene_of_run
+    from longwave.verify.cli.certificates import read_certificates
+    from longwave.verify.cli.problem_file import problem_texts
+    from longwave.verify.lattices.lattice_scene import find_any_scene
 
 from benchmarks.fuzz_inputs import KINDS
 

@@ -292,7 +292,7 @@ STATED = (
 def certificates() -> tuple[str, ...]:
     """Certificates of closed forms and of statements in text, as JSON."""
     from longwave import prove
-    from verify.proof.catalogue_proofs import prove_named
+    from longwave.verify.proof.catalogue_proofs import prove_named
 
     named = [[prove_named(name).certificate] for name in PROVED]
     stated = [list(prove(*texts[:2], parameters=texts[2]).certificates) for texts in STATED]
@@ -304,8 +304,8 @@ def run_files() -> tuple[bytes, ...]:
     """Files of small runs of both kinds."""
     import tempfile
 
-    from runs.run_file import run_any_scene, save_run
-    from verify.lattices.lattice_scene import find_any_scene
+    from longwave.runs.run_file import run_any_scene, save_run
+    from longwave.verify.lattices.lattice_scene import find_any_scene
 
     found = []
     with tempfile.TemporaryDirectory() as folder:

@@ -32,8 +32,8 @@ from rich.table import Table
 
 import longwave
 from longwave.__main__ import main as command
+from longwave.verify.processes import OutOfTime, time_limit
 from tests.verify.proof.hostile_texts import FILES, Texts, generated, written
-from verify.processes import OutOfTime, time_limit
 
 SECONDS, MEGABYTES = 5.0, 500.0
 PATIENCE = 30.0

@@ -23,18 +23,18 @@ from flint import acb, arb, ctx, fmpq
 from benchmarks.false_certificates import false_certificates
 from benchmarks.random_texts import ONE_PLACE, RandomText, condition, points
 from benchmarks.text_balls import BITS, TextBalls, Unsaid, Values, words
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.axioms import FUNCTIONS
-from verify.kernel.denominators import Denominators
-from verify.kernel.field import Field, Hints
-from verify.kernel.node_balls import Balls, value_at
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
-from verify.kernel.ring import Element
-from verify.kernel.statement import Statement, read_statement
-from verify.kernel.substitution import Substitution
-from verify.proof.statement_text import read_statement as typed_statement
-from verify.proof.typed_balls import TypedBalls
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.axioms import FUNCTIONS
+from longwave.verify.kernel.denominators import Denominators
+from longwave.verify.kernel.field import Field, Hints
+from longwave.verify.kernel.node_balls import Balls, value_at
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.ring import Element
+from longwave.verify.kernel.statement import Statement, read_statement
+from longwave.verify.kernel.substitution import Substitution
+from longwave.verify.proof.statement_text import read_statement as typed_statement
+from longwave.verify.proof.typed_balls import TypedBalls
 
 Texts = dict[str, list[str]]
 Found = Iterator[tuple[str, str]]

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels import blocked
-from lattice.model import Model
-from lattice.schemes import REDUCED_PHASE_6
-from lattice.spectral import absorber
-from lattice.spectral.evolution import SpectralRing
-from lattice.spectral.ring import RingState
-from solutions.run.jit import njit
+from longwave.lattice.kernels import blocked
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import REDUCED_PHASE_6
+from longwave.lattice.spectral import absorber
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.lattice.spectral.ring import RingState
+from longwave.solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 ROUNDS = 15

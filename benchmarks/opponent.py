@@ -37,23 +37,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
-import lattice.refine
-import verify.lattices.ring_runs
-from derive import LATTICES
-from lattice import integrate
-from lattice.refine import refine
-from lattice.trial import StepSearch, Trial
-from verify.comparison.scene import Scene
-from verify.lattices.lattice_derivation import lattice_wave
-from verify.lattices.lattice_run import compared_cells, lattice_times
-from verify.lattices.lattice_scene import PERTURBED_PLANE, LatticeScene, Pairs
-from verify.lattices.ring_runs import RingRecord, RingRuns
-from verify.lattices.sideband_growth import SidebandRuns, growth_plan
-from verify.processes import OutOfTime, time_limit
-from verify.studies.estimate_scenes import RandomScene, random_scene
-from verify.studies.estimates import judge_scene, warm_up
-from verify.studies.random_chains import random_case
-from verify.studies.soak_scenes import soak_scene
+import longwave.lattice.refine
+import longwave.verify.lattices.ring_runs
+from longwave.derive import LATTICES
+from longwave.lattice import integrate
+from longwave.lattice.refine import refine
+from longwave.lattice.trial import StepSearch, Trial
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.lattices.lattice_derivation import lattice_wave
+from longwave.verify.lattices.lattice_run import compared_cells, lattice_times
+from longwave.verify.lattices.lattice_scene import PERTURBED_PLANE, LatticeScene, Pairs
+from longwave.verify.lattices.ring_runs import RingRecord, RingRuns
+from longwave.verify.lattices.sideband_growth import SidebandRuns, growth_plan
+from longwave.verify.processes import OutOfTime, time_limit
+from longwave.verify.studies.estimate_scenes import RandomScene, random_scene
+from longwave.verify.studies.estimates import judge_scene, warm_up
+from longwave.verify.studies.random_chains import random_case
+from longwave.verify.studies.soak_scenes import soak_scene
 
 Array = NDArray[np.float64]
 
@@ -436,9 +436,9 @@ def begin(unmended: bool) -> None:
     """Compile, and if that is wanted let every step pass for one whose law was seen."""
     warm_up()
     if unmended:
-        search: Any = lattice.refine._Search
+        search: Any = longwave.lattice.refine._Search
         search.has_seen_law, search.lawful_change = lambda *_: True, lambda *_: 0.0
-        verify.lattices.ring_runs.LAWFUL_TURN = math.inf
+        longwave.verify.lattices.ring_runs.LAWFUL_TURN = math.inf
 
 
 def main() -> int:

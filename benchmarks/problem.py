@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import derive
-from derive import LATTICES
-from lattice.kernels.blocked import OPERATIONS
-from lattice.kernels.streams import flow_of
-from lattice.model import Model
-from lattice.numeric_lattice import NumericLattice, numeric_lattice
-from lattice.schemes import Composition
-from lattice.stepper import advance
-from solutions import Wave, closed_form
+from longwave import derive
+from longwave.derive import LATTICES
+from longwave.lattice.kernels.blocked import OPERATIONS
+from longwave.lattice.kernels.streams import flow_of
+from longwave.lattice.model import Model
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.lattice.schemes import Composition
+from longwave.lattice.stepper import advance
+from longwave.solutions import Wave, closed_form
 
 Array = NDArray[np.float64]
 

@@ -40,13 +40,13 @@ from sympy.core.function import AppliedUndef
 from sympy.solvers.ode import checkodesol
 from sympy.solvers.pde import checkpdesol
 
-from derive.algebra.formula_printing import formula_as_text
-from verify.cli.problem_file import ProblemText
-from verify.cli.published import published
-from verify.proof.statement_problem import residual_of
-from verify.proof.statement_verdict import decide_statement
-from verify.proof.typed_statement import Statement
-from verify.verdict import Outcome
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.verify.cli.problem_file import ProblemText
+from longwave.verify.cli.published import published
+from longwave.verify.proof.statement_problem import residual_of
+from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
 
 HOLDS, FAILS, SILENT, NOT_TAKEN = "holds", "fails", "no answer", "not taken"
 RIGHT, WRONG = "right", "wrong"

@@ -13,7 +13,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from derive import LATTICES, checks_of_envelope, checks_of_reduction, envelope, find_scaling
+from longwave.derive import (
+    LATTICES,
+    checks_of_envelope,
+    checks_of_reduction,
+    envelope,
+    find_scaling,
+)
 from tests.derive.known_envelopes import KNOWN
 from tests.derive.known_reductions import all_rows
 

@@ -28,8 +28,8 @@ from contenders import (
 from peak import multiply_add_rate
 from problem import PROBLEMS, Array, Problem
 
-from lattice.numeric_lattice import NumericLattice
-from lattice.schemes import (
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     MCLACHLAN_4,

@@ -28,14 +28,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.comparison import run
-from verify.lattices.lattice_run import run_lattice_scene
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.sideband_growth import measure_growth
-from verify.processes import OutOfTime, time_limit
-from verify.studies.estimate_scenes import random_scene
-from verify.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
-from verify.studies.soak_scenes import soak_scene
+from longwave.verify.comparison import run
+from longwave.verify.lattices.lattice_run import run_lattice_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.sideband_growth import measure_growth
+from longwave.verify.processes import OutOfTime, time_limit
+from longwave.verify.studies.estimate_scenes import random_scene
+from longwave.verify.studies.estimates import ANSWER_SECONDS, judge_scene, warm_up
+from longwave.verify.studies.soak_scenes import soak_scene
 
 BUDGET = 2.0
 """Expected seconds beyond which a scene of another lattice is drawn anew."""

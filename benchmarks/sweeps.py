@@ -18,15 +18,15 @@ import time
 from pathlib import Path
 from statistics import median
 
-from runs.run_file import run_any_scene
-from runs.run_pack import PACKS
-from runs.run_store import RunStore
-from runs.sweep import SweepState, run_sweep
-from runs.sweep_cells import Cell, run_cells
-from runs.sweep_dataset import write_sweep
-from runs.sweep_file import Sweep, sweep_of
-from runs.sweep_workers import LocalWorkers
-from solutions.run.cores import keep_to_one_core
+from longwave.runs.run_file import run_any_scene
+from longwave.runs.run_pack import PACKS
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import SweepState, run_sweep
+from longwave.runs.sweep_cells import Cell, run_cells
+from longwave.runs.sweep_dataset import write_sweep
+from longwave.runs.sweep_file import Sweep, sweep_of
+from longwave.runs.sweep_workers import LocalWorkers
+from longwave.solutions.run.cores import keep_to_one_core
 
 TEN = 10
 """Scenes that are run in one way before it is the other's turn."""

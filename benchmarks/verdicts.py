@@ -23,8 +23,8 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from verify.studies.text_search import SEARCH_KINDS, any_statement, digest, judged, kind_of
-from verify.studies.verdict_search import HEADINGS, Judgement, Mark, tallies
+from longwave.verify.studies.text_search import SEARCH_KINDS, any_statement, digest, judged, kind_of
+from longwave.verify.studies.verdict_search import HEADINGS, Judgement, Mark, tallies
 
 COUNT = 100_000
 PATIENCE = 60.0

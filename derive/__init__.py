@@ -1,6 +1,6 @@
 """Derive the long-wave equation of a lattice by expansion in a small parameter.
 
->>> from derive import LATTICES, Scaling, reduce
+>>> from longwave.derive import LATTICES, Scaling, reduce
 >>> reduction = reduce(LATTICES["fput_strain"], Scaling())
 >>> print(reduction.pde.text())
 Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
@@ -10,29 +10,34 @@ K3 = 0: order eps^4 reads K3 (Y^2)_XX = 0
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from derive.balances import find_scaling
-    from derive.carrier import EnvelopeError
-    from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
-    from derive.carrier_numbers import CarrierFields, CarrierTerm, CarrierTerms, carrier_fields
-    from derive.checks import Check, checks_of_envelope, checks_of_reduction
-    from derive.dispersion import Dispersion, dispersion_relation
-    from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
-    from derive.lattice import Bond, Lattice, Stencil, on_site, spring
-    from derive.lattice_file import lattice_of, read_lattice
-    from derive.models.lattices import LATTICES
-    from derive.models.mkdv import (
+    from longwave.derive.balances import find_scaling
+    from longwave.derive.carrier import EnvelopeError
+    from longwave.derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map
+    from longwave.derive.carrier_numbers import (
+        CarrierFields,
+        CarrierTerm,
+        CarrierTerms,
+        carrier_fields,
+    )
+    from longwave.derive.checks import Check, checks_of_envelope, checks_of_reduction
+    from longwave.derive.dispersion import Dispersion, dispersion_relation
+    from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
+    from longwave.derive.lattice import Bond, Lattice, Stencil, on_site, spring
+    from longwave.derive.lattice_file import lattice_of, read_lattice
+    from longwave.derive.models.lattices import LATTICES
+    from longwave.derive.models.mkdv import (
         initial_velocity,
         initial_velocity_latex,
         mkdv_normal_form,
         mkdv_reduction,
     )
-    from derive.multiscale import ReductionError, reduce
-    from derive.normal_form import NormalForm
-    from derive.reduction import Reduction
-    from derive.scaling import Scaling, SlowVariable
+    from longwave.derive.multiscale import ReductionError, reduce
+    from longwave.derive.normal_form import NormalForm
+    from longwave.derive.reduction import Reduction
+    from longwave.derive.scaling import Scaling, SlowVariable
 
 __all__ = [
     "LATTICES",
@@ -77,21 +82,21 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "derive.balances": "find_scaling",
-        "derive.carrier": "EnvelopeError",
-        "derive.checks": "Check checks_of_envelope checks_of_reduction",
-        "derive.dispersion": "Dispersion dispersion_relation",
-        "derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
-        "derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
-        "derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
-        "derive.lattice": "Bond Lattice Stencil on_site spring",
-        "derive.lattice_file": "lattice_of read_lattice",
-        "derive.models.lattices": "LATTICES",
-        "derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
+        "longwave.derive.balances": "find_scaling",
+        "longwave.derive.carrier": "EnvelopeError",
+        "longwave.derive.checks": "Check checks_of_envelope checks_of_reduction",
+        "longwave.derive.dispersion": "Dispersion dispersion_relation",
+        "longwave.derive.carrier_envelope": "Envelope EnvelopeNumbers envelope modulation_map",
+        "longwave.derive.carrier_numbers": "CarrierFields CarrierTerm CarrierTerms carrier_fields",
+        "longwave.derive.equations": "Coefficients Condition EvolutionEquation OrderEquation",
+        "longwave.derive.lattice": "Bond Lattice Stencil on_site spring",
+        "longwave.derive.lattice_file": "lattice_of read_lattice",
+        "longwave.derive.models.lattices": "LATTICES",
+        "longwave.derive.models.mkdv": "initial_velocity initial_velocity_latex mkdv_normal_form "
         "mkdv_reduction",
-        "derive.multiscale": "ReductionError reduce",
-        "derive.normal_form": "NormalForm",
-        "derive.reduction": "Reduction",
-        "derive.scaling": "Scaling SlowVariable",
+        "longwave.derive.multiscale": "ReductionError reduce",
+        "longwave.derive.normal_form": "NormalForm",
+        "longwave.derive.reduction": "Reduction",
+        "longwave.derive.scaling": "Scaling SlowVariable",
     },
 )

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from derive.command_line import example, limit_options, run_words
+from longwave.derive.command_line import example, limit_options, run_words
 
 CONSTANTS = ("K2", "K3", "K4")
 """The constants of the strain FPUT lattice."""
@@ -77,7 +77,7 @@ def derive(
         if not sign:
             raise click.UsageError(f"--set must be NAME=VALUE, got {part} (such as m1=1,m2=3)")
         given[name.strip()] = value
-    from derive.output.printout import Wanted, print_derivation
+    from longwave.derive.output.printout import Wanted, print_derivation
 
     return print_derivation(
         Wanted(

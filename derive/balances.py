@@ -7,12 +7,12 @@ from itertools import product
 
 from sympy import Expr, Integer, S
 
-from derive.algebra.exact_numbers import instance
-from derive.lattice import Lattice
-from derive.multiscale import ReductionError, reduce
-from derive.reduction import Reduction
-from derive.scaling import Scaling, SlowVariable
-from derive.symbols import c
+from longwave.derive.algebra.exact_numbers import instance
+from longwave.derive.lattice import Lattice
+from longwave.derive.multiscale import ReductionError, reduce
+from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import Scaling, SlowVariable
+from longwave.derive.symbols import c
 
 AMPLITUDES, TIMES = (0, 1, 2, 3, 4), (3, 5)
 """Exponents that are tried."""
@@ -30,7 +30,7 @@ def find_scaling(
     wave along its first one, and a slower variable Z across, unless ``space`` says which.  They are
     derived through ``further`` orders behind the equation.  Raises ReductionError if none fits.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> [(r.pde.kind, r.scaling.amplitude) for r in find_scaling(LATTICES["fput_strain"])]
     [('KdV', 2), ('mKdV', 1)]
     """

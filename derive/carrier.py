@@ -18,10 +18,14 @@ from functools import cached_property
 
 from sympy import Expr, S, Symbol
 
-from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
-from derive.algebra.rational_functions import Exponents, RationalFunction, RationalFunctions
-from derive.algebra.series import EpsSeries
-from derive.algebra.small_matrices import (
+from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
+from longwave.derive.algebra.rational_functions import (
+    Exponents,
+    RationalFunction,
+    RationalFunctions,
+)
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.algebra.small_matrices import (
     Column,
     Matrix,
     determinant,
@@ -30,7 +34,7 @@ from derive.algebra.small_matrices import (
     transposed,
     without,
 )
-from derive.lattice import Bond, Lattice
+from longwave.derive.lattice import Bond, Lattice
 
 z, w = Symbol("exp(i k)"), Symbol("i omega")
 """Under names that no constant of a lattice can have."""

@@ -15,15 +15,15 @@ from typing import Any
 import mpmath
 from sympy import Expr, I, S, Symbol, cos, pi, simplify, sin, sqrt
 
-from derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.rational_functions import RationalFunction
-from derive.carrier import Carrier, EnvelopeError, w, z
-from derive.lattice import Lattice
-from derive.normal_form import NormalForm, normal_form_of
-from derive.output.notation import Displayed, Printed, latex_of, text_of
-from derive.sines import cosine, frequency, in_sines, omega, sine
-from derive.symbols import k
+from longwave.derive.algebra.exact_numbers import Number, exact, instance, parse_rational, shown
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.carrier import Carrier, EnvelopeError, w, z
+from longwave.derive.lattice import Lattice
+from longwave.derive.normal_form import NormalForm, normal_form_of
+from longwave.derive.output.notation import Displayed, Printed, latex_of, text_of
+from longwave.derive.sines import cosine, frequency, in_sines, omega, sine
+from longwave.derive.symbols import k
 
 DIGITS = 60
 """Of the numbers at a given wavenumber, before they are rounded."""
@@ -166,7 +166,7 @@ class Envelope(Displayed):
         `DIGITS` digits.  Without a wavenumber and constants they are expressions in those.  Raises
         what coefficients does, and ValueError where q vanishes.
 
-        >>> from derive import LATTICES
+        >>> from longwave.derive import LATTICES
         >>> envelope(LATTICES["fput_strain"], k=pi).normal_form(K2=1, K3=0, K4=1)
         NormalForm(a=1, b=-1/4, s=1, c=0, equation=NLS, h=sqrt(6)/6)
         """
@@ -307,7 +307,7 @@ def envelope(
     are given are put in beforehand, which is faster.  Raises EnvelopeError (a ValueError) where
     there is no NLS equation.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> found = envelope(LATTICES["fput_strain"], k=pi)
     >>> found.expressions["p"], found.expressions["v"]
     (-omega/8, 0)

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import mpmath
 
-from derive.algebra.exact_numbers import Number
-from derive.algebra.jets import Monomial, raised
-from derive.algebra.rational_functions import RationalFunction
-from derive.algebra.series import EpsSeries
-from derive.carrier import LAST, EnvelopeError, harmonic
-from derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.algebra.jets import Monomial, raised
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.carrier import LAST, EnvelopeError, harmonic
+from longwave.derive.carrier_envelope import DIGITS, GUARD, Envelope, evaluated
 
 
 class CarrierTerm(NamedTuple):
@@ -73,7 +73,7 @@ def carrier_fields(
 
     Raises what that raises.
 
-    >>> from derive import LATTICES, envelope
+    >>> from longwave.derive import LATTICES, envelope
     >>> found = carrier_fields(envelope(LATTICES["fput_strain"]), 1, K2=1, K3=0, K4=1)
     >>> found.parts[0][0]
     CarrierTerm(power=1, jets=((0, 0),), value=(1+0j))

@@ -13,11 +13,11 @@ from typing import Any
 import mpmath
 from sympy import Expr, Rational, Symbol, pi, solve, sqrt
 
-from derive.algebra.jets import DifferentialPolynomial
-from derive.carrier_envelope import Envelope
-from derive.lattice import Bond, Lattice
-from derive.reduction import Reduction
-from derive.symbols import eps
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.carrier_envelope import Envelope
+from longwave.derive.lattice import Bond, Lattice
+from longwave.derive.reduction import Reduction
+from longwave.derive.symbols import eps
 
 DIGITS = 60
 STEPS = ("1e-4", "1e-5")

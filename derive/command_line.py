@@ -12,9 +12,15 @@ from typing import Any, TypeVar
 
 import click
 
-from derive.interruption import INTERRUPTED, call_it, interrupted, interruptible, was_interrupted
-from derive.open_end import speaking_up, spoke
-from derive.request_limits import (
+from longwave.derive.interruption import (
+    INTERRUPTED,
+    call_it,
+    interrupted,
+    interruptible,
+    was_interrupted,
+)
+from longwave.derive.open_end import speaking_up, spoke
+from longwave.derive.request_limits import (
     LONG,
     USUAL_SECONDS,
     ExpectedCost,
@@ -23,7 +29,7 @@ from derive.request_limits import (
     duration,
     request_limits,
 )
-from derive.user_files import printable
+from longwave.derive.user_files import printable
 
 __all__ = [
     "INTERRUPTED",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from sympy import Expr, Integer, Symbol, atan, cos, sin, sqrt
 
-from derive.algebra.exact_numbers import exact, shown
-from derive.algebra.formula_expression import read_formula
-from derive.algebra.formula_text import Vocabulary
-from derive.lattice import Lattice
-from derive.scaling import SlowVariable
-from derive.symbols import c
+from longwave.derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.formula_expression import read_formula
+from longwave.derive.algebra.formula_text import Vocabulary
+from longwave.derive.lattice import Lattice
+from longwave.derive.scaling import SlowVariable
+from longwave.derive.symbols import c
 
 C, S = Symbol("C", real=True), Symbol("S", real=True)
 """Cosine and sine of the direction's angle with the first axis."""

@@ -15,12 +15,12 @@ from functools import lru_cache
 
 from sympy import Expr, Integer, Symbol, chebyshevt, expand, factor, series, sin, sqrt
 
-from derive.lattice import Lattice
-from derive.models.lattices import FPUT_STRAIN
-from derive.output.notation import latex_of
-from derive.reduction import Reduction
-from derive.scaling import Scaling
-from derive.symbols import eps, k, ybar
+from longwave.derive.lattice import Lattice
+from longwave.derive.models.lattices import FPUT_STRAIN
+from longwave.derive.output.notation import latex_of
+from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import Scaling
+from longwave.derive.symbols import eps, k, ybar
 
 HALF_SINE = Symbol("sin(k/2)")
 
@@ -68,7 +68,7 @@ def dispersion_relation(lattice: Lattice = FPUT_STRAIN) -> Dispersion:
 
     One whose field is tied to its place has no such strain: its relation is that about rest.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> dispersion_relation(LATTICES["klein_gordon"]).omega_squared
     4*K2*sin(k/2)**2 + g1
 

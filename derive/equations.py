@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, S
 
-from derive.algebra.jets import DifferentialPolynomial, Monomial
-from derive.output.notation import Displayed, Notation, latex_of, terms, text_of
+from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
+from longwave.derive.output.notation import Displayed, Notation, latex_of, terms, text_of
 
 KINDS = {
     frozenset(terms.split(", ")): name

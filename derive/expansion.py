@@ -18,11 +18,11 @@ from functools import cached_property
 
 from sympy import Expr, S
 
-from derive.algebra.exact_numbers import instance
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.rational_functions import RationalFunctions
-from derive.algebra.series import EpsSeries, Operator
-from derive.algebra.small_matrices import (
+from longwave.derive.algebra.exact_numbers import instance
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.algebra.series import EpsSeries, Operator
+from longwave.derive.algebra.small_matrices import (
     Column,
     Matrix,
     inverse,
@@ -30,9 +30,9 @@ from derive.algebra.small_matrices import (
     transposed,
     without,
 )
-from derive.lattice import Bond, Cell, Lattice
-from derive.scaling import Scaling
-from derive.symbols import check_constants, powers_of_eps
+from longwave.derive.lattice import Bond, Cell, Lattice
+from longwave.derive.scaling import Scaling
+from longwave.derive.symbols import check_constants, powers_of_eps
 
 
 def coefficient_field(lattice: Lattice, scaling: Scaling) -> RationalFunctions:

@@ -7,7 +7,7 @@ more than 0.3 s they gave 0.2 to 7 times what it took.
 
 from __future__ import annotations
 
-from derive.lattice import Lattice
+from longwave.derive.lattice import Lattice
 
 PLAIN = 0.15
 """Seconds for a lattice with one field, through any order that is allowed, for each bond."""
@@ -32,7 +32,7 @@ CHEAPER_CARRIER = "take --envelope k=pi, or give constants by --set"
 def reduction_seconds(lattice: Lattice, further: int) -> float:
     """Seconds to derive ``further`` orders behind the reduced equation.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> [f"{reduction_seconds(LATTICES['dimer'], further):.2g}" for further in (2, 4, 5, 8)]
     ['0.37', '3.8', '25', '8.5e+03']
     """
@@ -49,7 +49,7 @@ def envelope_seconds(lattice: Lattice, at_pi: bool, given: int = 0) -> float:
 
     ``given`` is how many of the constants have values.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> [f"{envelope_seconds(LATTICES['mass_dimer'], at_pi):.2g}" for at_pi in (True, False)]
     ['0.06', '3.6']
     """

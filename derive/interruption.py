@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn
 
-from derive.user_files import on_one_line
+from longwave.derive.user_files import on_one_line
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C: 128 + the signal."""

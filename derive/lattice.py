@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, Poly, S, Symbol, factorial, nan, oo, simplify, zoo
 
-from derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
-from derive.output.notation import (
+from longwave.derive.algebra.exact_numbers import exact, instance, integer, shown, tuple_of
+from longwave.derive.output.notation import (
     Displayed,
     Printed,
     bracketed,
@@ -18,7 +18,7 @@ from derive.output.notation import (
     text_of,
     weighted_sum,
 )
-from derive.symbols import check_constants, eps, rational_function, x
+from longwave.derive.symbols import check_constants, eps, rational_function, x
 
 Cell = tuple[int, ...]
 
@@ -66,8 +66,8 @@ class Bond:
             object.__setattr__(self, name, entries)
         if not isinstance(self.force, Expr):
             raise ValueError(
-                f"force must be an expression in derive.symbols.x, got {shown(self.force)} "
-                "(such as K2*x + K4*x**3)"
+                "force must be an expression in longwave.derive.symbols.x, got "
+                f"{shown(self.force)} (such as K2*x + K4*x**3)"
             )
         exact("force", self.force)
         if self.is_polynomial:
@@ -76,8 +76,8 @@ class Bond:
             return
         if self.force.has(eps):
             raise ValueError(
-                f"force must be a polynomial in derive.symbols.x where it depends on eps, got "
-                f"{shown(self.force)} (expand the force law about zero stretch)"
+                "force must be a polynomial in longwave.derive.symbols.x where it depends on eps, "
+                f"got {shown(self.force)} (expand the force law about zero stretch)"
             )
         for value in (self._derivative(0), self._derivative(1)):
             if value.has(*SINGULAR) or value.is_real is False:
@@ -113,7 +113,7 @@ def spring(force: Expr, start: tuple[Cell, int], end: tuple[Cell, int]) -> Bond:
 
     It is stretched by the end's displacement less the start's, and pulls at both.
 
-    >>> from derive.symbols import K2
+    >>> from longwave.derive.symbols import K2
     >>> chain = Lattice("chain", "chain", ("u",), (1,), (spring(K2*x, ((0,), 0), ((1,), 0)),))
     >>> chain.equations()[0]
     "u_n'' = F(u_{n+1} - u_n) - F(u_n - u_{n-1})"
@@ -141,7 +141,7 @@ class Lattice(Displayed):
 
     ``definitions`` are symbols that stand for expressions in the lattice's other constants.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> LATTICES["fput_strain"].constants
     (K2, K3, K4)
     """
@@ -167,7 +167,7 @@ class Lattice(Displayed):
         Raises ValueError for a name that is no constant, and for a value that is not what its
         symbol is declared to be.
 
-        >>> from derive import LATTICES
+        >>> from longwave.derive import LATTICES
         >>> LATTICES["fput"].with_values({"K2": S(4), "K3": eps / 2}).equations()[1]
         'F(x) = 4 x + eps/2 x^2 + K4 x^3'
         """
@@ -191,7 +191,7 @@ class Lattice(Displayed):
     def strained(self, strain: Expr) -> Lattice:
         """The lattice of one field about a uniform strain of its cells, fields counted from there.
 
-        >>> from derive import LATTICES
+        >>> from longwave.derive import LATTICES
         >>> LATTICES["alpha_fput"].strained(S(1) / 2).equations()[1]
         'F(x) = (K3 + K2) x + K3 x^2'
         """
@@ -282,7 +282,7 @@ class Lattice(Displayed):
     def equations(self, printed: Printed = text_of) -> tuple[str, ...]:
         """The equations of motion, then the force of each bond, one a line.
 
-        >>> from derive import LATTICES
+        >>> from longwave.derive import LATTICES
         >>> LATTICES["fput_strain"].equations()[0]
         "y_n'' = F(y_{n+1}) - 2 F(y_n) + F(y_{n-1})"
         """

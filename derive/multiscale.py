@@ -14,17 +14,22 @@ from collections.abc import Sequence
 
 from sympy import Symbol
 
-from derive.algebra.elimination import Elimination, TimeElimination, solve_linear, vanishing_factors
-from derive.algebra.exact_numbers import instance, integer
-from derive.algebra.jets import DifferentialPolynomial, Jet, raised
-from derive.algebra.rational_functions import RationalFunction
-from derive.algebra.series import EpsSeries
-from derive.equations import Condition, EvolutionEquation, OrderEquation
-from derive.expansion import Expansion, expand
-from derive.lattice import Lattice
-from derive.output.notation import Notation
-from derive.reduction import Reduction
-from derive.scaling import Scaling
+from longwave.derive.algebra.elimination import (
+    Elimination,
+    TimeElimination,
+    solve_linear,
+    vanishing_factors,
+)
+from longwave.derive.algebra.exact_numbers import instance, integer
+from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, raised
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.equations import Condition, EvolutionEquation, OrderEquation
+from longwave.derive.expansion import Expansion, expand
+from longwave.derive.lattice import Lattice
+from longwave.derive.output.notation import Notation
+from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import Scaling
 
 FURTHER_ORDERS = 2
 """Beyond the evolution equation, unless told: where the first correction usually is."""
@@ -164,7 +169,7 @@ def reduce(
     ValueError) when the ansatz does not lead to an evolution equation, ValueError when ``orders``
     stops below it.
 
-    >>> from derive import LATTICES, reduce
+    >>> from longwave.derive import LATTICES, reduce
     >>> print(reduce(LATTICES["fput_strain"]).pde.text())
     Y_T + (3 K4/(2 c)) Y^2 Y_X + (c/24) Y_XXX = 0
     """

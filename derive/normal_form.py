@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 
 from sympy import Abs, Expr, S, latex, sign, sqrt
 
-from derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.exact_numbers import exact, shown
 
 Scales = dict[str, Expr]
 

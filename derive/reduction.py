@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 from sympy import Eq, Expr, Symbol, expand, factor, sqrt
 
-from derive.algebra.exact_numbers import Number, exact, shown
-from derive.algebra.jets import DifferentialPolynomial, Monomial
-from derive.algebra.rational_functions import RationalFunction
-from derive.algebra.series import EpsSeries
-from derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
-from derive.lattice import Lattice
-from derive.normal_form import NormalForm, equation_of, normal_form_of
-from derive.output.notation import Notation, latex_of, power_of, text_of
-from derive.output.report import latex_report, reduction_data, text_report
-from derive.scaling import Scaling
-from derive.symbols import eps
+from longwave.derive.algebra.exact_numbers import Number, exact, shown
+from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.equations import Coefficients, Condition, EvolutionEquation, OrderEquation
+from longwave.derive.lattice import Lattice
+from longwave.derive.normal_form import NormalForm, equation_of, normal_form_of
+from longwave.derive.output.notation import Notation, latex_of, power_of, text_of
+from longwave.derive.output.report import latex_report, reduction_data, text_report
+from longwave.derive.scaling import Scaling
+from longwave.derive.symbols import eps
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,7 +121,7 @@ class Reduction:
         Raises ValueError for an unknown name, c^2 <= 0 or constants that violate a condition, what
         their symbols are declared to be, or a denominator.
 
-        >>> from derive import LATTICES, reduce
+        >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).coefficients(K2=4, K4=1)
         Coefficients(c=2, terms={'Y^2 Y_X': 3/4, 'Y_XXX': 1/12})
         """
@@ -143,7 +143,7 @@ class Reduction:
 
         Raises ValueError for an equation that is none of `NORMAL_EQUATIONS`.
 
-        >>> from derive import LATTICES, reduce
+        >>> from longwave.derive import LATTICES, reduce
         >>> reduce(LATTICES["fput_strain"]).normal_form(K2=6, K4=-1)
         NormalForm(a=1, b=sqrt(6)/24, s=-1, c=sqrt(6))
         """

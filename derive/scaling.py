@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from derive.algebra.exact_numbers import integer, shown, tuple_of
-from derive.output.notation import (
+from longwave.derive.algebra.exact_numbers import integer, shown, tuple_of
+from longwave.derive.output.notation import (
     Displayed,
     Printed,
     bracketed,
@@ -17,7 +17,7 @@ from derive.output.notation import (
     text_of,
     weighted_sum,
 )
-from derive.symbols import c, check_constants, eps, rational_function
+from longwave.derive.symbols import c, check_constants, eps, rational_function
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,8 @@ class Scaling(Displayed):
         if self.frame_symbol is None:
             raise ValueError(
                 f"speed of {names[0]} must be a positive symbol or minus one, got {self.speed} "
-                "(take derive.symbols.c: the reduction finds its value; -c is the other direction)"
+                "(take longwave.derive.symbols.c: the reduction finds its value; -c is the other "
+                "direction)"
             )
         pairs = self.background and tuple_of(
             "background", self.background, tuple, "((0, ybar),) is a uniform strain"

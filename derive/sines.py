@@ -11,7 +11,7 @@ from math import comb
 
 from sympy import Expr, Integer, Symbol
 
-from derive.algebra.rational_functions import RationalFunction, RationalFunctions
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
 frequency = Symbol("omega(k)", positive=True)
 sine, cosine = Symbol("sin(k/2)", real=True), Symbol("cos(k/2)", real=True)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 from sympy import Expr, Pow, Symbol, fraction, together
 
-from derive.algebra.exact_numbers import exact, shown
+from longwave.derive.algebra.exact_numbers import exact, shown
 
 K2 = Symbol("K2", positive=True)
 K3 = Symbol("K3", real=True)
@@ -40,7 +40,7 @@ def rational_function(name: str, value: Expr) -> Expr:
 
     Raises ValueError, naming ``name``, for anything else.
 
-    >>> from derive.symbols import K2, K3
+    >>> from longwave.derive.symbols import K2, K3
     >>> rational_function("speed", K3**2 / K2 + 1)
     1 + K3**2/K2
     """
@@ -70,19 +70,20 @@ def check_constants(constants: Sequence[Symbol]) -> None:
         if name in RESERVED:
             raise ValueError(
                 f"constants must have names other than {', '.join(sorted(RESERVED))}, got {name} "
-                "(derive.symbols.x is the stretch and derive.symbols.eps the small parameter)"
+                "(longwave.derive.symbols.x is the stretch, longwave.derive.symbols.eps the small "
+                "parameter)"
             )
         if names.count(name) > 1:
             raise ValueError(
                 f"constants must have different names, got {name} twice (symbols of one name with "
-                "other assumptions are other symbols: take those of derive.symbols)"
+                "other assumptions are other symbols: take those of longwave.derive.symbols)"
             )
 
 
 def powers_of_eps(value: Expr) -> dict[int, Expr]:
     """The coefficients of a polynomial in eps under their powers.
 
-    >>> from derive.symbols import K2, K3
+    >>> from longwave.derive.symbols import K2, K3
     >>> powers_of_eps(K2 + eps**2 * K3)
     {0: K2, 2: K3}
     """

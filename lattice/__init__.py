@@ -6,14 +6,14 @@ first asked for: a model needs no compiler.
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from lattice.field_state import FieldState
-    from lattice.integration import Cost, FieldTrajectory, Trajectory, integrate
-    from lattice.model import Model, State, ring_energy
-    from lattice.scheme_order import check_order
-    from lattice.schemes import (
+    from longwave.lattice.field_state import FieldState
+    from longwave.lattice.integration import Cost, FieldTrajectory, Trajectory, integrate
+    from longwave.lattice.model import Model, State, ring_energy
+    from longwave.lattice.scheme_order import check_order
+    from longwave.lattice.schemes import (
         SCHEMES,
         Composition,
         RungeKutta,
@@ -22,8 +22,11 @@ if TYPE_CHECKING:
         scheme_named,
         stability_limit,
     )
-    from lattice.spectral.field_ring import FieldRing
-    from lattice.spectral.spectral_integration import SpectralTrajectory, spectral_integrate
+    from longwave.lattice.spectral.field_ring import FieldRing
+    from longwave.lattice.spectral.spectral_integration import (
+        SpectralTrajectory,
+        spectral_integrate,
+    )
 
 __all__ = [
     "SCHEMES",
@@ -50,13 +53,13 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "lattice.integration": "Cost FieldTrajectory Trajectory integrate",
-        "lattice.field_state": "FieldState",
-        "lattice.model": "Model State ring_energy",
-        "lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
+        "longwave.lattice.integration": "Cost FieldTrajectory Trajectory integrate",
+        "longwave.lattice.field_state": "FieldState",
+        "longwave.lattice.model": "Model State ring_energy",
+        "longwave.lattice.schemes": "SCHEMES Composition RungeKutta Scheme Splitting scheme_named "
         "stability_limit",
-        "lattice.scheme_order": "check_order",
-        "lattice.spectral.field_ring": "FieldRing",
-        "lattice.spectral.spectral_integration": "SpectralTrajectory spectral_integrate",
+        "longwave.lattice.scheme_order": "check_order",
+        "longwave.lattice.spectral.field_ring": "FieldRing",
+        "longwave.lattice.spectral.spectral_integration": "SpectralTrajectory spectral_integrate",
     },
 )

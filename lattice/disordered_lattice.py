@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.force_program import ForceProgram
-from lattice.numeric_lattice import Complex, Entry, NumericLattice
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.numeric_lattice import Complex, Entry, NumericLattice
 
 Array = NDArray[np.float64]
 

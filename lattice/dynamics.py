@@ -9,13 +9,13 @@ from typing import Any, Protocol, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.field_state import FieldState, field_blow_up
-from lattice.kernels import blocked, plain, reference
-from lattice.kernels.chain_kernel import advance_chain
-from lattice.kernels.plane_kernel import advance_plane
-from lattice.model import BlowUp, Held, Model, State, find_blow_up
-from lattice.numeric_lattice import NumericLattice
-from lattice.schemes import DriftKick, Scheme
+from longwave.lattice.field_state import FieldState, field_blow_up
+from longwave.lattice.kernels import blocked, plain, reference
+from longwave.lattice.kernels.chain_kernel import advance_chain
+from longwave.lattice.kernels.plane_kernel import advance_plane
+from longwave.lattice.model import BlowUp, Held, Model, State, find_blow_up
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.schemes import DriftKick, Scheme
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import GROWTH, BlowUp
-from lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
+from longwave.lattice.model import GROWTH, BlowUp
+from longwave.lattice.numeric_lattice import ROUNDED, NumericLattice, zone_wavenumbers
 
 Array = NDArray[np.float64]
 

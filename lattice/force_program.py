@@ -40,7 +40,7 @@ class ForceProgram:
     from 0.
 
     >>> from sympy import exp
-    >>> from derive.symbols import x
+    >>> from longwave.derive.symbols import x
     >>> law = force_program(exp(x) - 1)
     >>> float(law(np.array(0.0))), float(law.slope(np.array(0.0)))
     (0.0, 1.0)
@@ -106,7 +106,7 @@ def force_program(force: Expr) -> ForceProgram:
     """
     from sympy import Poly
 
-    from derive.symbols import x
+    from longwave.derive.symbols import x
 
     unknown = sorted(map(str, force.free_symbols - {x}))
     if unknown:

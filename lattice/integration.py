@@ -15,16 +15,16 @@ from typing import Any, Generic, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.dynamics import dynamics_of
-from lattice.field_state import FieldState
-from lattice.model import Held, Model, State
-from lattice.numeric_lattice import NumericLattice
-from lattice.refine import TooDearError, refine
-from lattice.run_times import check_positive, checked_times
-from lattice.scheme_order import check_order
-from lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
-from lattice.stepper import Stepper, StillRing
-from lattice.trial import (
+from longwave.lattice.dynamics import dynamics_of
+from longwave.lattice.field_state import FieldState
+from longwave.lattice.model import Held, Model, State
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.refine import TooDearError, refine
+from longwave.lattice.run_times import check_positive, checked_times
+from longwave.lattice.scheme_order import check_order
+from longwave.lattice.schemes import REDUCED_PHASE_6, SCHEMES, Scheme, check_step, stability_limit
+from longwave.lattice.stepper import Stepper, StillRing
+from longwave.lattice.trial import (
     LEAST_FACTOR,
     Choices,
     Kind,

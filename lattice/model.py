@@ -270,8 +270,8 @@ class InflowCheck:
 
 
 if TYPE_CHECKING:
-    from lattice.checkpoint import Memory
-    from lattice.field_state import FieldState
+    from longwave.lattice.checkpoint import Memory
+    from longwave.lattice.field_state import FieldState
 
 Held = TypeVar("Held", "State", "FieldState")
 """A kind of state."""

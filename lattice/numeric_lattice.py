@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.force_program import ForceProgram, force_program
+from longwave.lattice.force_program import ForceProgram, force_program
 
 if TYPE_CHECKING:
-    from derive.algebra.exact_numbers import Number
-    from derive.lattice import Bond, Lattice, Stencil
-    from lattice.disordered_lattice import Variation
+    from longwave.derive.algebra.exact_numbers import Number
+    from longwave.derive.lattice import Bond, Lattice, Stencil
+    from longwave.lattice.disordered_lattice import Variation
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -54,7 +54,7 @@ class NumericBond:
 class NumericLattice:
     """Equations ``mass f'' = sum of bond forces`` with numbers; hashable, so kernels can be kept.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1})
     >>> chain.acceleration(np.array([[0.0, 1.0, 0.0, 0.0]]))
     array([[ 2., -4.,  2.,  0.]])
@@ -225,12 +225,12 @@ def numeric_lattice(
     unknown or not what their symbols are declared to be, and for a mean strain where forces tie
     what grows to its site.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> chain = numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1})
     >>> chain.highest_frequency(chain.rest_slopes())
     2.0
     """
-    from derive.algebra.exact_numbers import exact
+    from longwave.derive.algebra.exact_numbers import exact
 
     names = {str(symbol): symbol for symbol in lattice.constants}
     for name in (*constants, *names):

@@ -26,8 +26,8 @@ from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 
-from lattice.checkpoint import branches
-from lattice.trial import (
+from longwave.lattice.checkpoint import branches
+from longwave.lattice.trial import (
     SAFETY,
     Choices,
     Engine,
@@ -38,7 +38,7 @@ from lattice.trial import (
     difference,
     difference_around,
 )
-from solutions.run.cores import usable_cores
+from longwave.solutions.run.cores import usable_cores
 
 Announce = Callable[[float], None]
 """Called with the seconds that the runs to come are expected to take, however few."""

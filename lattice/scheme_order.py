@@ -22,7 +22,7 @@ from functools import cache
 from math import factorial, prod
 from operator import mul
 
-from lattice.schemes import NystroemTable, Scheme, Splitting
+from longwave.lattice.schemes import NystroemTable, Scheme, Splitting
 
 NystroemTree = tuple[int, tuple["NystroemTree", ...]]
 
@@ -33,7 +33,7 @@ def check_order(scheme: Scheme) -> None:
     The conditions are those of what is run: y'' = f(y) and no other equation. They are evaluated
     exactly; the defect allowed is what the digits of the table leave.
 
-    >>> from lattice.schemes import Composition
+    >>> from longwave.lattice.schemes import Composition
     >>> check_order(Composition("verlet", 2, ("1",), ""))
     >>> check_order(Composition("verlet", 4, ("1",), ""))
     Traceback (most recent call last):

@@ -272,7 +272,7 @@ def stability_limit(scheme: Scheme) -> float:
 
     Scanned in steps of 1e-4 up to 8, then refined by bisection.
 
-    >>> from lattice.schemes import scheme_named
+    >>> from longwave.lattice.schemes import scheme_named
     >>> round(stability_limit(scheme_named("stoermer_verlet")), 6)
     2.0
     >>> round(stability_limit(scheme_named("rk4")) ** 2, 6)

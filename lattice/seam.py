@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import State
+from longwave.lattice.model import State
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]

@@ -10,25 +10,21 @@ here under one name; each is imported when it is first asked for, so `import lon
 
 from typing import Any
 
-from longwave.rooms import claim_rooms
-
-claim_rooms()
-
-from derive.lazy_face import lazy_face  # noqa: E402  (the room, not a file of that name)
+from longwave.derive.lazy_face import lazy_face
 
 __version__: str
 
 _NOUNS = {
-    "derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
+    "longwave.derive": "LATTICES Bond Lattice NormalForm Reduction Scaling SlowVariable Stencil "
     "mkdv_normal_form reduce",
-    "solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
-    "verify.proof": "check_certificate prove_equal",
-    "verify.proof.text_prover": "prove",
-    "verify.verdict": "Verdict",
+    "longwave.solutions": "CATALOGUE ClosedForm Equation Parameter Wave closed_form",
+    "longwave.verify.proof": "check_certificate prove_equal",
+    "longwave.verify.proof.text_prover": "prove",
+    "longwave.verify.verdict": "Verdict",
     "longwave.plotting": "plot",
     "longwave.animation": "animate",
-    "verify.comparison": "Discretisation Scene Tolerance load_scene relative_sup_error run "
-    "shipped_scenes",
+    "longwave.verify.comparison": "Discretisation Scene Tolerance load_scene "
+    "relative_sup_error run shipped_scenes",
 }
 
 __all__ = ["__version__", *sorted(" ".join(_NOUNS.values()).split())]

@@ -15,23 +15,30 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from derive.command_line import fail, fail_for_memory, interrupted, one_line
-from derive.request_limits import Announcer, ExpectedCost, check_request
-from lattice.refine import Announce
-from lattice.trial import Progress
+from longwave.derive.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.derive.request_limits import Announcer, ExpectedCost, check_request
+from longwave.lattice.refine import Announce
+from longwave.lattice.trial import Progress
 from longwave.plotting import Source, default_output, read_source, shown_half_width
+from longwave.reports.figures.drawing import Snapshot, styled
+from longwave.reports.figures.film import (
+    FILM_SIZE,
+    ChainFilm,
+    Film,
+    FilmWords,
+    PlaneFilm,
+    PlaneFrames,
+)
+from longwave.reports.figures.film_files import film_path, has_ffmpeg, save_film
+from longwave.reports.figures.lattice_figures import lattice_snapshots
 from longwave.run_quantities import RunFrame, check_run, frame_of
-from reports.figures.drawing import Snapshot, styled
-from reports.figures.film import FILM_SIZE, ChainFilm, Film, FilmWords, PlaneFilm, PlaneFrames
-from reports.figures.film_files import film_path, has_ffmpeg, save_film
-from reports.figures.lattice_figures import lattice_snapshots
-from runs import run_any_scene
-from runs.run_cost import CHEAPER as CHEAPER_RUN
-from runs.run_cost import expected_run_cost
-from runs.run_file import SWEPT, names_a_run
-from verify.cli.console import check_output, plain_console, progress_bar
-from verify.comparison import Scene
-from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
+from longwave.runs import run_any_scene
+from longwave.runs.run_cost import CHEAPER as CHEAPER_RUN
+from longwave.runs.run_cost import expected_run_cost
+from longwave.runs.run_file import SWEPT, names_a_run
+from longwave.verify.cli.console import check_output, plain_console, progress_bar
+from longwave.verify.comparison import Scene
+from longwave.verify.lattices.lattice_scene import MOST_TIMES, LatticeScene
 
 Array = NDArray[np.float64]
 
@@ -169,8 +176,8 @@ def _lattice_frames(scene: LatticeScene, options: FilmOptions) -> LatticeScene:
 
     It begins where it did: frames that begin later come after that moment.
     """
-    from verify.lattices.lattice_derivation import derivation
-    from verify.lattices.lattice_run import lattice_times
+    from longwave.verify.lattices.lattice_derivation import derivation
+    from longwave.verify.lattices.lattice_run import lattice_times
 
     scene.check_compared()
     if options.times is None:

@@ -9,8 +9,8 @@ from typing import Any
 import click
 from click.shell_completion import get_completion_class
 
-from derive.__main__ import derive
-from derive.command_line import (
+from longwave.derive.__main__ import derive
+from longwave.derive.command_line import (
     Words,
     called_by,
     example,
@@ -19,9 +19,9 @@ from derive.command_line import (
     limit_options,
     limits_of_each,
 )
-from reports.__main__ import report
-from runs.run_words import complete_scenes, run, sweep
-from verify.cli.commands import check, prove, verify
+from longwave.reports.__main__ import report
+from longwave.runs.run_words import complete_scenes, run, sweep
+from longwave.verify.cli.commands import check, prove, verify
 
 COMPLETION = "_LONGWAVE_COMPLETE"
 """The environment variable by which a shell asks for completions."""
@@ -189,7 +189,7 @@ def list_(kind: str | None, library: bool, json_wanted: bool) -> int:
     if library:
         if kind:
             raise click.UsageError(f"--library must not be given with KIND, got {kind} as well")
-        from verify.cli.published import print_library, records
+        from longwave.verify.cli.published import print_library, records
 
         click.echo(json.dumps(records(), indent=2)) if json_wanted else print_library()
         return 0

@@ -12,10 +12,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from derive.algebra.exact_numbers import shown
-from verify.comparison.scene import Scene
-from verify.comparison.scene_fields import finite, positive
-from verify.lattices.lattice_scene import (
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.comparison.scene_fields import finite, positive
+from longwave.verify.lattices.lattice_scene import (
     LatticeScene,
     Pairs,
     load_lattice_scene,
@@ -23,7 +23,7 @@ from verify.lattices.lattice_scene import (
 )
 
 if TYPE_CHECKING:
-    from solutions import ClosedForm, Parameter
+    from longwave.solutions import ClosedForm, Parameter
 
 AnyScene = Scene | LatticeScene
 
@@ -99,7 +99,7 @@ def waves_by_equation() -> dict[str, dict[str, str]]:
     >>> waves_by_equation()["KP"]
     {'KP line soliton': 'kp_line_soliton', 'KP-I lump': 'kp_lump'}
     """
-    from solutions import CATALOGUE
+    from longwave.solutions import CATALOGUE
 
     found: dict[str, dict[str, str]] = {}
     for form in CATALOGUE:
@@ -120,7 +120,7 @@ def settings(wave: str) -> tuple[WaveSetting, ...]:
     >>> [setting.title for setting in settings("kp_lump")]
     ['square next nearest']
     """
-    from solutions import closed_form
+    from longwave.solutions import closed_form
 
     form = closed_form(wave)
     found = (
@@ -149,7 +149,7 @@ def _alike(form: ClosedForm, other: ClosedForm) -> bool:
 
 
 def _lattice_title(scene: LatticeScene) -> str:
-    from derive import LATTICES
+    from longwave.derive import LATTICES
 
     known = LATTICES.get(scene.lattice)
     title = scene.lattice.replace("_", " ") if known is None else known.title
@@ -201,7 +201,7 @@ def bounds(
 ) -> tuple[float | None, float | None]:
     """The ends of a parameter's declared domain, given others' values; None where there is none.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> k, alpha, _ = closed_form("breather_sn").parameters
     >>> bounds(k, {}), [round(end, 3) for end in bounds(alpha, {"k": 0.5})]
     ((0.0, 1.0), [0.0, 1.686])
@@ -230,7 +230,7 @@ INSIDE = 0.01
 def slider_ends(parameter: Parameter, values: Mapping[str, float | None]) -> tuple[float, float]:
     """From where to where a slider goes: within the declared domain.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> slider_ends(closed_form("kink").parameters[0], {})
     (0.03, 3.0)
     """
@@ -295,7 +295,7 @@ def first_choices(wave: str, setting: str | None = None) -> Chosen:
 
 def _all_parameters(scene: AnyScene) -> dict[str, str]:
     """Every parameter of the scene's wave, with its default where the scene says nothing."""
-    from solutions import closed_form
+    from longwave.solutions import closed_form
 
     given = dict(scene.parameters)
     return {

@@ -21,19 +21,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.command_line import duration, one_line
-from derive.request_limits import (
+from longwave.derive.command_line import duration, one_line
+from longwave.derive.request_limits import (
     ExpectedCost,
     RequestLimits,
     TooMuchError,
     check_request,
     request_limits,
 )
-from lattice.trial import Progress
-from runs.run_cost import expected_run_cost
-from verify.comparison.scene import Scene
-from verify.lattices.lattice_scene import LatticeScene
-from verify.processes import ignore_interrupt, limit_memory
+from longwave.lattice.trial import Progress
+from longwave.runs.run_cost import expected_run_cost
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.processes import ignore_interrupt, limit_memory
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,7 +91,7 @@ def wave_texts(scene: AnyScene) -> WaveTexts:
 
 @lru_cache(maxsize=64)
 def _wave_texts(wave: str, parameters: tuple[str, ...]) -> WaveTexts:
-    from solutions import closed_form
+    from longwave.solutions import closed_form
 
     form = closed_form(wave, parameters)
     formula = form._repr_latex_()
@@ -178,7 +178,7 @@ def compare(
 
 def _check_cells(scene: AnyScene) -> None:
     if isinstance(scene, LatticeScene):
-        from verify.lattices.lattice_derivation import declared_lattice
+        from longwave.verify.lattices.lattice_derivation import declared_lattice
 
         half_width, axes = scene.half_width or 0.0, declared_lattice(scene).dimension
         powers = (1, 2)[:axes]
@@ -193,9 +193,9 @@ def _check_cells(scene: AnyScene) -> None:
 
 
 def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Comparison:
-    from runs.scene_command import summary_lines
-    from verify.comparison.scene_run import record_scene
-    from verify.comparison.trust import trust_attributes
+    from longwave.runs.scene_command import summary_lines
+    from longwave.verify.comparison.scene_run import record_scene
+    from longwave.verify.comparison.trust import trust_attributes
 
     trust = trust_attributes(scene)
     record = record_scene(scene, progress, announce)
@@ -227,22 +227,22 @@ def _of_chain(scene: Scene, progress: Progress | None, announce: Any) -> Compari
 
 def _chain_equation() -> tuple[str, str]:
     """The chain's long-wave equation with its constants as letters, as text and LaTeX."""
-    from solutions import kept_data
+    from longwave.solutions import kept_data
 
     text, latex = kept_data(__name__, "equation of the chain", _derived_chain_equation)
     return text, latex
 
 
 def _derived_chain_equation() -> list[str]:
-    from derive import LATTICES, Scaling, reduce
+    from longwave.derive import LATTICES, Scaling, reduce
 
     pde = reduce(LATTICES["fput_strain"], Scaling()).pde
     return [pde.text(), pde.latex()]
 
 
 def _of_lattice(scene: LatticeScene, progress: Progress | None, announce: Any) -> Comparison:
-    from derive import Reduction
-    from verify.lattices.lattice_run import run_lattice_scene
+    from longwave.derive import Reduction
+    from longwave.verify.lattices.lattice_run import run_lattice_scene
 
     found = run_lattice_scene(scene, progress, announce)
     run, source, cost = found.dataset, found.derived.source, found.cost
@@ -368,7 +368,12 @@ def _interrupts_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-BEFOREHAND = ("runs.scene_command", "verify.lattices.lattice_run", "derive.reduction", "xarray")
+BEFOREHAND = (
+    "longwave.runs.scene_command",
+    "longwave.verify.lattices.lattice_run",
+    "longwave.derive.reduction",
+    "xarray",
+)
 """Modules that a process takes whatever is asked."""
 
 ROOM = 5e8

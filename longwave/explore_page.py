@@ -217,7 +217,7 @@ class ExplorePage:
         self._ask()
 
     def _fill_controls(self, choices: Chosen) -> None:
-        from solutions import closed_form
+        from longwave.solutions import closed_form
 
         self.entries = {}
         waves = [
@@ -250,7 +250,7 @@ class ExplorePage:
 
     def _reach_parameters(self, choices: Chosen) -> None:
         """Let the parameters' sliders go where the catalogue admits values, given the others."""
-        from solutions import closed_form
+        from longwave.solutions import closed_form
 
         values = {name: plain_value(value) for name, value in choices.parameters.items()}
         for one in closed_form(choices.wave).parameters:

@@ -11,9 +11,9 @@ import webbrowser
 from contextlib import closing
 from typing import Any
 
-from derive.command_line import fail, interrupted
-from derive.open_end import spoke
-from derive.request_limits import RequestLimits, current_limits
+from longwave.derive.command_line import fail, interrupted
+from longwave.derive.open_end import spoke
+from longwave.derive.request_limits import RequestLimits, current_limits
 
 HOST = "127.0.0.1"
 """The loopback: nothing outside this machine reaches it."""

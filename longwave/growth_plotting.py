@@ -13,10 +13,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reports.figures.growth_figures import GrowthCurve, GrowthPanel, ModulationMap
+from longwave.reports.figures.growth_figures import GrowthCurve, GrowthPanel, ModulationMap
 
 if TYPE_CHECKING:
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 Array = NDArray[np.float64]
 
@@ -240,7 +240,7 @@ def _asked(data: xr.Dataset) -> Sequence[Any]:
 
 def _number(value: float | str) -> float:
     """A wavenumber as a file says it; NaN for what is none."""
-    from verify.lattices.lattice_derivation import formula
+    from longwave.verify.lattices.lattice_derivation import formula
 
     try:
         return float(formula("k", value, {}))
@@ -250,9 +250,9 @@ def _number(value: float | str) -> float:
 
 def _theory(parts: Sequence[xr.Dataset], curves: Sequence[GrowthCurve]) -> ModulationMap | None:
     """The map of the cells' lattice; None where it has none, or is in a file of its own."""
-    from verify.lattices.modulation import scene_modulation
-    from verify.lattices.perturbed_plane import chosen_kappa
-    from verify.lattices.sideband_growth import plane_wave_numbers
+    from longwave.verify.lattices.modulation import scene_modulation
+    from longwave.verify.lattices.perturbed_plane import chosen_kappa
+    from longwave.verify.lattices.sideband_growth import plane_wave_numbers
 
     k = np.linspace(0.0, np.pi, WAVENUMBERS + 1)[1:]
     lines: dict[str, Array] = {}
@@ -282,7 +282,7 @@ def _theory(parts: Sequence[xr.Dataset], curves: Sequence[GrowthCurve]) -> Modul
 
 def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
     """Growth rates in T of perturbations, 0 of those that do not grow."""
-    from verify.lattices.perturbed_plane import squared_rate
+    from longwave.verify.lattices.perturbed_plane import squared_rate
 
     with np.errstate(all="ignore"):
         return np.asarray(np.sqrt(np.maximum(squared_rate(p, q, amplitude, kappa), 0.0)))
@@ -290,8 +290,8 @@ def _rates(p: Array, q: Array, amplitude: float, kappa: Array | float) -> Array:
 
 def _scene(cell: xr.Dataset) -> LatticeScene:
     """The scene of one cell; ValueError if the file does not hold it."""
-    from runs.sweep_scene import changed_document, make_scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.runs.sweep_scene import changed_document, make_scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
     try:
         document = json.loads(cell.attrs["sweep"])["scene"]

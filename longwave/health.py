@@ -88,7 +88,7 @@ def _vector() -> Finding:
     """The width of the vectors that the lattice's kernels are lowered to (8 doubles are best)."""
     from llvmlite import binding  # type: ignore[import-untyped]
 
-    from lattice.kernels import blocked
+    from longwave.lattice.kernels import blocked
 
     if why := blocked.why_plain():
         cost = f"the lattice's kernels take three times as long: {why}"
@@ -115,10 +115,10 @@ def _kernels() -> Finding:
         return Finding(part, "NUMBA_DISABLE_JIT is set", "costs", cost)
     import warnings
 
-    from solutions.run import machine
-    from solutions.run.jit import SUFFIX
-    from solutions.run.kernel_folder import cache_folder
-    from solutions.run.source_digest import source_digest
+    from longwave.solutions.run import machine
+    from longwave.solutions.run.jit import SUFFIX
+    from longwave.solutions.run.kernel_folder import cache_folder
+    from longwave.solutions.run.source_digest import source_digest
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # that there is no folder, told below
@@ -133,7 +133,7 @@ def _kernels() -> Finding:
 
 
 def _latex() -> Finding:
-    from reports.engine import APT_PACKAGES, apt_prefix, engine_present
+    from longwave.reports.engine import APT_PACKAGES, apt_prefix, engine_present
 
     if engine_present():
         return Finding("LaTeX", "latexmk and pdflatex")

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from solutions import ClosedForm
+    from longwave.solutions import ClosedForm
 
 Record = dict[str, Any]
 
@@ -26,7 +26,7 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
     >>> [record["name"] for record in inventory(["lattices"])["lattices"]][:3]
     ['fput_strain', 'next_nearest', 'next_nearest_degenerate']
     """
-    from solutions import kept_data
+    from longwave.solutions import kept_data
 
     return {
         kind: kept_data(__name__, kind, _RECORDS[kind]) if kind in SYMBOLIC else _RECORDS[kind]()
@@ -36,7 +36,7 @@ def inventory(kinds: Iterable[str]) -> dict[str, list[Record]]:
 
 def lattices() -> list[Record]:
     """The lattices: name, title, fields, constants and the force of each bond."""
-    from derive import LATTICES
+    from longwave.derive import LATTICES
 
     return [
         {
@@ -52,7 +52,7 @@ def lattices() -> list[Record]:
 
 def waves() -> list[Record]:
     """The closed forms: name, title, equation, parameters with domains, background, period."""
-    from solutions import CATALOGUE
+    from longwave.solutions import CATALOGUE
 
     return [
         {
@@ -83,7 +83,7 @@ def _background(form: ClosedForm, catalogue: Iterable[ClosedForm]) -> str:
 
 def schemes() -> list[Record]:
     """The schemes: name, order, forces a step, largest stable step times frequency, source."""
-    from lattice.schemes import SCHEMES, stability_limit
+    from longwave.lattice.schemes import SCHEMES, stability_limit
 
     return [
         {
@@ -99,7 +99,12 @@ def schemes() -> list[Record]:
 
 def scenes() -> list[Record]:
     """The shipped scenes, the paper's first, then the others and the members of families."""
-    from verify.comparison import further_scenes, load_scene, rational_family_scenes, shipped_scenes
+    from longwave.verify.comparison import (
+        further_scenes,
+        load_scene,
+        rational_family_scenes,
+        shipped_scenes,
+    )
 
     found = [("paper", load_scene(name)) for name in shipped_scenes()]
     found += [("further", load_scene(name)) for name in further_scenes()]
@@ -125,9 +130,9 @@ def scenes() -> list[Record]:
 
 def lattice_scenes() -> list[Record]:
     """The shipped scenes that name a lattice: lattice, equation, wave, eps, order, times."""
-    from solutions import closed_form
-    from verify.lattices.lattice_derivation import equation_of_form
-    from verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
+    from longwave.solutions import closed_form
+    from longwave.verify.lattices.lattice_derivation import equation_of_form
+    from longwave.verify.lattices.lattice_scene import load_lattice_scene, shipped_lattice_scenes
 
     return [
         {
@@ -150,7 +155,7 @@ def lattice_scenes() -> list[Record]:
 
 def sweeps() -> list[Record]:
     """The shipped sweeps: name, title, base scene, swept fields, number of cells."""
-    from runs.sweep_file import load_sweep, shipped_sweeps
+    from longwave.runs.sweep_file import load_sweep, shipped_sweeps
 
     return [
         {
@@ -167,7 +172,7 @@ def sweeps() -> list[Record]:
 
 def observables() -> list[Record]:
     """The observables: name, what is computed, the arrays that are added to a run."""
-    from verify.comparison.observables import OBSERVABLES
+    from longwave.verify.comparison.observables import OBSERVABLES
 
     return [
         {

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from derive.command_line import fail, fail_for_memory, interrupted
-from reports.figures.drawing import (
+from longwave.derive.command_line import fail, fail_for_memory, interrupted
+from longwave.reports.figures.drawing import (
     CURVES,
     TEXT_WIDTH,
     save,
     styled,
 )
-from verify.cli.console import check_output, picture_path
-from verify.cli.converge import measured_convergence, print_convergence
+from longwave.verify.cli.console import check_output, picture_path
+from longwave.verify.cli.converge import measured_convergence, print_convergence
 
 if TYPE_CHECKING:
-    from verify.lattices.scene_convergence import SceneConvergence
+    from longwave.verify.lattices.scene_convergence import SceneConvergence
 
 
 def convergence_figure(study: SceneConvergence) -> Figure:

@@ -15,21 +15,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure, FigureBase
 
-from derive.algebra.exact_numbers import shown
-from derive.command_line import fail, fail_for_memory, interrupted, one_line
-from derive.request_limits import Announcer
-from lattice.refine import Announce
-from lattice.trial import Progress
-from longwave.run_quantities import (
-    LEAST_LOOKS,
-    RunFrame,
-    frame_of,
-    own_relative_error,
-    spectrum_panel,
-    with_looks,
-)
-from longwave.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
-from reports.figures.drawing import (
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.derive.command_line import fail, fail_for_memory, interrupted, one_line
+from longwave.derive.request_limits import Announcer
+from longwave.lattice.refine import Announce
+from longwave.lattice.trial import Progress
+from longwave.reports.figures.drawing import (
     CREST_HEIGHT,
     ERROR_HEIGHT,
     MAP_HEIGHT,
@@ -44,16 +35,25 @@ from reports.figures.drawing import (
     snapshot_height,
     styled,
 )
-from reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
-from reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
-from reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
-from runs import load_run
-from runs.run_file import REMEDY, names_a_run
-from verify.cli.console import check_output, picture_path, plain_console, progress_bar
-from verify.comparison import Scene, run
-from verify.comparison.observables import MEASURED
-from verify.comparison.stated_run import UnfinishedRun
-from verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
+from longwave.reports.figures.growth_figures import SIZES_HEIGHT, draw_sideband_sizes
+from longwave.reports.figures.lattice_figures import draw_maps, lattice_snapshots, maps_height
+from longwave.reports.figures.run_figures import MOST_SPECTRA, draw_spectra, spectra_height
+from longwave.run_quantities import (
+    LEAST_LOOKS,
+    RunFrame,
+    frame_of,
+    own_relative_error,
+    spectrum_panel,
+    with_looks,
+)
+from longwave.runs import load_run
+from longwave.runs.run_file import REMEDY, names_a_run
+from longwave.sweep_plotting import SWEEP_PICTURES, Choice, is_sweep, sweep_parts
+from longwave.verify.cli.console import check_output, picture_path, plain_console, progress_bar
+from longwave.verify.comparison import Scene, run
+from longwave.verify.comparison.observables import MEASURED
+from longwave.verify.comparison.stated_run import UnfinishedRun
+from longwave.verify.lattices.lattice_scene import MOST_TIMES, LatticeScene, find_any_scene
 
 ALL, GROWTH = "all", "growth"
 
@@ -148,7 +148,7 @@ def _run_of_lattice(
     scene: LatticeScene, kind: str, progress: Progress | None, announce: Announce | None
 ) -> xr.Dataset:
     """Run a scene on any lattice at its own times and, where curves are drawn, between them."""
-    from verify.lattices.lattice_run import lattice_scene_dataset, run_lattice_scene
+    from longwave.verify.lattices.lattice_run import lattice_scene_dataset, run_lattice_scene
 
     if scene.is_growth:
         return lattice_scene_dataset(scene, progress, announce)

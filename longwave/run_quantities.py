@@ -15,15 +15,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from derive.algebra.exact_numbers import shown
-from reports.figures.run_figures import SpectrumPanel
-from runs import scene_of_run
-from runs.own_error import scaled_own_error, wave_size
-from verify.comparison.observables import amplitudes, cell_width, extremum
-from verify.lattices.lattice_scene import LatticeScene
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.reports.figures.run_figures import SpectrumPanel
+from longwave.runs import scene_of_run
+from longwave.runs.own_error import scaled_own_error, wave_size
+from longwave.verify.comparison.observables import amplitudes, cell_width, extremum
+from longwave.verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
-    from verify.comparison import Scene
+    from longwave.verify.comparison import Scene
 
 Array = NDArray[np.float64]
 

@@ -17,10 +17,10 @@ import xarray as xr
 from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
-from derive.algebra.exact_numbers import shown
+from longwave.derive.algebra.exact_numbers import shown
 from longwave.growth_plotting import growth_panels
-from reports.figures.growth_figures import draw_growth, growth_height
-from reports.figures.swept_figures import (
+from longwave.reports.figures.growth_figures import draw_growth, growth_height
+from longwave.reports.figures.swept_figures import (
     CURVE_HEIGHT,
     HeatMap,
     SweptAxis,

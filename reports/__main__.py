@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from derive.command_line import called_by, example, force_option, limit_options, run_words
+from longwave.derive.command_line import called_by, example, force_option, limit_options, run_words
 
 FOLDER = "longwave-report"
 """Where the report is written: in the working folder, not where the package is."""
@@ -30,7 +30,7 @@ def report(output: Path, force: bool, full: bool, workers: int | None) -> int:
 
     It goes to the folder longwave-report in the working folder.
     """
-    from reports.build import ReportOptions, write_report
+    from longwave.reports.build import ReportOptions, write_report
 
     processes = os.cpu_count() or 1 if workers is None else workers
     return write_report(ReportOptions(output, force, full, processes), called_by())

@@ -1,4 +1,4 @@
-"""`python -m reports.bench`: the studies of cost, one after the other, as tables and figures."""
+"""`python -m longwave.reports.bench`: the studies of cost in turn, as tables and figures."""
 
 import sys
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from derive.command_line import called_by, run_words
+from longwave.derive.command_line import called_by, run_words
 
 FOLDER = "longwave-bench"
 
@@ -22,14 +22,14 @@ FOLDER = "longwave-bench"
 @click.option("--short", is_flag=True, help="What `make report` shows, and no more.")
 def bench(output: Path, short: bool) -> int:
     """Run every study of cost in a process of its own, nothing beside it."""
-    from reports.build import write_bench
+    from longwave.reports.build import write_bench
 
     return write_bench(output, short, called_by())
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    return run_words(bench, "python -m reports.bench", argv)
+    return run_words(bench, "python -m longwave.reports.bench", argv)
 
 
 if __name__ == "__main__":

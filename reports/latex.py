@@ -10,7 +10,7 @@ from pathlib import Path
 import jinja2
 import numpy as np
 
-from reports.paper import cited
+from longwave.reports.paper import cited
 
 TEMPLATES = Path(__file__).parent / "templates"
 

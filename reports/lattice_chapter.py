@@ -12,31 +12,37 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.drawing import Snapshot, save, snapshot_figure, styled
-from reports.figures.lattice_figures import (
+from longwave.reports.figures.drawing import Snapshot, save, snapshot_figure, styled
+from longwave.reports.figures.lattice_figures import (
     even_times,
     lattice_snapshots,
     map_figure,
     modulation_figure,
     rate_figure,
 )
-from reports.figures.paper_figures import snapshots
-from reports.sections.lattice_runs import is_map, rate_panels, rate_table, scene_maps, scene_table
-from reports.sections.other_lattices import (
+from longwave.reports.figures.paper_figures import snapshots
+from longwave.reports.sections.lattice_runs import (
+    is_map,
+    rate_panels,
+    rate_table,
+    scene_maps,
+    scene_table,
+)
+from longwave.reports.sections.other_lattices import (
     EnvelopeRow,
     ModelRow,
     envelope_table,
     model_jobs,
     model_table,
 )
-from verify.processes import Job, Key
-from verify.studies.lattice_models import modulation_plane
-from verify.studies.measured_rates import MeasuredRate, rate_jobs
-from verify.studies.measured_runs import SPLIT, MeasuredRuns
-from verify.studies.scene_runs import SceneRun, scene_run_jobs
+from longwave.verify.processes import Job, Key
+from longwave.verify.studies.lattice_models import modulation_plane
+from longwave.verify.studies.measured_rates import MeasuredRate, rate_jobs
+from longwave.verify.studies.measured_runs import SPLIT, MeasuredRuns
+from longwave.verify.studies.scene_runs import SceneRun, scene_run_jobs
 
 if TYPE_CHECKING:
-    from verify.lattices.modulation import ModulationGrid
+    from longwave.verify.lattices.modulation import ModulationGrid
 
 ROGUES = ("alpha_beta_rogue", "dimer_rogue")
 """The scenes beside the paper's `SPLIT`, which is the same wave on its own lattice."""

@@ -1,17 +1,17 @@
 """Runs: made at the command line, kept as files.
 
->>> from runs import load_run, open_run, save_run
+>>> from longwave.runs import load_run, open_run, save_run
 """
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from runs.run_file import load_run, open_run, run_any_scene, save_run, scene_of_run
+    from longwave.runs.run_file import load_run, open_run, run_any_scene, save_run, scene_of_run
 
 __all__ = ["load_run", "open_run", "run_any_scene", "save_run", "scene_of_run"]
 
 __getattr__, __dir__ = lazy_face(
-    __name__, {"runs.run_file": "load_run open_run run_any_scene save_run scene_of_run"}
+    __name__, {"longwave.runs.run_file": "load_run open_run run_any_scene save_run scene_of_run"}
 )

@@ -16,9 +16,9 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from derive.atomic_file import write_atomically
-from lattice.checkpoint import Memory
-from solutions.run.kernel_folder import read_whole
+from longwave.derive.atomic_file import write_atomically
+from longwave.lattice.checkpoint import Memory
+from longwave.solutions.run.kernel_folder import read_whole
 
 LOG = logging.getLogger("longwave.store")
 
@@ -45,7 +45,7 @@ PLAIN = {
 
 def run_stamp(key: str) -> str:
     """What the bits of the run of that key follow from: another machine's may be others."""
-    from solutions.run.entry_point import processor
+    from longwave.solutions.run.entry_point import processor
 
     settings = [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_")]
     return "\n".join([key, processor(), *settings])

@@ -9,19 +9,19 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from derive.command_line import fail_for_memory, interrupted
-from derive.request_limits import Announcer
-from runs.output_checkpoint import OutputCheckpoint
-from runs.rescue import fail_or_rescue
-from runs.told_store import fetch_told
-from verify.cli.console import plain_console, progress_bar
-from verify.lattices.lattice_run import lattice_scene_dataset
-from verify.lattices.lattice_scene import LatticeScene
+from longwave.derive.command_line import fail_for_memory, interrupted
+from longwave.derive.request_limits import Announcer
+from longwave.runs.output_checkpoint import OutputCheckpoint
+from longwave.runs.rescue import fail_or_rescue
+from longwave.runs.told_store import fetch_told
+from longwave.verify.cli.console import plain_console, progress_bar
+from longwave.verify.lattices.lattice_run import lattice_scene_dataset
+from longwave.verify.lattices.lattice_scene import LatticeScene
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from runs.scene_command import RunOptions
+    from longwave.runs.scene_command import RunOptions
 
 
 def run_lattice_and_print(scene: LatticeScene, options: RunOptions, program: str) -> int:

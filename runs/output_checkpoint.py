@@ -7,17 +7,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lattice.checkpoint import kept_by
-from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
-from runs.rescue import save_or_rescue
-from runs.run_store import run_key, runs_its_sources
-from runs.told_store import kept_in, store_told
+from longwave.lattice.checkpoint import kept_by
+from longwave.runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.runs.rescue import save_or_rescue
+from longwave.runs.run_store import run_key, runs_its_sources
+from longwave.runs.told_store import kept_in, store_told
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from verify.comparison.scene import Scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 SUFFIX = ".checkpoint"
 """After the name of the file: the folder beside it."""

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from lattice.model import State
-from verify.comparison.observables import measured_error
-from verify.comparison.view import View
+from longwave.lattice.model import State
+from longwave.verify.comparison.observables import measured_error
+from longwave.verify.comparison.view import View
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from verify.comparison.scene import Scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 
 def scaled_own_error(run: xr.Dataset) -> NDArray[np.float64] | None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from derive.command_line import fail, interrupted
-from runs.output_checkpoint import OutputCheckpoint
-from runs.repeated_run import compare_runs
-from runs.run_file import load_run, run_any_scene, scene_of_run
-from verify.cli.console import plain_console, print_lines, progress_bar
+from longwave.derive.command_line import fail, interrupted
+from longwave.runs.output_checkpoint import OutputCheckpoint
+from longwave.runs.repeated_run import compare_runs
+from longwave.runs.run_file import load_run, run_any_scene, scene_of_run
+from longwave.verify.cli.console import plain_console, print_lines, progress_bar
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from runs.scene_command import RunOptions
-    from verify.comparison.scene import Scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.runs.scene_command import RunOptions
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 
 def repeat_and_print(options: RunOptions, program: str) -> int:
@@ -61,7 +61,7 @@ def _finished_run(options: RunOptions) -> xr.Dataset:
 
 
 def _run_again(scene: Scene | LatticeScene, source: str) -> xr.Dataset:
-    from derive.request_limits import Announcer
+    from longwave.derive.request_limits import Announcer
 
     errors = plain_console(stderr=True, soft_wrap=True)
     with progress_bar(scene.name, f"{source} again", errors) as (advance, tell):

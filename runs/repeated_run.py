@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.provenance import PROVENANCE, changed_parts
+from longwave.verify.provenance import PROVENANCE, changed_parts
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,18 +21,18 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
-from runs.file_lock import locked
-from runs.run_pack import PackedRun, packed_run
-from runs.sealed_file import is_whole, write_sealed
+from longwave.runs.checkpoint_folder import LEAST, SHARE, CheckpointFolder, run_stamp
+from longwave.runs.file_lock import locked
+from longwave.runs.run_pack import PackedRun, packed_run
+from longwave.runs.sealed_file import is_whole, write_sealed
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lattice.refine import Announce
-    from lattice.trial import Progress
-    from verify.comparison.scene import Scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 LOG = logging.getLogger("longwave.store")
 
@@ -86,7 +86,7 @@ class RunStore:
         announce: Announce | None = None,
     ) -> xr.Dataset:
         """The scene's run, of a file of its own or of a sweep's pack, or made as by `fetch`."""
-        from runs.run_file import load_run
+        from longwave.runs.run_file import load_run
 
         found = self._told_place(scene)
         if isinstance(found, PackedRun):
@@ -185,15 +185,15 @@ def _gone_on_with(
     progress: Progress | None,
     announce: Announce | None,
 ) -> xr.Dataset:
-    from lattice.checkpoint import kept_by
-    from runs.run_file import run_any_scene
+    from longwave.lattice.checkpoint import kept_by
+    from longwave.runs.run_file import run_any_scene
 
     with kept_by(checkpoint):
         return run_any_scene(scene, progress, announce)
 
 
 def _kept(path: Path, run: xr.Dataset) -> Path:
-    from runs.run_file import file_content
+    from longwave.runs.run_file import file_content
 
     if "unfinished" in run.attrs:
         raise ValueError(
@@ -222,7 +222,7 @@ def _canonical(value: Any) -> Any:
 @lru_cache
 def code_that_matters() -> str:
     """The digest of the sources and the versions that a run's numbers follow from."""
-    from verify.provenance import provenance
+    from longwave.verify.provenance import provenance
 
     made = provenance()
     versions = [text for text in made["versions"].split(", ") if not text.startswith(UNMOVED)]
@@ -233,8 +233,8 @@ def code_that_matters() -> str:
 @lru_cache
 def runs_its_sources() -> bool:
     """Whether what is in memory is what the files say."""
-    from solutions.run.source_digest import HOUSE, runs_as_written
-    from verify.provenance import CODE
+    from longwave.solutions.run.source_digest import HOUSE, runs_as_written
+    from longwave.verify.provenance import CODE
 
     paths = [path for room in CODE for path in sorted((HOUSE / room).rglob("*.py"))]
     stems = [path.relative_to(HOUSE).with_suffix("").parts for path in paths]

@@ -9,7 +9,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from derive.command_line import called_by, example, limit_options
+from longwave.derive.command_line import called_by, example, limit_options
 
 SWEEPS = Path(__file__).parent / "sweeps"
 """Where the shipped sweeps lie."""
@@ -58,7 +58,7 @@ def run(**options: Any) -> int:
     a run: its scene is run again, and it is told whether that gave the same bits (exit status 0)
     or what differs (1).
     """
-    from runs.scene_command import RunOptions, run_and_print
+    from longwave.runs.scene_command import RunOptions, run_and_print
 
     return run_and_print(RunOptions(**options), called_by())
 
@@ -88,6 +88,6 @@ def sweep(**options: Any) -> int:
     Runs are kept in a folder: the same command goes on where it was stopped. A cell that fails is
     recorded with its error.
     """
-    from runs.sweep_command import SweepOptions, sweep_and_print
+    from longwave.runs.sweep_command import SweepOptions, sweep_and_print
 
     return sweep_and_print(SweepOptions(**options), called_by())

@@ -8,19 +8,19 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from derive.command_line import fail, fail_for_memory, interrupted
-from derive.interruption import keeping
-from runs.output_checkpoint import OutputCheckpoint
-from runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
-from runs.run_file import names_a_run, record_with_trust
-from runs.told_store import fetch_told
-from verify.cli.console import plain_console, progress_bar
-from verify.comparison.expected_cost import check_cost
-from verify.comparison.recorders import Variables
-from verify.comparison.scene import Scene, with_tolerance
-from verify.comparison.stated_run import RunRecord, UnfinishedRun
-from verify.comparison.trust import USUAL_TOLERANCE
-from verify.lattices.lattice_scene import LatticeScene, find_any_scene
+from longwave.derive.command_line import fail, fail_for_memory, interrupted
+from longwave.derive.interruption import keeping
+from longwave.runs.output_checkpoint import OutputCheckpoint
+from longwave.runs.rescue import check_run_output, fail_or_rescue, save_or_rescue
+from longwave.runs.run_file import names_a_run, record_with_trust
+from longwave.runs.told_store import fetch_told
+from longwave.verify.cli.console import plain_console, progress_bar
+from longwave.verify.comparison.expected_cost import check_cost
+from longwave.verify.comparison.recorders import Variables
+from longwave.verify.comparison.scene import Scene, with_tolerance
+from longwave.verify.comparison.stated_run import RunRecord, UnfinishedRun
+from longwave.verify.comparison.trust import USUAL_TOLERANCE
+from longwave.verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
 
 @dataclass
@@ -45,14 +45,14 @@ def run_and_print(options: RunOptions, program: str) -> int:
     try:
         check_run_output(options.output, options.force)
         if names_a_run(options.scene):
-            from runs.repeat_command import repeat_and_print
+            from longwave.runs.repeat_command import repeat_and_print
 
             return repeat_and_print(options, program)
         found = find_any_scene(options.scene)
     except (ValueError, OSError) as error:
         return fail(error)
     if isinstance(found, LatticeScene):
-        from runs.lattice_scene_command import run_lattice_and_print
+        from longwave.runs.lattice_scene_command import run_lattice_and_print
 
         return run_lattice_and_print(found, options, program)
     checkpoint = OutputCheckpoint(options.output, options.store)

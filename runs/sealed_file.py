@@ -11,8 +11,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from derive.atomic_file import write_atomically
-from runs.checkpoint_folder import LOG
+from longwave.derive.atomic_file import write_atomically
+from longwave.runs.checkpoint_folder import LOG
 
 if TYPE_CHECKING:
     from hashlib import _Hash as Hash

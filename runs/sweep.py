@@ -12,10 +12,10 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
-from derive.atomic_file import write_atomically
-from derive.command_line import one_line
-from derive.request_limits import current_limits
-from runs.run_pack import (
+from longwave.derive.atomic_file import write_atomically
+from longwave.derive.command_line import one_line
+from longwave.derive.request_limits import current_limits
+from longwave.runs.run_pack import (
     FAILED,
     PACKS,
     REFUSED,
@@ -25,14 +25,14 @@ from runs.run_pack import (
     packed_records,
     write_pack,
 )
-from runs.run_store import RunStore
-from runs.sealed_file import is_whole
-from runs.sweep_cells import Batch, Cell, run_cells
-from runs.sweep_workers import Promise, Workers
-from runs.worker_code import code_here
+from longwave.runs.run_store import RunStore
+from longwave.runs.sealed_file import is_whole
+from longwave.runs.sweep_cells import Batch, Cell, run_cells
+from longwave.runs.sweep_workers import Promise, Workers
+from longwave.runs.worker_code import code_here
 
 if TYPE_CHECKING:
-    from runs.sweep_file import Sweep
+    from longwave.runs.sweep_file import Sweep
 
 LEAST_SECONDS, MOST_SECONDS = 0.3, 3.0
 """Seconds of a batch: its pack costs 10 ms. Towards the end they are short, so that all workers

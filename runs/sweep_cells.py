@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from derive.request_limits import RequestLimits, TooMuchError, request_limits
-from runs.own_error import own_error_at
-from runs.run_pack import (
+from longwave.derive.request_limits import RequestLimits, TooMuchError, request_limits
+from longwave.runs.own_error import own_error_at
+from longwave.runs.run_pack import (
     BLOWN_UP,
     DONE,
     FAILED,
@@ -30,14 +30,14 @@ from runs.run_pack import (
     CellRecord,
     write_pack,
 )
-from runs.run_store import RunStore, UnkeptRunError, runs_its_sources
-from runs.worker_code import check_code
-from solutions.run.cores import keep_to_one_core
+from longwave.runs.run_store import RunStore, UnkeptRunError, runs_its_sources
+from longwave.runs.worker_code import check_code
+from longwave.solutions.run.cores import keep_to_one_core
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from runs.sweep_scene import AnyScene
+    from longwave.runs.sweep_scene import AnyScene
 
 LONG = 10.0
 """Seconds from which on a cell is a run of its own in the store, with checkpoints."""
@@ -157,7 +157,7 @@ def run_cell(cell: Cell, store: RunStore | None = None) -> CellRecord:
     cannot be written there as a file of its own.
     """
 
-    from runs.run_file import load_run, run_any_scene
+    from longwave.runs.run_file import load_run, run_any_scene
 
     alone = False
 

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from derive.command_line import duration, fail, interrupted
-from derive.request_limits import Announcer, check_request, current_limits
-from runs.rescue import BROKEN, check_run_output
-from runs.run_file import SWEPT, open_run
-from runs.run_pack import DONE
-from runs.run_store import RunStore
-from runs.sweep import SweepState, run_sweep, settled_keys
-from runs.sweep_cost import SweepCost, expected_sweep_cost
-from runs.sweep_file import Sweep, load_sweep
-from runs.sweep_workers import LocalWorkers, Workers, sweep_workers
-from runs.told_store import store_told
-from verify.cli.console import plain_console, progress_bar
+from longwave.derive.command_line import duration, fail, interrupted
+from longwave.derive.request_limits import Announcer, check_request, current_limits
+from longwave.runs.rescue import BROKEN, check_run_output
+from longwave.runs.run_file import SWEPT, open_run
+from longwave.runs.run_pack import DONE
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import SweepState, run_sweep, settled_keys
+from longwave.runs.sweep_cost import SweepCost, expected_sweep_cost
+from longwave.runs.sweep_file import Sweep, load_sweep
+from longwave.runs.sweep_workers import LocalWorkers, Workers, sweep_workers
+from longwave.runs.told_store import store_told
+from longwave.verify.cli.console import plain_console, progress_bar
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +52,7 @@ def sweep_and_print(options: SweepOptions, program: str) -> int:
     then, and the same command goes on with what is missing. More than 5 s are announced, and 2 s
     that nobody foresaw.
     """
-    from runs.sweep_dataset import write_sweep
+    from longwave.runs.sweep_dataset import write_sweep
 
     told = SweepState(0)
     try:

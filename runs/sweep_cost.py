@@ -8,13 +8,13 @@ from random import Random
 from time import process_time
 from typing import TYPE_CHECKING
 
-from derive.request_limits import ExpectedCost
-from runs.run_cost import expected_cell_cost
-from runs.sealed_file import is_whole
+from longwave.derive.request_limits import ExpectedCost
+from longwave.runs.run_cost import expected_cell_cost
+from longwave.runs.sealed_file import is_whole
 
 if TYPE_CHECKING:
-    from runs.run_store import RunStore
-    from runs.sweep_file import Sweep
+    from longwave.runs.run_store import RunStore
+    from longwave.runs.sweep_file import Sweep
 
 MOST_LOOKED_AT, FEWEST = 200, 5
 """Cells that are looked at, of sweeps with more. Costs that differ by a factor of 100 are met to

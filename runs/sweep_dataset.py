@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from derive.atomic_file import write_atomically
-from runs.run_file import SWEPT, file_content, load_run
-from runs.run_pack import (
+from longwave.derive.atomic_file import write_atomically
+from longwave.runs.run_file import SWEPT, file_content, load_run
+from longwave.runs.run_pack import (
     NUMBERS,
     OPTIONAL,
     RATES,
@@ -23,10 +23,10 @@ from runs.run_pack import (
     PackedRun,
     packed_records,
 )
-from runs.run_store import RunStore
-from runs.sweep_cells import record_of
-from runs.sweep_fields import Place, swept_fields
-from runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep_cells import record_of
+from longwave.runs.sweep_fields import Place, swept_fields
+from longwave.runs.sweep_file import CASE, SAMPLE, TAKEN, Sweep
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -14,8 +14,8 @@ from xarray import Variable
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from runs.run_file import load_run
-from runs.run_pack import PackedRun
+from longwave.runs.run_file import load_run
+from longwave.runs.run_pack import PackedRun
 
 Place: TypeAlias = PackedRun | Path
 """Where a cell's run is: in a pack, or a file of its own."""

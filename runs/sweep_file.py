@@ -38,15 +38,15 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from runs.run_pack import NUMBERS, TEXTS
-from runs.sweep_scene import (
+from longwave.runs.run_pack import NUMBERS, TEXTS
+from longwave.runs.sweep_scene import (
     AnyScene,
     base_document,
     changed_document,
     check_field,
     make_scene,
 )
-from verify.comparison.scene_fields import (
+from longwave.verify.comparison.scene_fields import (
     finite,
     read_document,
     refuse_unknown,
@@ -68,7 +68,7 @@ CASE, SAMPLE = "case", "sample"
 TAKEN = (CASE, SAMPLE, "time", "site", "row", "quantity", "background", *TEXTS, *NUMBERS)
 """Names that runs, or cells, have for something else."""
 
-FOLDER = files("runs.sweeps")
+FOLDER = files("longwave.runs.sweeps")
 
 Values = tuple[Any, ...]
 

@@ -8,14 +8,14 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from verify.comparison import scene_fields
-from verify.comparison.observables import OBSERVABLES
-from verify.comparison.scene import Scene
-from verify.comparison.scene_fields import read_document, shown
-from verify.lattices import lattice_scene_file
-from verify.lattices.lattice_scene import LatticeScene, find_any_scene
-from verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
-from verify.lattices.scene_disorder import Disorder
+from longwave.verify.comparison import scene_fields
+from longwave.verify.comparison.observables import OBSERVABLES
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.comparison.scene_fields import read_document, shown
+from longwave.verify.lattices import lattice_scene_file
+from longwave.verify.lattices.lattice_scene import LatticeScene, find_any_scene
+from longwave.verify.lattices.lattice_scene_file import lattice_scene_fields, names_a_lattice
+from longwave.verify.lattices.scene_disorder import Disorder
 
 AnyScene: TypeAlias = Scene | LatticeScene
 

@@ -12,11 +12,11 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from runs.checkpoint_folder import LOG
-from runs.worker_code import check_cluster
-from solutions.run.cores import usable_cores
-from verify.dask_cluster import connect
-from verify.processes import ignore_interrupt, pool_context
+from longwave.runs.checkpoint_folder import LOG
+from longwave.runs.worker_code import check_cluster
+from longwave.solutions.run.cores import usable_cores
+from longwave.verify.dask_cluster import connect
+from longwave.verify.processes import ignore_interrupt, pool_context
 
 PATIENCE = 1.0
 """Seconds that workers have to pack what they have when the sweep is stopped."""
@@ -116,7 +116,7 @@ class DaskWorkers:
     """The workers of a Dask cluster; `dask.distributed` comes with the extra ``cluster``."""
 
     def __init__(self, address: str) -> None:
-        self._client = connect(address, "runs.worker_code:code_here")
+        self._client = connect(address, "longwave.runs.worker_code:code_here")
         try:
             check_cluster(self._client)
         except ValueError:

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from derive.command_line import one_line
-from runs.run_store import LOG, RunStore
+from longwave.derive.command_line import one_line
+from longwave.runs.run_store import LOG, RunStore
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lattice.refine import Announce
-    from lattice.trial import Progress
-    from verify.comparison.scene import Scene
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.lattice.refine import Announce
+    from longwave.lattice.trial import Progress
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 
 class _Lines(logging.Handler):

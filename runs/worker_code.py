@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from runs.run_store import code_that_matters
-from verify.provenance import changed_parts, provenance
+from longwave.runs.run_store import code_that_matters
+from longwave.verify.provenance import changed_parts, provenance
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -8,14 +8,14 @@ asked for: reading the formulas needs no compiler, and double-double arithmetic 
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from solutions.catalogue import CATALOGUE, closed_form
-    from solutions.data_store import kept_data
-    from solutions.forms.rational import rational, rational_tau
-    from solutions.numeric_wave import NumericWave, Side, WaveValues
-    from solutions.record import (
+    from longwave.solutions.catalogue import CATALOGUE, closed_form
+    from longwave.solutions.data_store import kept_data
+    from longwave.solutions.forms.rational import rational, rational_tau
+    from longwave.solutions.numeric_wave import NumericWave, Side, WaveValues
+    from longwave.solutions.record import (
         DEFOCUSING_MKDV,
         FOCUSING_MKDV,
         Bound,
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
         Parameter,
         Reference,
     )
-    from solutions.wave import Wave
-    from solutions.wave_store import kept_wave
+    from longwave.solutions.wave import Wave
+    from longwave.solutions.wave_store import kept_wave
 
 __all__ = [
     "CATALOGUE",
@@ -52,13 +52,13 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "solutions.catalogue": "CATALOGUE closed_form",
-        "solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
+        "longwave.solutions.catalogue": "CATALOGUE closed_form",
+        "longwave.solutions.record": "DEFOCUSING_MKDV FOCUSING_MKDV Bound ClosedForm Equation "
         "FarFields Parameter Reference",
-        "solutions.forms.rational": "rational rational_tau",
-        "solutions.data_store": "kept_data",
-        "solutions.wave_store": "kept_wave",
-        "solutions.numeric_wave": "NumericWave Side WaveValues",
-        "solutions.wave": "Wave",
+        "longwave.solutions.forms.rational": "rational rational_tau",
+        "longwave.solutions.data_store": "kept_data",
+        "longwave.solutions.wave_store": "kept_wave",
+        "longwave.solutions.numeric_wave": "NumericWave Side WaveValues",
+        "longwave.solutions.wave": "Wave",
     },
 )

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, overload
 
 if TYPE_CHECKING:
-    from solutions.record import ClosedForm
+    from longwave.solutions.record import ClosedForm
 
 __all__ = ["CATALOGUE", "Catalogue", "closed_form"]
 
@@ -118,7 +118,7 @@ class Catalogue(Sequence["ClosedForm"]):
     @staticmethod
     def module(name: str) -> str:
         """The module with the function ``name``, which makes that form."""
-        return f"solutions.forms.{_MODULES[name]}"
+        return f"longwave.solutions.forms.{_MODULES[name]}"
 
     @staticmethod
     def equation(name: str) -> str:
@@ -152,12 +152,12 @@ def closed_form(name: str, parameters: Iterable[str] = ()) -> "ClosedForm":
     shifts = [int(found[1]) for text in parameters if (found := _SHIFT.fullmatch(text))]
     is_printed = isinstance(name, str) and name in _MODULES
     if match and int(match[1]) <= LARGEST_ORDER and (shifts or not is_printed):
-        from solutions.forms.rational import rational
+        from longwave.solutions.forms.rational import rational
 
         return rational(int(match[1]), shifts)
     if is_printed:
         return _made(name)
-    from derive.algebra.exact_numbers import shown
+    from longwave.derive.algebra.exact_numbers import shown
 
     raise ValueError(
         f"name must be a closed form of the catalogue, got {shown(name)} "

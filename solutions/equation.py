@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from derive.algebra.exact_numbers import instance, shown
-from derive.normal_form import NORMAL_EQUATIONS
-from solutions.symbols import s, tau, xi, zeta
+from longwave.derive.algebra.exact_numbers import instance, shown
+from longwave.derive.normal_form import NORMAL_EQUATIONS
+from longwave.solutions.symbols import s, tau, xi, zeta
 
 __all__ = [
     "DEFOCUSING_GARDNER",

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solutions.points import check_points, evaluate_points
-from solutions.run.doubledouble import split
-from solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
-from solutions.run.machine import add_row, scale_rows
+from longwave.solutions.points import check_points, evaluate_points
+from longwave.solutions.run.doubledouble import split
+from longwave.solutions.run.linear_phase import LONG, LinearPhase, Variables, long_number
+from longwave.solutions.run.machine import add_row, scale_rows
 
 if TYPE_CHECKING:
-    from solutions.run.evaluator import Evaluator, PointEvaluator
+    from longwave.solutions.run.evaluator import Evaluator, PointEvaluator
 
 __all__ = [
     "NumericWave",
@@ -209,7 +209,7 @@ class NumericWave:
         By quadrature, its error below 1e-12 of the largest |W|; raises ValueError as
         `solutions.quadrature.integral_from_zero` does.
         """
-        from solutions.quadrature import integral_from_zero
+        from longwave.solutions.quadrature import integral_from_zero
 
         (points, _) = check_points(X, T)
         fastest = max(abs(phase.rate) for phase in self._phases("formula", self._slow))
@@ -370,7 +370,7 @@ def _exact_eps(eps: object) -> Any:
     """The exact number meant by ``eps``, which must be positive: a Fraction, or SymPy's."""
     if isinstance(eps, float) and 0.0 < eps < np.inf:
         return Fraction(repr(float(eps)))
-    from derive.algebra.exact_numbers import exact_number
+    from longwave.derive.algebra.exact_numbers import exact_number
 
     exact = exact_number("eps", eps)
     if not exact > 0:

@@ -18,10 +18,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from solutions.compile.tape import Tape
-from solutions.record import ClosedForm
-from solutions.run.doubledouble import Array
-from solutions.run.program import jacobi_program
+from longwave.solutions.compile.tape import Tape
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.run.doubledouble import Array
+from longwave.solutions.run.program import jacobi_program
 
 __all__ = ["numpy_function", "numpy_module"]
 
@@ -93,7 +93,7 @@ def numpy_function(form: ClosedForm) -> Callable[..., Any]:
     come: a `Wave` forms its phases from (site, time, eps) in double-double and keeps its digits
     at large arguments and near k = 1, where this function does not.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> U, U_xi, U_tau = numpy_function(closed_form("soliton_sech"))(0.0, 0.0, 2.0)
     >>> float(U), float(U_xi) == 0.0
     (2.0, True)

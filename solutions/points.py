@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solutions.run.cores import usable_cores
+from longwave.solutions.run.cores import usable_cores
 
 __all__ = ["check_points", "evaluate_points"]
 
@@ -105,7 +105,7 @@ def _doubles(name: str, values: ArrayLike) -> Array:
 
 
 def _shown(value: object) -> str:
-    from derive.algebra.exact_numbers import shown  # with SymPy, for what is wrong alone
+    from longwave.derive.algebra.exact_numbers import shown  # with SymPy, for what is wrong alone
 
     return shown(value)
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import sympy as sp
 
-from derive.algebra.exact_numbers import exact_number, instance
-from solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
+from longwave.derive.algebra.exact_numbers import exact_number, instance
+from longwave.solutions.equation import DEFOCUSING_MKDV, FOCUSING_MKDV, Equation
 
 __all__ = [
     "DEFOCUSING_MKDV",
@@ -61,7 +61,7 @@ class Parameter:
     default: sp.Expr | None = None
 
     def __post_init__(self) -> None:
-        instance("symbol", self.symbol, sp.Symbol, "solutions.symbols holds k, A, ...")
+        instance("symbol", self.symbol, sp.Symbol, "longwave.solutions.symbols holds k, A, ...")
 
     @property
     def name(self) -> str:
@@ -197,7 +197,12 @@ class ClosedForm:
             instance(name, getattr(self, name), str, "such as 'kink'")
         instance("equation", self.equation, Equation, "FOCUSING_MKDV is one")
         for parameter in self.parameters:
-            instance("each of parameters", parameter, Parameter, "Parameter(solutions.symbols.k)")
+            instance(
+                "each of parameters",
+                parameter,
+                Parameter,
+                "Parameter(longwave.solutions.symbols.k)",
+            )
 
     def found_by(self, maker: "Callable[..., ClosedForm]", *of: object) -> "ClosedForm":
         """This form, which pickles as a call of ``maker`` with ``of``."""

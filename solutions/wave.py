@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derive.algebra.exact_numbers import exact_number, instance
-from derive.normal_form import NormalForm
-from solutions.compile.compiler import kept_program
-from solutions.compile.complex_parts import complex_parts
-from solutions.numeric_wave import (
+from longwave.derive.algebra.exact_numbers import exact_number, instance
+from longwave.derive.normal_form import NormalForm
+from longwave.solutions.compile.compiler import kept_program
+from longwave.solutions.compile.complex_parts import complex_parts
+from longwave.solutions.numeric_wave import (
     Array,
     NumericWave,
     Part,
@@ -20,12 +20,12 @@ from solutions.numeric_wave import (
     WaveNumbers,
     WaveValues,
 )
-from solutions.record import ClosedForm
-from solutions.run.doubledouble import split
-from solutions.run.evaluator import Evaluator, PointEvaluator
-from solutions.run.linear_phase import Variables, long_number
-from solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
-from solutions.symbols import s
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.run.doubledouble import split
+from longwave.solutions.run.evaluator import Evaluator, PointEvaluator
+from longwave.solutions.run.linear_phase import Variables, long_number
+from longwave.solutions.run.reference_evaluation import check_digits, evaluate_mp, exact_point
+from longwave.solutions.symbols import s
 
 __all__ = ["Side", "Wave", "WaveValues"]
 
@@ -48,8 +48,8 @@ class Wave(NumericWave):
 
     Raises ValueError for bad parameters and if the normal form is of another equation or sign.
 
-    >>> from derive import mkdv_normal_form
-    >>> from solutions import closed_form
+    >>> from longwave.derive import mkdv_normal_form
+    >>> from longwave.solutions import closed_form
     >>> wave = Wave(closed_form("soliton_dn"), mkdv_normal_form(K2=1, K4=1), k=0.7)
     >>> round(float(wave(0.0, 0.0).Y), 12)  # 2 + sqrt(1 - k**2)
     2.714142842854

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from solutions.data_store import DataStore, open_store
-from solutions.numeric_wave import Array, NumericWave, Part, WaveNumbers
-from solutions.run.evaluator import PointEvaluator
-from solutions.run.linear_phase import Variables
+from longwave.solutions.data_store import DataStore, open_store
+from longwave.solutions.numeric_wave import Array, NumericWave, Part, WaveNumbers
+from longwave.solutions.run.evaluator import PointEvaluator
+from longwave.solutions.run.linear_phase import Variables
 
 if TYPE_CHECKING:
-    from solutions.wave import Wave
+    from longwave.solutions.wave import Wave
 
 __all__ = ["kept_wave"]
 

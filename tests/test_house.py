@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import tokenize
-from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
@@ -15,31 +14,13 @@ from pkgutil import iter_modules
 
 import pytest
 
-from solutions.run.source_digest import ROOMS as SOURCE_ROOMS
+from house import HOUSE, ROOMS, dotted_name
 
-HOUSE = Path(__file__).parents[1]
-ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 SOURCES = sorted(path for room in ROOMS for path in (HOUSE / room).rglob("*.py"))
 
 LONGEST_CHAIN, LONGEST_OF_PROOFS = 9, 15
 """Modules in the longest chain of imports, those in functions and for types alone left out: of all
 but the proofs, and with them."""
-
-SAME_NAMES = {
-    "__init__.py": "a room's or a folder's face",
-    "__main__.py": "a room's command",
-    "ring.py": "a ring of sites, a ring of polynomials",
-    "symbols.py": "the letters of a room's formulas",
-}
-"""Names that several files may have, and why."""
-
-SAME_CLASSES = {
-    "Domain": "of sites, of variables",
-    "Statement": "as a text states it, as a certificate proves it",
-}
-"""Names that several public classes may have, and why: their folders make them clear."""
-
-MOST_LINES = 450
 
 
 @cache
@@ -56,14 +37,15 @@ def nodes_of(path: Path) -> tuple[ast.AST, ...]:
 
 def imported_modules(path: Path, text: str | None = None) -> Iterator[str]:
     """Yield the dotted names of the modules that the file imports, relative ones resolved."""
-    package = path.relative_to(HOUSE).parent.parts
+    package = dotted_name(path.parent / "__init__.py").split(".")
     for node in nodes_of(path) if text is None else ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             above = package[: len(package) - node.level + 1] if node.level else ()
             stem = ".".join([*above, *([node.module] if node.module else [])])
-            yield stem
+            if stem != "longwave":  # `from longwave import lattice` asks for the room alone
+                yield stem
             yield from (f"{stem}.{alias.name}" for alias in node.names)
 
 
@@ -75,21 +57,46 @@ def test_a_room_imports_nothing_on_its_right() -> None:
     wrong = []
     for path in SOURCES:
         later = ROOMS[ROOMS.index(path.relative_to(HOUSE).parts[0]) + 1 :]
-        wrong += [(name_of(path), n) for n in imported_modules(path) if n.split(".")[0] in later]
+        wrong += [(name_of(path), n) for n in imported_modules(path) if room_of(n) in later]
     assert not wrong
+
+
+def room_of(module: str) -> str:
+    """The room of a module, "longwave" for the face; "" if it is none of ours."""
+    package, _, rest = module.partition(".")
+    room = rest.partition(".")[0]
+    return "" if package != "longwave" else room if room in ROOMS else package
+
+
+@pytest.mark.parametrize("room", ROOMS[:-1])
+def test_the_package_links_to_its_rooms(room: str) -> None:
+    assert (HOUSE / "longwave" / room).readlink() == Path("..") / room
+
+
+def test_nothing_is_imported_but_as_a_part_of_the_package() -> None:
+    """Two names of one file would be two modules, and a user's own `lattice.py` may be found."""
+    for path in SOURCES:
+        assert not {name for name in imported_modules(path) if name.split(".")[0] in ROOMS[:-1]}
 
 
 @pytest.mark.parametrize(("room", "other"), [("proof", "comparison"), ("comparison", "proof")])
 def test_proof_and_comparison_do_not_import_each_other(room: str, other: str) -> None:
     for path in (HOUSE / "verify" / room).rglob("*.py"):
         names = set(imported_modules(path))
-        assert not {name for name in names if name.startswith(f"verify.{other}")}, path
+        assert not {name for name in names if name.startswith(f"longwave.verify.{other}")}, path
 
 
 @pytest.mark.parametrize(
     ("room", "other"),
-    [("proof", "verify.studies"), ("kernel", "verify.studies"), ("kernel", "verify.proof")]
-    + [("studies/texts", other) for other in ("verify.proof", "verify.kernel", "derive")],
+    [
+        ("proof", "longwave.verify.studies"),
+        ("kernel", "longwave.verify.studies"),
+        ("kernel", "longwave.verify.proof"),
+    ]
+    + [
+        ("studies/texts", other)
+        for other in ("longwave.verify.proof", "longwave.verify.kernel", "longwave.derive")
+    ],
 )
 def test_a_prover_shares_no_code_with_its_judge(room: str, other: str) -> None:
     for path in (HOUSE / "verify" / room).rglob("*.py"):
@@ -98,19 +105,38 @@ def test_a_prover_shares_no_code_with_its_judge(room: str, other: str) -> None:
 
 def test_relative_imports_are_resolved() -> None:
     """The direction test would be blind to `from ..verdict import Verdict` if this failed."""
-    text = "from ..verdict import Verdict\nfrom . import scene\nimport solutions.wave\n"
+    text = "from ..verdict import Verdict\nfrom . import scene\nimport longwave.solutions.wave\n"
     names = set(imported_modules(HOUSE / "verify" / "comparison" / "imagined.py", text))
-    assert {"verify.verdict", "verify.comparison.scene", "solutions.wave"} <= names
+    assert {
+        "longwave.verify.verdict",
+        "longwave.verify.comparison.scene",
+        "longwave.solutions.wave",
+    } <= names
 
 
 @pytest.mark.parametrize(
     ("imported", "unwanted"),
     [
-        ("import derive, solutions, lattice, verify.comparison, longwave", "sympy numpy numba"),
-        ("from derive import reduce", "numpy scipy numba matplotlib xarray solutions"),
-        ("from solutions import closed_form", "numba matplotlib jinja2 lattice verify"),
-        ("from lattice import integrate", "sympy matplotlib xarray verify derive.lattice"),
-        ("from verify.proof import prove", "numba matplotlib xarray lattice verify.comparison"),
+        (
+            "from longwave import derive, solutions, lattice; import longwave.verify.comparison",
+            "sympy numpy numba",
+        ),
+        (
+            "from longwave.derive import reduce",
+            "numpy scipy numba matplotlib xarray longwave.solutions",
+        ),
+        (
+            "from longwave.solutions import closed_form",
+            "numba matplotlib jinja2 longwave.lattice longwave.verify",
+        ),
+        (
+            "from longwave.lattice import integrate",
+            "sympy matplotlib xarray longwave.verify longwave.derive.lattice",
+        ),
+        (
+            "from longwave.verify.proof import prove",
+            "numba matplotlib xarray longwave.lattice longwave.verify.comparison",
+        ),
     ],
 )
 def test_importing_a_noun_pulls_in_only_what_it_needs(imported: str, unwanted: str) -> None:
@@ -121,14 +147,11 @@ def test_importing_a_noun_pulls_in_only_what_it_needs(imported: str, unwanted: s
     assert done.stdout.split() == []
 
 
-def module_of(path: Path) -> str:
-    return ".".join(path.relative_to(HOUSE).with_suffix("").parts).removesuffix(".__init__")
-
-
 def test_the_lattice_knows_neither_symbols_nor_waves() -> None:
-    modules = [module_of(path) for path in SOURCES if path.is_relative_to(HOUSE / "lattice")]
+    modules = [dotted_name(path) for path in SOURCES if path.is_relative_to(HOUSE / "lattice")]
     test_importing_a_noun_pulls_in_only_what_it_needs(
-        f"import {', '.join(modules)}", "sympy mpmath matplotlib xarray derive.lattice verify"
+        f"import {', '.join(modules)}",
+        "sympy mpmath matplotlib xarray longwave.derive.lattice longwave.verify",
     )
 
 
@@ -152,7 +175,7 @@ def modules_imported_first(tree: ast.Module, known: Mapping[str, Path]) -> Itera
 @cache
 def imports() -> Mapping[str, frozenset[str]]:
     """The modules of the house, with those that each of them imports first."""
-    known = {module_of(path): path for path in SOURCES}
+    known = {dotted_name(path): path for path in SOURCES}
     return {
         name: frozenset(modules_imported_first(tree_of(path), known)) & (known.keys() - {name})
         for name, path in known.items()
@@ -176,7 +199,7 @@ def longest_chain(graph: Mapping[str, frozenset[str]]) -> tuple[str, ...]:
 def test_imports_form_no_circle_and_no_long_chain() -> None:
     chain = longest_chain(imports())
     assert len(chain) <= LONGEST_OF_PROOFS, " -> ".join(chain)
-    rest = {name for name in imports() if not name.startswith("verify.proof")}
+    rest = {name for name in imports() if not name.startswith("longwave.verify.proof")}
     chain = longest_chain({name: imports()[name] & rest for name in rest})
     assert len(chain) <= LONGEST_CHAIN, " -> ".join(chain)
 
@@ -188,7 +211,15 @@ def test_a_circle_of_imports_is_seen() -> None:
 
 
 @pytest.mark.parametrize(
-    "room", ["derive", "solutions", "lattice", "verify.comparison", "verify.proof", "longwave"]
+    "room",
+    [
+        "longwave.derive",
+        "longwave.solutions",
+        "longwave.lattice",
+        "longwave.verify.comparison",
+        "longwave.verify.proof",
+        "longwave",
+    ],
 )
 def test_a_noun_that_is_imported_when_asked_for_has_not_the_name_of_a_module(room: str) -> None:
     """Importing the module would put it in the noun's place."""
@@ -196,28 +227,6 @@ def test_a_noun_that_is_imported_when_asked_for_has_not_the_name_of_a_module(roo
     assert "__getattr__" in vars(face)
     modules = {module.name for module in iter_modules(face.__path__)}
     assert not modules & set(face.__all__)
-
-
-def doubled(places: Iterator[tuple[str, Path]]) -> dict[str, list[str]]:
-    """The names that are in several files, with those files."""
-    found = defaultdict(list)
-    for name, path in places:
-        found[name].append(name_of(path))
-    return {name: files for name, files in found.items() if len(files) > 1}
-
-
-def test_no_two_files_have_one_name() -> None:
-    assert not doubled((path.name, path) for path in SOURCES if path.name not in SAME_NAMES)
-
-
-def test_no_two_public_classes_have_one_name() -> None:
-    assert not doubled(
-        (node.name, path)
-        for path in SOURCES
-        for node in tree_of(path).body
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
-        if node.name not in SAME_CLASSES
-    )
 
 
 def lines_of_code(text: str) -> int:
@@ -236,18 +245,6 @@ def lines_of_code(text: str) -> int:
         for line in range(token.start[0], token.end[0] + 1)
     }
     return len(held - told)
-
-
-def test_no_file_is_a_scrap_or_a_heap() -> None:
-    texts = {name_of(path): path.read_text("utf-8") for path in SOURCES}
-    heaps = [name for name, text in texts.items() if len(text.splitlines()) > MOST_LINES]
-    scraps = [
-        name
-        for name, text in texts.items()
-        if not Path(name).name.startswith("__") and lines_of_code(text) < 8
-    ]
-    assert not heaps
-    assert not scraps
 
 
 def test_no_function_is_longer_than_60_lines() -> None:
@@ -281,10 +278,6 @@ def test_kernels_are_compiled_through_the_cache_that_follows_sources() -> None:
         and {*imported_modules(path)} & {*compilers, "numba.np.ufunc"}
     ]
     assert not wrong
-
-
-def test_the_rooms_whose_sources_count_for_kernels_are_all_rooms() -> None:
-    assert SOURCE_ROOMS == ROOMS
 
 
 def text_files() -> Iterator[Path]:

@@ -13,8 +13,8 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from solutions.run.entry_point import processor
-from solutions.run.source_digest import HOUSE
+from longwave.solutions.run.entry_point import processor
+from longwave.solutions.run.source_digest import HOUSE
 
 PACKAGES = (
     *("longwave", "numpy", "scipy", "numba", "llvmlite", "ducc0", "sympy", "mpmath"),

@@ -12,9 +12,9 @@ from functools import reduce as fold
 
 from sympy import Symbol
 
-from derive.algebra.jets import DifferentialPolynomial, Jet
-from derive.algebra.rational_functions import Exponents, RationalFunction
-from derive.algebra.series import EpsSeries
+from longwave.derive.algebra.jets import DifferentialPolynomial, Jet
+from longwave.derive.algebra.rational_functions import Exponents, RationalFunction
+from longwave.derive.algebra.series import EpsSeries
 
 Terms = list[tuple[Exponents, int]]
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from derive.algebra.bounded_building import (
+from longwave.derive.algebra.bounded_building import (
     TooLarge,
     applied,
     derivative,
@@ -17,8 +17,8 @@ from derive.algebra.bounded_building import (
     product,
     total,
 )
-from derive.algebra.formula_text import Parser, Vocabulary, tokens
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.formula_text import Parser, Vocabulary, tokens
+from longwave.derive.algebra.formula_tree import (
     Call,
     Derivative,
     FormulaTree,

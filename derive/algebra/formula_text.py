@@ -16,8 +16,8 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.bounded_building import ORDER
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.bounded_building import ORDER
+from longwave.derive.algebra.formula_tree import (
     MINUS_ONE,
     Call,
     Derivative,
@@ -30,7 +30,7 @@ from derive.algebra.formula_tree import (
     Unknown,
     rational,
 )
-from derive.algebra.typing_mistakes import similar
+from longwave.derive.algebra.typing_mistakes import similar
 
 LONGEST = 20_000
 """Characters of a text."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from derive.algebra.rational_functions import RationalFunction, RationalFunctions
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
 Jet = tuple[int, ...]
 Monomial = tuple[Jet, ...]
@@ -30,7 +30,7 @@ def raised(jet: Jet, axis: int, by: int = 1) -> Jet:
 class DifferentialPolynomial:
     """``{monomial: coefficient}`` over ``field``; zero coefficients are never stored.
 
-    >>> from derive.symbols import K4
+    >>> from longwave.derive.symbols import K4
     >>> constants = RationalFunctions((K4,))
     >>> Y = DifferentialPolynomial.monomial(constants, ((0, 0),))
     >>> (constants(K4) * Y * Y).derivative(0).terms
@@ -124,7 +124,7 @@ class DifferentialPolynomial:
         its highest jet to the first power, and lowering that jet gives the leading term of the
         antiderivative; when it cannot be lowered no antiderivative exists.
 
-        >>> from derive.symbols import K4
+        >>> from longwave.derive.symbols import K4
         >>> constants = RationalFunctions((K4,))
         >>> Y_X = DifferentialPolynomial.monomial(constants, ((1, 0),))
         >>> (Y_X * Y_X).antiderivative() is None

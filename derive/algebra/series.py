@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.rational_functions import RationalFunction, RationalFunctions
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
 
 Operator = tuple[tuple[int, int, RationalFunction], ...]
 

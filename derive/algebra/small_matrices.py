@@ -42,7 +42,7 @@ def null_space(matrix: Matrix) -> list[Column]:
     """A basis of the vectors that the matrix takes to 0; the first entry that is not 0 is 1.
 
     >>> from sympy import Symbol
-    >>> from derive.algebra.rational_functions import RationalFunctions
+    >>> from longwave.derive.algebra.rational_functions import RationalFunctions
     >>> k = RationalFunctions((Symbol("k"),))(Symbol("k"))
     >>> null_space([[k, -k], [-k, k]])
     [[1, 1]]

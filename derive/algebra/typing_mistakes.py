@@ -12,9 +12,9 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from derive.algebra.foreign_characters import GREEK, ascii_text
-from derive.algebra.foreign_functions import ALIASES, CALLS, Rule
-from derive.algebra.typing_rules import (
+from longwave.derive.algebra.foreign_characters import GREEK, ascii_text
+from longwave.derive.algebra.foreign_functions import ALIASES, CALLS, Rule
+from longwave.derive.algebra.typing_rules import (
     BRACES,
     DERIVATIVES,
     END,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from derive.algebra.foreign_functions import Rule
+from longwave.derive.algebra.foreign_functions import Rule
 
 VARIABLES = "xyzt"
 SITE = "n"

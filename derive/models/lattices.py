@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from sympy import Expr, Integer, Rational, Symbol, exp
 
-from derive.lattice import Bond, Lattice, Stencil, on_site, spring
-from derive.symbols import K2, K3, K4, x
+from longwave.derive.lattice import Bond, Lattice, Stencil, on_site, spring
+from longwave.derive.symbols import K2, K3, K4, x
 
 H2 = Symbol("H2", positive=True)
 H3, H4, L2, L3, L4 = (Symbol(name, real=True) for name in ("H3", "H4", "L2", "L3", "L4"))

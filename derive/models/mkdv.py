@@ -6,17 +6,17 @@ from functools import lru_cache
 
 from sympy import Expr, Symbol
 
-from derive.algebra.exact_numbers import Number, exact
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.series import EpsSeries
-from derive.expansion import expand
-from derive.models.lattices import FPUT_STRAIN
-from derive.multiscale import reduce
-from derive.normal_form import NormalForm
-from derive.output.notation import Notation
-from derive.reduction import Reduction
-from derive.scaling import Scaling
-from derive.symbols import eps
+from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.expansion import expand
+from longwave.derive.models.lattices import FPUT_STRAIN
+from longwave.derive.multiscale import reduce
+from longwave.derive.normal_form import NormalForm
+from longwave.derive.output.notation import Notation
+from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import Scaling
+from longwave.derive.symbols import eps
 
 
 @lru_cache

@@ -9,18 +9,24 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Rational, pi
 
-from derive.algebra.exact_numbers import Number, shown
-from derive.algebra.formula_expression import read_formula
-from derive.algebra.formula_text import Vocabulary
-from derive.carrier_envelope import Envelope, EnvelopeNumbers, envelope, modulation_map, wavenumber
-from derive.checks import Check, checks_of_envelope, simple_numbers
-from derive.command_line import check_and_announce
-from derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
-from derive.lattice import Lattice
-from derive.normal_form import NORMAL_EQUATIONS, NormalForm
-from derive.output.notation import aligned, latex_of, text_of
-from derive.output.printout import Wanted, count
-from derive.output.report import form_data
+from longwave.derive.algebra.exact_numbers import Number, shown
+from longwave.derive.algebra.formula_expression import read_formula
+from longwave.derive.algebra.formula_text import Vocabulary
+from longwave.derive.carrier_envelope import (
+    Envelope,
+    EnvelopeNumbers,
+    envelope,
+    modulation_map,
+    wavenumber,
+)
+from longwave.derive.checks import Check, checks_of_envelope, simple_numbers
+from longwave.derive.command_line import check_and_announce
+from longwave.derive.expected_derivation import CHEAPER_CARRIER, envelope_seconds
+from longwave.derive.lattice import Lattice
+from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
+from longwave.derive.output.notation import aligned, latex_of, text_of
+from longwave.derive.output.printout import Wanted, count
+from longwave.derive.output.report import form_data
 
 if TYPE_CHECKING:
     Values = Mapping[str, Number]

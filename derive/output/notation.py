@@ -15,8 +15,8 @@ from sympy import Expr, Symbol
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
-from derive.algebra.rational_functions import RationalFunction
+from longwave.derive.algebra.jets import DifferentialPolynomial, Jet, Monomial
+from longwave.derive.algebra.rational_functions import RationalFunction
 
 LONGEST_SUBSCRIPT = 4
 
@@ -170,7 +170,7 @@ class _LatexPrinter(LatexPrinter):
 def text_of(expression: Expr) -> str:
     """A constant in plain text.
 
-    >>> from derive.symbols import K4, c
+    >>> from longwave.derive.symbols import K4, c
     >>> text_of(3 * K4 / (2 * c))
     '3 K4/(2 c)'
     """

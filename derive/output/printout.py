@@ -8,22 +8,22 @@ from pathlib import Path
 
 from sympy import S
 
-from derive.algebra.exact_numbers import Number, exact, parse_rational, shown
-from derive.balances import best_balance
-from derive.command_line import check_and_announce, fail
-from derive.direction import DRIFT, read_direction, slow_variables
-from derive.dispersion import agrees_with_reduction, dispersion_relation
-from derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
-from derive.lattice import Lattice
-from derive.lattice_file import read_lattice
-from derive.models.lattices import FPUT_STRAIN, LATTICES
-from derive.models.mkdv import initial_velocity, initial_velocity_latex
-from derive.multiscale import FURTHER_ORDERS, reduce
-from derive.normal_form import NORMAL_EQUATIONS
-from derive.output.notation import aligned, text_of
-from derive.reduction import Reduction
-from derive.scaling import Scaling, SlowVariable
-from derive.user_files import STANDARD_INPUT
+from longwave.derive.algebra.exact_numbers import Number, exact, parse_rational, shown
+from longwave.derive.balances import best_balance
+from longwave.derive.command_line import check_and_announce, fail
+from longwave.derive.direction import DRIFT, read_direction, slow_variables
+from longwave.derive.dispersion import agrees_with_reduction, dispersion_relation
+from longwave.derive.expected_derivation import CHEAPER_ORDER, reduction_seconds
+from longwave.derive.lattice import Lattice
+from longwave.derive.lattice_file import read_lattice
+from longwave.derive.models.lattices import FPUT_STRAIN, LATTICES
+from longwave.derive.models.mkdv import initial_velocity, initial_velocity_latex
+from longwave.derive.multiscale import FURTHER_ORDERS, reduce
+from longwave.derive.normal_form import NORMAL_EQUATIONS
+from longwave.derive.output.notation import aligned, text_of
+from longwave.derive.reduction import Reduction
+from longwave.derive.scaling import Scaling, SlowVariable
+from longwave.derive.user_files import STANDARD_INPUT
 
 MOST_ORDERS = 13
 
@@ -54,7 +54,7 @@ def print_derivation(wanted: Wanted) -> int:
         lattice = _lattice(wanted.model)
         values: dict[str, Number] = {n: parse_rational(n, t) for n, t in wanted.constants.items()}
         if wanted.carrier is not None:
-            from derive.output.carrier_printout import carrier_lines
+            from longwave.derive.output.carrier_printout import carrier_lines
 
             lines = list(carrier_lines(lattice, wanted, values))
         else:
@@ -87,7 +87,7 @@ def _reduction_lines(lattice: Lattice, wanted: Wanted, values: dict[str, Number]
     values = {**values, **along}
     reduction = _reduction(lattice, wanted, space)
     if wanted.check:
-        from derive.checks import Check, checks_of_reduction
+        from longwave.derive.checks import Check, checks_of_reduction
 
         yield f"{lattice.name}: {reduction.pde.kind}: {reduction.pde.text()}"
         yield from map(Check.text, checks_of_reduction(reduction))

@@ -10,15 +10,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from derive.algebra.exact_numbers import Number, parse_rational
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.rational_functions import RationalFunction, RationalFunctions
-from derive.normal_form import NORMAL_EQUATIONS, NormalForm
-from derive.output.notation import Notation, aligned, latex_of, power_of, text_of
-from derive.symbols import eps
+from longwave.derive.algebra.exact_numbers import Number, parse_rational
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunction, RationalFunctions
+from longwave.derive.normal_form import NORMAL_EQUATIONS, NormalForm
+from longwave.derive.output.notation import Notation, aligned, latex_of, power_of, text_of
+from longwave.derive.symbols import eps
 
 if TYPE_CHECKING:
-    from derive.reduction import Reduction
+    from longwave.derive.reduction import Reduction
 
 Data = dict[str, Any]
 

@@ -1,21 +1,29 @@
 """Where the house stands, which rooms it has, and which modules they hold."""
 
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 HOUSE = Path(__file__).resolve().parents[2]
 
-_PROJECT = tomllib.loads((HOUSE / "pyproject.toml").read_text(encoding="utf-8"))
-
-ROOMS: tuple[str, ...] = tuple(_PROJECT["tool"]["mypy"]["packages"])
-"""The rooms, left to right."""
+ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
+"""The rooms, left to right; the last is the package that all of them are installed in."""
 
 
 def packages(room: str) -> Iterator[str]:
     """Yield the room and the packages inside it, by their dotted names."""
     for path in sorted((HOUSE / room).rglob("__init__.py")):
-        yield ".".join(path.relative_to(HOUSE).parent.parts)
+        yield dotted_name(path)
+
+
+def dotted_name(path: Path, house: Path = HOUSE) -> str:
+    """The name that a file of a room is imported by.
+
+    >>> dotted_name(HOUSE / "derive" / "lattice.py"), dotted_name(HOUSE / "derive" / "__init__.py")
+    ('longwave.derive.lattice', 'longwave.derive')
+    """
+    parts = path.relative_to(house).with_suffix("").parts
+    inside = parts if parts[0] == "longwave" else ("longwave", *parts)
+    return ".".join(inside).removesuffix(".__init__")
 
 
 def modules(package: str) -> Iterator[str]:

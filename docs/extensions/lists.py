@@ -3,16 +3,16 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from house import HOUSE, ROOMS
-from lattice.schemes import stability_limit
+from longwave.lattice.schemes import stability_limit
+from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.reports.formulas.printing import latex
+from longwave.reports.latex import domain_latex
+from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.verify.cli.problem_file import ProblemText
+from longwave.verify.cli.published import published, source_of
+from longwave.verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
+from longwave.verify.comparison.observables import OBSERVABLES
 from paper_map import Holder, Row, paper_map
-from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.formulas.printing import latex
-from reports.latex import domain_latex
-from solutions import CATALOGUE, ClosedForm
-from verify.cli.problem_file import ProblemText
-from verify.cli.published import published, source_of
-from verify.comparison import SCHEMES, Scene, further_scenes, load_scene, shipped_scenes
-from verify.comparison.observables import OBSERVABLES
 
 MOST_OPERATIONS = 20
 """Operations up to which a formula is shown in a cell of a table."""

@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports.paper import EQUATIONS, FIGURES, UNNUMBERED, cited
+from house import dotted_name
+from longwave.reports.paper import EQUATIONS, FIGURES, UNNUMBERED, cited
 
 _NUMBERS = re.compile(r"[Tt]he paper's eqs?\. (\(\d+\)(?:(?:,| and| to|, and) \(\d+\))*)")
 _RANGE = re.compile(r"\((\d+)\)(?: to \((\d+)\))?")
@@ -94,8 +95,7 @@ def _claims(house: Path, rooms: Sequence[str]) -> Iterator[tuple[str, Holder]]:
     for path in sorted(path for room in rooms for path in (house / room).rglob("*.py")):
         if path != own:
             text = path.read_text(encoding="utf-8")
-            parts = path.relative_to(house).with_suffix("").parts
-            module = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+            module = dotted_name(path, house)
             yield from _said(ast.parse(text), path.relative_to(house), module)
 
 

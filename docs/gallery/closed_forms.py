@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from sympy import S
 
-from derive import NormalForm
-from solutions import CATALOGUE, Wave
+from longwave.derive import NormalForm
+from longwave.solutions import CATALOGUE, Wave
 
 VALUES = {"k": 0.8, "alpha": 0.8, "A": 1, "p": 1, "q": 0.7, "A_1": 1.2, "A_2": 0.7}
 VALUES |= {"U_0": 0.5, "kappa": 1}

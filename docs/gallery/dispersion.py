@@ -8,9 +8,9 @@ import numpy as np
 import sympy as sp
 from matplotlib.figure import Figure
 
-from derive import dispersion_relation
-from derive.symbols import K2, k
-from reports.figures.drawing import CURVES
+from longwave.derive import dispersion_relation
+from longwave.derive.symbols import K2, k
+from longwave.reports.figures.drawing import CURVES
 
 
 def picture() -> Figure:

@@ -7,10 +7,10 @@ the crest and at the end.
 
 from matplotlib.figure import Figure
 
-from reports.figures.drawing import snapshot_figure
-from reports.figures.lattice_figures import lattice_snapshots
-from verify.lattices.lattice_run import run_lattice_scene
-from verify.lattices.lattice_scene import load_lattice_scene
+from longwave.reports.figures.drawing import snapshot_figure
+from longwave.reports.figures.lattice_figures import lattice_snapshots
+from longwave.verify.lattices.lattice_run import run_lattice_scene
+from longwave.verify.lattices.lattice_scene import load_lattice_scene
 
 
 def picture() -> Figure:

@@ -67,8 +67,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.run.cores import usable_cores
-from solutions.run.jit import Intrinsic, njit
+from longwave.solutions.run.cores import usable_cores
+from longwave.solutions.run.jit import Intrinsic, njit
 
 Array = NDArray[np.float64]
 
@@ -163,7 +163,7 @@ def plain_pair(
     plain_stage(y, s, forces, drifts, kicks, level + 1, first - 1, past - 1, *constants)
 
 
-WRITER = "lattice.kernels.vector_code"
+WRITER = "longwave.lattice.kernels.vector_code"
 """The module that writes the vector code; it needs numba and llvmlite."""
 
 
@@ -202,7 +202,7 @@ def _vector_stages(together: int) -> Any:
         K3: Any,
         K4: Any,
     ) -> Any:
-        from lattice.kernels import vector_code
+        from longwave.lattice.kernels import vector_code
 
         kinds = (y, s, forces, drifts, kicks, level, first, past, K2, K3, K4)
         return vector_code.stages(together, kinds)

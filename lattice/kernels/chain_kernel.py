@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels.native_code import ALIGNMENT, aligned, native_function
-from lattice.kernels.streams import Flow, varied_flow
+from longwave.lattice.kernels.native_code import ALIGNMENT, aligned, native_function
+from longwave.lattice.kernels.streams import Flow, varied_flow
 
 if TYPE_CHECKING:
-    from lattice.numeric_lattice import NumericLattice
+    from longwave.lattice.numeric_lattice import NumericLattice
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -54,7 +54,7 @@ def _passages(flow: Flow, lanes: int, count: int) -> Callable[..., None]:
     """The machine code; on disk it is found by what it is written from."""
 
     def written() -> str:
-        from lattice.kernels.row_code import passage_text
+        from longwave.lattice.kernels.row_code import passage_text
 
         return passage_text(flow, lanes, _together(flow), count)
 

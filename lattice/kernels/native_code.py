@@ -14,9 +14,9 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from solutions.run.entry_point import processor
-from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
-from solutions.run.source_digest import source_digest
+from longwave.solutions.run.entry_point import processor
+from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.solutions.run.source_digest import source_digest
 
 __all__ = ["aligned", "native_function"]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
-from lattice.kernels.plane_flow import Part, PlaneFlow
-from lattice.kernels.row_code import LaneCode, lane_force
+from longwave.lattice.kernels.plane_flow import Part, PlaneFlow
+from longwave.lattice.kernels.row_code import LaneCode, lane_force
 
 __all__ = ["margins", "sweep_text"]
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from lattice.kernels.streams import Law, law_of
+from longwave.lattice.kernels.streams import Law, law_of
 
 if TYPE_CHECKING:
-    from lattice.numeric_lattice import Entry, NumericLattice
+    from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
 
 class Part(NamedTuple):
@@ -87,8 +87,8 @@ class PlaneFlow(NamedTuple):
 def plane_flow(lattice: NumericLattice) -> tuple[PlaneFlow, tuple[float, ...]]:
     """The stage of a lattice of two dimensions, and the numbers that it takes.
 
-    >>> from derive import LATTICES
-    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
     >>> names = "K2 K3 K4 H2 H3 H4".split()
     >>> square = numeric_lattice(LATTICES["square"], dict.fromkeys(names, 1))
     >>> flow, numbers = plane_flow(square)

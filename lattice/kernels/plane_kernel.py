@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.kernels.native_code import aligned, native_function
-from lattice.kernels.plane_flow import PlaneFlow, plane_flow
-from solutions.run.cores import usable_cores
+from longwave.lattice.kernels.native_code import aligned, native_function
+from longwave.lattice.kernels.plane_flow import PlaneFlow, plane_flow
+from longwave.solutions.run.cores import usable_cores
 
 if TYPE_CHECKING:
-    from lattice.numeric_lattice import NumericLattice
+    from longwave.lattice.numeric_lattice import NumericLattice
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def _sweep(flow: PlaneFlow, lanes: int, count: int) -> Callable[..., None]:
     """The machine code; on disk it is found by what it is written from."""
 
     def written() -> str:
-        from lattice.kernels.plane_code import sweep_text
+        from longwave.lattice.kernels.plane_code import sweep_text
 
         return sweep_text(flow, lanes, count)
 

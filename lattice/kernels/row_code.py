@@ -13,7 +13,7 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 
-from lattice.kernels.streams import Flow, Law, Tap
+from longwave.lattice.kernels.streams import Flow, Law, Tap
 
 __all__ = ["LaneCode", "lane_force", "passage_text"]
 

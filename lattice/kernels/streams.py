@@ -20,9 +20,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
-    from lattice.disordered_lattice import MassKind, Variation
-    from lattice.force_program import ForceProgram
-    from lattice.numeric_lattice import Entry, NumericLattice
+    from longwave.lattice.disordered_lattice import MassKind, Variation
+    from longwave.lattice.force_program import ForceProgram
+    from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
 Kind = Literal["position", "velocity", "sum", "force", "varied", "kicked"]
 Polynomial = Mapping[int, float]
@@ -145,8 +145,8 @@ def flow_of(lattice: NumericLattice) -> tuple[Flow, tuple[float, ...]]:
 
     Raises ValueError for a lattice of more than one dimension.
 
-    >>> from derive import LATTICES
-    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
     >>> flow, numbers = flow_of(numeric_lattice(LATTICES["beta_fput"], {"K2": 4, "K4": 1}))
     >>> flow.operations, flow.skew, numbers
     (6, 1, (4.0, 1.0))

@@ -21,7 +21,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.spectral.ring import RingState, backward, forward
+from longwave.lattice.spectral.ring import RingState, backward, forward
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -13,10 +13,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.numeric_lattice import NumericBond, NumericLattice
-from lattice.spectral.field_ring import FieldRing, modes_of, values_of
-from lattice.spectral.lattice_ring import ring_stretches, wavenumbers
-from lattice.spectral.ring import CREST_REACH, DENSITY, TAIL
+from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
+from longwave.lattice.spectral.field_ring import FieldRing, modes_of, values_of
+from longwave.lattice.spectral.lattice_ring import ring_stretches, wavenumbers
+from longwave.lattice.spectral.ring import CREST_REACH, DENSITY, TAIL
 
 Array = NDArray[np.float64]
 
@@ -27,8 +27,8 @@ MOST_POINTS = 2**21
 def crest_energy_spread(lattice: NumericLattice, state: FieldRing, axis: int) -> float:
     """The relative spread of a crest's energies between the lattices at each x mod 1 of an axis.
 
-    >>> from derive import LATTICES
-    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
     >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1})
     >>> def spread(width):
     ...     x = 120.0 * (np.arange(600) / 600 - 0.5)

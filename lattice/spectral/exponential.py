@@ -21,8 +21,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.checkpoint import Memory
-from solutions.run.jit import njit
+from longwave.lattice.checkpoint import Memory
+from longwave.solutions.run.jit import njit
 
 Complex = NDArray[np.complex128]
 

@@ -14,7 +14,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.spectral.ring import TAIL
+from longwave.lattice.spectral.ring import TAIL
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

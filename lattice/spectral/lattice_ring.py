@@ -21,13 +21,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.force_program import ForceProgram
-from lattice.numeric_lattice import NumericBond, NumericLattice
-from lattice.spectral.evolution import WATCH, SamplingError
-from lattice.spectral.exponential import ExponentialAdams
-from lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
-from lattice.spectral.normal_modes import multipliers, normal_modes
-from solutions.run.jit import njit
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
+from longwave.lattice.spectral.evolution import WATCH, SamplingError
+from longwave.lattice.spectral.exponential import ExponentialAdams
+from longwave.lattice.spectral.field_ring import FieldRing, modes_of, spectrum_tails, values_of
+from longwave.lattice.spectral.normal_modes import multipliers, normal_modes
+from longwave.solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.numeric_lattice import Entry, NumericLattice
+from longwave.lattice.numeric_lattice import Entry, NumericLattice
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,7 +15,7 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.model import Model
+from longwave.lattice.model import Model
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -17,23 +17,23 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.integration import RING_SAFETY, Cost
-from lattice.numeric_lattice import NumericLattice
-from lattice.refine import refine
-from lattice.run_times import check_positive, checked_times
-from lattice.spectral.crest_energy import crest_energy_spread
-from lattice.spectral.evolution import WATCH, SamplingError
-from lattice.spectral.exponential import ORDER
-from lattice.spectral.field_ring import FieldRing
-from lattice.spectral.lattice_ring import (
+from longwave.lattice.integration import RING_SAFETY, Cost
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.refine import refine
+from longwave.lattice.run_times import check_positive, checked_times
+from longwave.lattice.spectral.crest_energy import crest_energy_spread
+from longwave.lattice.spectral.evolution import WATCH, SamplingError
+from longwave.lattice.spectral.exponential import ORDER
+from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.lattice_ring import (
     LatticeRing,
     RunawayError,
     ring_slopes,
     ring_stretches,
     whole,
 )
-from lattice.spectral.ring import ALIKE, telling_step
-from lattice.trial import (
+from longwave.lattice.spectral.ring import ALIKE, telling_step
+from longwave.lattice.trial import (
     LEAST_FACTOR,
     STEP_RATIO,
     Choices,
@@ -101,8 +101,8 @@ def spectral_integrate(
     ``state.t``. Raises ValueError for what cannot be run, for a lattice that blows up before the
     last time, and for a tolerance that needs too many points or lies below what rounding leaves.
 
-    >>> from derive import LATTICES
-    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
     >>> chain = numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 0})
     >>> x, k = 20.5 / 64 * np.arange(64), 2 * np.pi / 20.5
     >>> ring = FieldRing(0.0, (0.0,), (20.5,), np.cos(k * x)[None], np.zeros((1, 64)))

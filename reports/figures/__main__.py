@@ -1,4 +1,4 @@
-"""`python -m reports.figures FILE`: draw the README's figure, the third-order rational wave.
+"""`python -m longwave.reports.figures FILE`: the README's figure, the third-order rational wave.
 
 As .gif or .mp4 it is a film of how the wave rises and falls.
 """
@@ -12,12 +12,12 @@ import click
 import numpy as np
 from matplotlib.figure import Figure
 
-from derive.command_line import called_by, fail, interrupted, run_words
-from reports.figures.drawing import save, snapshot_figure, styled
-from reports.figures.film import ChainFilm, Film, FilmWords
-from reports.figures.film_files import SUFFIXES, film_path, save_film
-from reports.figures.paper_figures import snapshots
-from verify.comparison import load_scene, run
+from longwave.derive.command_line import called_by, fail, interrupted, run_words
+from longwave.reports.figures.drawing import save, snapshot_figure, styled
+from longwave.reports.figures.film import ChainFilm, Film, FilmWords
+from longwave.reports.figures.film_files import SUFFIXES, film_path, save_film
+from longwave.reports.figures.paper_figures import snapshots
+from longwave.verify.comparison import load_scene, run
 
 SCENE = "rational_3_eps_0.05"
 HALF_WIDTH = 120
@@ -66,7 +66,7 @@ def readme_film() -> Film:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    return run_words(figure, "python -m reports.figures", argv)
+    return run_words(figure, "python -m longwave.reports.figures", argv)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from derive.atomic_file import write_atomically
+from longwave.derive.atomic_file import write_atomically
 
 Sites = NDArray[np.float64]
 

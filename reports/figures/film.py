@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from reports.figures.drawing import Snapshot, spread_limits
+from longwave.reports.figures.drawing import Snapshot, spread_limits
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]

@@ -17,8 +17,8 @@ from typing import IO
 import numpy as np
 from PIL import Image as PillowImage
 
-from derive.atomic_file import write_atomically
-from reports.figures.film import Film, Image
+from longwave.derive.atomic_file import write_atomically
+from longwave.reports.figures.film import Film, Image
 
 SUFFIXES = (".mp4", ".gif")
 """Of films."""

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from reports.figures.drawing import CURVES
+from longwave.reports.figures.drawing import CURVES
 
 Array = NDArray[np.float64]
 

@@ -11,13 +11,13 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure, FigureBase
 from numpy.typing import NDArray
 
-from reports.figures.drawing import CURVES, TEXT_WIDTH, Snapshot, even_places
+from longwave.reports.figures.drawing import CURVES, TEXT_WIDTH, Snapshot, even_places
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from verify.lattices.convergence import ErrorAt
-    from verify.lattices.modulation import ModulationGrid
+    from longwave.verify.lattices.convergence import ErrorAt
+    from longwave.verify.lattices.modulation import ModulationGrid
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
-from reports.figures.drawing import (
+from longwave.reports.figures.drawing import (
     ErrorCurve,
     Snapshot,
     error_figure,
@@ -15,7 +15,7 @@ from reports.figures.drawing import (
     snapshot_figure,
     styled,
 )
-from verify.comparison import Scene
+from longwave.verify.comparison import Scene
 
 Runs = Mapping[str, xr.Dataset]
 

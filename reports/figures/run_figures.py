@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
-from reports.figures.drawing import ANALYTICAL, NUMERICAL
+from longwave.reports.figures.drawing import ANALYTICAL, NUMERICAL
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from reports.figures.drawing import CURVES, time_edges
+from longwave.reports.figures.drawing import CURVES, time_edges
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from functools import cache, cached_property
 
 import sympy as sp
 
-from reports.formulas.printing import (
+from longwave.reports.formulas.printing import (
     FUNCTION_ORDER,
     LINE,
     function_name,
@@ -28,8 +28,8 @@ from reports.formulas.printing import (
     tidied,
     width,
 )
-from solutions.functions.jacobi import JacobiFunction
-from solutions.symbols import complementary_modulus, k, xi
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.symbols import complementary_modulus, k, xi
 
 HEAVY = 55.0
 """A formula with a row wider than this has its repeated parts named."""

@@ -13,7 +13,7 @@ from functools import cache
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from solutions.symbols import tau, xi
+from longwave.solutions.symbols import tau, xi
 
 FUNCTION_ORDER = (r"\mathrm{sn}", r"\mathrm{cn}", r"\mathrm{dn}", r"\mathcal{E}", r"\mathrm{Z}")
 """Elliptic functions in the order in which they stand in a product; others follow."""
@@ -150,8 +150,8 @@ NAMES: dict[type[sp.Expr], str] = {
 def latex(expression: sp.Basic) -> str:
     r"""Return the expression's LaTeX.
 
-    >>> from solutions.functions.jacobi import jacobi_sn
-    >>> from solutions.symbols import k, tau, xi
+    >>> from longwave.solutions.functions.jacobi import jacobi_sn
+    >>> from longwave.solutions.symbols import k, tau, xi
     >>> latex(xi - (2 * k**2 - 1) * tau), latex(1 - k**2), latex(jacobi_sn(xi, k**2))
     ('\\xi - \\left(2 k^{2} - 1\\right) \\tau', '1 - k^{2}', '\\mathrm{sn}(\\xi;k)')
     """

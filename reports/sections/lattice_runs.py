@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from sympy import Symbol
 
-from derive.output.notation import latex_of
-from reports.latex import duration, escape, measured, table, title_latex
+from longwave.derive.output.notation import latex_of
+from longwave.reports.latex import duration, escape, measured, table, title_latex
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from verify.lattices.convergence import ErrorAt
-    from verify.studies.measured_rates import MeasuredRate
-    from verify.studies.scene_runs import SceneRun
+    from longwave.verify.lattices.convergence import ErrorAt
+    from longwave.verify.studies.measured_rates import MeasuredRate
+    from longwave.verify.studies.scene_runs import SceneRun
 
 
 def scene_table(runs: Mapping[str, SceneRun]) -> str:

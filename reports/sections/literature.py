@@ -8,12 +8,12 @@ from itertools import groupby
 from statistics import median
 from typing import TYPE_CHECKING
 
-from reports.latex import block, escape, table
-from verify.verdict import Outcome
+from longwave.reports.latex import block, escape, table
+from longwave.verify.verdict import Outcome
 
 if TYPE_CHECKING:
-    from verify.cli.problem_file import ProblemText
-    from verify.studies.published_verdicts import PublishedVerdict
+    from longwave.verify.cli.problem_file import ProblemText
+    from longwave.verify.studies.published_verdicts import PublishedVerdict
 
 NO_TEXT = r"$^*$"
 """Behind a source of which no text was at hand."""

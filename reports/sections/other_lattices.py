@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from derive import Reduction
-from derive.normal_form import NORMAL_EQUATIONS
-from derive.output.notation import latex_of, terms
-from derive.symbols import k
-from reports.latex import domain_latex, escape, scientific, table, title_latex
-from solutions import CATALOGUE, closed_form
-from verify.processes import Job, Key
-from verify.studies.lattice_models import (
+from longwave.derive import Reduction
+from longwave.derive.normal_form import NORMAL_EQUATIONS
+from longwave.derive.output.notation import latex_of, terms
+from longwave.derive.symbols import k
+from longwave.reports.latex import domain_latex, escape, scientific, table, title_latex
+from longwave.solutions import CATALOGUE, closed_form
+from longwave.verify.processes import Job, Key
+from longwave.verify.studies.lattice_models import (
     ENVELOPES,
     LatticeModel,
     closed_waves,
@@ -24,9 +24,9 @@ from verify.studies.lattice_models import (
 )
 
 if TYPE_CHECKING:
-    from verify.studies.evaluation_accuracy import Accuracy
-    from verify.studies.proofs import ProofRecord
-    from verify.verdict import Verdict
+    from longwave.verify.studies.evaluation_accuracy import Accuracy
+    from longwave.verify.studies.proofs import ProofRecord
+    from longwave.verify.verdict import Verdict
 
 PAPERS = "mKdV"
 """The equation whose waves have sections of their own."""

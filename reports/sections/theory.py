@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
-from derive.dispersion import agrees_with_reduction
-from reports.formulas.formula import Formula
-from reports.formulas.printing import equation_latex, latex
-from reports.latex import block, domain_latex, escape, scientific, table
-from reports.paper import cited
-from solutions import CATALOGUE, ClosedForm
-from solutions.record import Equation
+from longwave.derive import dispersion_relation, initial_velocity_latex, mkdv_reduction, reduce
+from longwave.derive.dispersion import agrees_with_reduction
+from longwave.reports.formulas.formula import Formula
+from longwave.reports.formulas.printing import equation_latex, latex
+from longwave.reports.latex import block, domain_latex, escape, scientific, table
+from longwave.reports.paper import cited
+from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.solutions.record import Equation
 
 if TYPE_CHECKING:
-    from verify.evidence.mutations import MutationCount, Survivor
-    from verify.studies.proofs import ProofRecord
-    from verify.verdict import Verdict
+    from longwave.verify.evidence.mutations import MutationCount, Survivor
+    from longwave.verify.studies.proofs import ProofRecord
+    from longwave.verify.verdict import Verdict
 
 PAPER_FORMS = CATALOGUE.of("mKdV")
 """The closed forms of the paper's equation."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from solutions.run.bytecode import Bytecode, Code, Operation
+from longwave.solutions.run.bytecode import Bytecode, Code, Operation
 
 __all__ = ["Assembler"]
 
@@ -68,7 +68,7 @@ class Assembler:
             return self._code.emit(_FUNCTIONS[expression.func], self._value(expression.args[0]))
         raise ValueError(
             f"functions must be among those with an instruction, got {expression.func.__name__} "
-            "(add one to solutions.compile.assembler)"
+            "(add one to longwave.solutions.compile.assembler)"
         )
 
     def _sum(self, expression: sp.Expr) -> int:

@@ -13,14 +13,14 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
-from solutions.compile.assembler import Assembler
-from solutions.compile.lowering import Lowering
-from solutions.compile.tape import tape_of
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.record import ClosedForm
-from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
-from solutions.run.program import Program
-from solutions.run.source_digest import source_digest
+from longwave.solutions.compile.assembler import Assembler
+from longwave.solutions.compile.lowering import Lowering
+from longwave.solutions.compile.tape import tape_of
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.solutions.run.program import Program
+from longwave.solutions.run.source_digest import source_digest
 
 __all__ = ["compile_program", "kept_program"]
 

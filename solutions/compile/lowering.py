@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -19,7 +19,7 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.symbols import tau, xi, zeta
+from longwave.solutions.symbols import tau, xi, zeta
 
 __all__ = ["JacobiCall", "Lowering", "Phase"]
 

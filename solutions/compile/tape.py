@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 
 import sympy as sp
 
-from solutions.compile.lowering import Lowering
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import xi, zeta
+from longwave.solutions.compile.lowering import Lowering
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.symbols import xi, zeta
 
 __all__ = ["Tape", "UnknownDerivativeError", "tape_of"]
 

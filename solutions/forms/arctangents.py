@@ -4,8 +4,15 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from solutions.record import FOCUSING_MKDV, Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import X_0, A, tau, xi
+from longwave.solutions.record import (
+    FOCUSING_MKDV,
+    Bound,
+    ClosedForm,
+    FarFields,
+    Parameter,
+    Reference,
+)
+from longwave.solutions.symbols import X_0, A, tau, xi
 
 __all__ = ["breather", "double_pole", "two_soliton", "without_cancellation"]
 

@@ -7,8 +7,8 @@ which take phase and wave from here.
 
 import sympy as sp
 
-from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
-from solutions.record import (
+from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn, jacobi_zeta
+from longwave.solutions.record import (
     DEFOCUSING_MKDV,
     FOCUSING_MKDV,
     Bound,
@@ -17,7 +17,7 @@ from solutions.record import (
     Parameter,
     Reference,
 )
-from solutions.symbols import k, tau, xi
+from longwave.solutions.symbols import k, tau, xi
 
 __all__ = [
     "CN_PHASE",

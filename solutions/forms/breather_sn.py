@@ -8,8 +8,8 @@ the logarithm of one theta quotient, which shifts the phase eta.
 
 import sympy as sp
 
-from solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE, modulus
-from solutions.functions import (
+from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, SN_PHASE, SN_WAVE, modulus
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_eta,
@@ -17,8 +17,15 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.record import DEFOCUSING_MKDV, Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import X_0, alpha, k, tau, xi
+from longwave.solutions.record import (
+    DEFOCUSING_MKDV,
+    Bound,
+    ClosedForm,
+    FarFields,
+    Parameter,
+    Reference,
+)
+from longwave.solutions.symbols import X_0, alpha, k, tau, xi
 
 __all__ = ["breather_sn", "inverse_width", "speed"]
 

@@ -6,16 +6,16 @@ Divided by ``cosh(phase/2)**2`` a denominator ``a + b cosh(phase)`` neither over
 
 import sympy as sp
 
-from solutions.equation import (
+from longwave.solutions.equation import (
     DEFOCUSING_GARDNER,
     FOCUSING_GARDNER,
     KAWAHARA,
     MODIFIED_KAWAHARA,
     Equation,
 )
-from solutions.forms.solitons import by_sech, by_tanh
-from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import A, kappa, tau, xi
+from longwave.solutions.forms.solitons import by_sech, by_tanh
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import A, kappa, tau, xi
 
 __all__ = [
     "gardner_kink",

@@ -2,12 +2,12 @@
 
 import sympy as sp
 
-from solutions.equation import KDV
-from solutions.forms.arctangents import without_cancellation
-from solutions.forms.bare_waves import QUARTER_PERIOD, modulus
-from solutions.functions import jacobi_cn
-from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import X_0, k, kappa, tau, xi
+from longwave.solutions.equation import KDV
+from longwave.solutions.forms.arctangents import without_cancellation
+from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, modulus
+from longwave.solutions.functions import jacobi_cn
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import X_0, k, kappa, tau, xi
 
 __all__ = ["kdv_cnoidal", "kdv_soliton", "kdv_two_soliton"]
 

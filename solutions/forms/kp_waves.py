@@ -2,9 +2,9 @@
 
 import sympy as sp
 
-from solutions.equation import KP, KP_1
-from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import kappa, s, tau, xi, zeta
+from longwave.solutions.equation import KP, KP_1
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import kappa, s, tau, xi, zeta
 
 __all__ = ["kp_line_soliton", "kp_lump"]
 

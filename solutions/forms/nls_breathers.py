@@ -6,10 +6,10 @@ have one parameter a, below and above 1/2, where both are Peregrine's wave.
 
 import sympy as sp
 
-from solutions.equation import FOCUSING_NLS
-from solutions.forms.nls_waves import AMPLITUDE, plane_wave
-from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import A, tau, xi
+from longwave.solutions.equation import FOCUSING_NLS
+from longwave.solutions.forms.nls_waves import AMPLITUDE, plane_wave
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import A, tau, xi
 
 __all__ = ["nls_akhmediev", "nls_kuznetsov_ma", "nls_peregrine", "nls_rogue_2"]
 

@@ -2,11 +2,11 @@
 
 import sympy as sp
 
-from solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS, Equation
-from solutions.forms.bare_waves import QUARTER_PERIOD, modulus
-from solutions.functions import jacobi_cn, jacobi_dn
-from solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import A, k, kappa, s, tau, xi
+from longwave.solutions.equation import DEFOCUSING_NLS, FOCUSING_NLS, NLS, Equation
+from longwave.solutions.forms.bare_waves import QUARTER_PERIOD, modulus
+from longwave.solutions.functions import jacobi_cn, jacobi_dn
+from longwave.solutions.record import Bound, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import A, k, kappa, s, tau, xi
 
 __all__ = [
     "AMPLITUDE",

@@ -12,9 +12,9 @@ from typing import Any
 import sympy as sp
 from flint import fmpq_mpoly
 
-from solutions.forms.tau_polynomials import SPACE_TIME, RationalTau, rational_tau
-from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Parameter, Reference
-from solutions.symbols import shift_symbol, tau, xi
+from longwave.solutions.forms.tau_polynomials import SPACE_TIME, RationalTau, rational_tau
+from longwave.solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.symbols import shift_symbol, tau, xi
 
 __all__ = [
     "CO_MOVING",
@@ -76,7 +76,7 @@ def rational_evaluator(
     """
 
     def evaluator(shifts: Mapping[sp.Symbol, sp.Expr]) -> Any:
-        module = import_module("solutions.run.rational_evaluator")
+        module = import_module("longwave.solutions.run.rational_evaluator")
         return module.RationalEvaluator(rational_tau(order, free), shifts)
 
     return evaluator

@@ -9,10 +9,16 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions.forms.bare_waves import DN_PHASE, DN_WAVE, QUARTER_PERIOD, modulus, shifted_area
-from solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
-from solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
-from solutions.symbols import complementary_modulus, k, tau, xi
+from longwave.solutions.forms.bare_waves import (
+    DN_PHASE,
+    DN_WAVE,
+    QUARTER_PERIOD,
+    modulus,
+    shifted_area,
+)
+from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_epsilon, jacobi_sn
+from longwave.solutions.record import FOCUSING_MKDV, ClosedForm, FarFields, Reference
+from longwave.solutions.symbols import complementary_modulus, k, tau, xi
 
 __all__ = ["integral", "integrand", "soliton_dn", "theta"]
 

@@ -6,7 +6,7 @@ Where a wave stands on a constant, its denominator is ``a + b cosh(phase)``; div
 
 import sympy as sp
 
-from solutions.record import (
+from longwave.solutions.record import (
     DEFOCUSING_MKDV,
     FOCUSING_MKDV,
     Bound,
@@ -15,7 +15,7 @@ from solutions.record import (
     Parameter,
     Reference,
 )
-from solutions.symbols import A, kappa, tau, xi
+from longwave.solutions.symbols import A, kappa, tau, xi
 
 __all__ = ["by_sech", "by_tanh", "kink", "kink_antikink", "soliton_background", "soliton_sech"]
 

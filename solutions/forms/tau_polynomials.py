@@ -17,7 +17,7 @@ from functools import lru_cache
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from solutions.symbols import shift_symbol
+from longwave.solutions.symbols import shift_symbol
 
 __all__ = ["SPACE_TIME", "RationalTau", "rational_tau"]
 

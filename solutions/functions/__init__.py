@@ -6,10 +6,10 @@ Their values: `solutions.functions.multiprecision` (any precision), `solutions.r
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from solutions.functions.jacobi import (
+    from longwave.solutions.functions.jacobi import (
         jacobi_cn,
         jacobi_dn,
         jacobi_epsilon,
@@ -29,4 +29,6 @@ __all__ = [
     "jacobi_zeta",
 ]
 
-__getattr__, __dir__ = lazy_face(__name__, {"solutions.functions.jacobi": " ".join(__all__)})
+__getattr__, __dir__ = lazy_face(
+    __name__, {"longwave.solutions.functions.jacobi": " ".join(__all__)}
+)

@@ -15,7 +15,7 @@ from mpmath import MPContext
 from sympy import Expr, Function, Pow, S, cos, elliptic_e, elliptic_k, sech, sin, sqrt, tanh
 from sympy.core.function import ArgumentIndexError
 
-from solutions.functions.multiprecision import IMPLEMENTATIONS
+from longwave.solutions.functions.multiprecision import IMPLEMENTATIONS
 
 _CONTEXT = MPContext()
 
@@ -116,7 +116,7 @@ class JacobiFunction(Function):
         return rf"{self.latex_symbol}{power}\left({printer._print(z)}{second}\right)"
 
     def _numpycode(self, printer: Any) -> str:
-        name = printer._module_format(f"solutions.numpy_function.{self.func.__name__}")
+        name = printer._module_format(f"longwave.solutions.numpy_function.{self.func.__name__}")
         return f"{name}({', '.join(printer._print(x) for x in self.args)})"
 
 

@@ -171,7 +171,7 @@ class MpmathFormula:
 
     >>> from mpmath import MPContext
     >>> from sympy import Rational, symbols, sqrt
-    >>> from solutions.functions import jacobi_sn
+    >>> from longwave.solutions.functions import jacobi_sn
     >>> z = symbols("z")
     >>> ctx = MPContext()
     >>> ctx.dps = 40

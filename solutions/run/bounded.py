@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-from solutions.run import doubledouble
-from solutions.run.doubledouble import Array, Pair, add_loosely
-from solutions.run.jit import njit
+from longwave.solutions.run import doubledouble
+from longwave.solutions.run.doubledouble import Array, Pair, add_loosely
+from longwave.solutions.run.jit import njit
 
 Bounded = tuple[float, float, float]
 

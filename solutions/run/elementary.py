@@ -15,8 +15,16 @@ from math import factorial
 
 import numpy as np
 
-from solutions.run.bounded import BLOCK, TINY, UNIT, load_pair, relative_error, store, store_pair
-from solutions.run.doubledouble import (
+from longwave.solutions.run.bounded import (
+    BLOCK,
+    TINY,
+    UNIT,
+    load_pair,
+    relative_error,
+    store,
+    store_pair,
+)
+from longwave.solutions.run.doubledouble import (
     Array,
     Pair,
     add,
@@ -30,7 +38,7 @@ from solutions.run.doubledouble import (
     subtract,
     two_sum,
 )
-from solutions.run.jit import njit
+from longwave.solutions.run.jit import njit
 
 __all__ = [
     "SCRATCH",

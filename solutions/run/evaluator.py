@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from solutions.run.bounded import PARTS
-from solutions.run.bytecode import Code, Value
-from solutions.run.doubledouble import Array, check_range, split
-from solutions.run.linear_phase import (
+from longwave.solutions.run.bounded import PARTS
+from longwave.solutions.run.bytecode import Code, Value
+from longwave.solutions.run.doubledouble import Array, check_range, split
+from longwave.solutions.run.linear_phase import (
     CONSTANT_DIGITS,
     LONG,
     LinearPhase,
     Variables,
     as_pairs,
 )
-from solutions.run.machine import run_pairs
-from solutions.run.program import Program, jacobi_program
-from solutions.run.taylor_program import Series, jacobi_series, taylor_bytecode
+from longwave.solutions.run.machine import run_pairs
+from longwave.solutions.run.program import Program, jacobi_program
+from longwave.solutions.run.taylor_program import Series, jacobi_series, taylor_bytecode
 
 if TYPE_CHECKING:
     from sympy import Expr

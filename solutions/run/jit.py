@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from solutions.run import entry_point
-from solutions.run.entry_point import Machine, Unsupported
-from solutions.run.kernel_folder import cache_folder, read_whole, write_whole
-from solutions.run.source_digest import source_digest
+from longwave.solutions.run import entry_point
+from longwave.solutions.run.entry_point import Machine, Unsupported
+from longwave.solutions.run.kernel_folder import cache_folder, read_whole, write_whole
+from longwave.solutions.run.source_digest import source_digest
 
 __all__ = ["Intrinsic", "Kernel", "njit"]
 

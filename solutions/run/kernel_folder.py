@@ -56,7 +56,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
     A cache can only save time: a full disk or a folder that is gone is no error.
     """
-    from derive.atomic_file import write_atomically
+    from longwave.derive.atomic_file import write_atomically
 
     with suppress(OSError):
         held = hashlib.sha256(data).digest() + data

@@ -16,8 +16,8 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
-from solutions.run.jit import njit
+from longwave.solutions.run.doubledouble import Three, check_range, split_three, two_prod, two_sum
+from longwave.solutions.run.jit import njit
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.run.bounded import (
+from longwave.solutions.run.bounded import (
     BLOCK,
     PARTS,
     UNIT,
@@ -24,9 +24,9 @@ from solutions.run.bounded import (
     square_root,
     store,
 )
-from solutions.run.bytecode import Bytecode, Operation
-from solutions.run.doubledouble import Array, Pair
-from solutions.run.elementary import (
+from longwave.solutions.run.bytecode import Bytecode, Operation
+from longwave.solutions.run.doubledouble import Array, Pair
+from longwave.solutions.run.elementary import (
     SCRATCH,
     decay_of,
     exponential,
@@ -36,7 +36,7 @@ from solutions.run.elementary import (
     start_logarithm,
     tanh,
 )
-from solutions.run.jit import njit
+from longwave.solutions.run.jit import njit
 
 __all__ = ["add_row", "run_pairs", "scale_rows"]
 

@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.run.bytecode import Bytecode, Code, Operation, Value
-from solutions.run.doubledouble import (
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.run.bytecode import Bytecode, Code, Operation, Value
+from longwave.solutions.run.doubledouble import (
     Array,
     Three,
     quick_two_sum,
@@ -33,13 +33,13 @@ from solutions.run.doubledouble import (
     two_prod,
     two_sum,
 )
-from solutions.run.jit import njit
-from solutions.run.linear_phase import (
+from longwave.solutions.run.jit import njit
+from longwave.solutions.run.linear_phase import (
     CONSTANT_DIGITS,
     LONG,
     long_number,
 )
-from solutions.run.machine import run_pairs
+from longwave.solutions.run.machine import run_pairs
 
 if TYPE_CHECKING:
     from sympy import Expr

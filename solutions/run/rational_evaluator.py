@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.run.bounded import PARTS
-from solutions.run.doubledouble import check_range, split
-from solutions.run.linear_phase import LinearPhase, Variables, as_pairs, long_number
-from solutions.run.rational_kernel import rational_loop, scales_of, workspace
+from longwave.solutions.run.bounded import PARTS
+from longwave.solutions.run.doubledouble import check_range, split
+from longwave.solutions.run.linear_phase import LinearPhase, Variables, as_pairs, long_number
+from longwave.solutions.run.rational_kernel import rational_loop, scales_of, workspace
 
 if TYPE_CHECKING:
     import sympy as sp
     from flint import fmpq_mpoly
 
-    from solutions.forms.tau_polynomials import RationalTau
+    from longwave.solutions.forms.tau_polynomials import RationalTau
 
 __all__ = ["RationalEvaluator"]
 

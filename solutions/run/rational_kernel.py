@@ -10,10 +10,10 @@ sum of the terms' sizes in double: times the number of roundings in a term it bo
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions.run import bounded
-from solutions.run.bounded import BLOCK, UNIT, Bounded
-from solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
-from solutions.run.jit import njit
+from longwave.solutions.run import bounded
+from longwave.solutions.run.bounded import BLOCK, UNIT, Bounded
+from longwave.solutions.run.doubledouble import Pair, add, add_loosely, multiply, scale
+from longwave.solutions.run.jit import njit
 
 __all__ = ["rational_loop", "scales_of", "workspace"]
 

@@ -8,9 +8,9 @@ import mpmath
 import numpy as np
 import sympy as sp
 
-from derive.algebra.exact_numbers import exact_number, shown
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import tau, xi, zeta
+from longwave.derive.algebra.exact_numbers import exact_number, shown
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.symbols import tau, xi, zeta
 
 __all__ = ["check_digits", "evaluate_mp", "exact_point"]
 

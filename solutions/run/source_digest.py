@@ -21,7 +21,6 @@ from types import CodeType, ModuleType
 from typing import Any
 
 __all__ = [
-    "ROOMS",
     "Sources",
     "all_sources",
     "imported_sources",
@@ -30,11 +29,11 @@ __all__ = [
     "text_digest",
 ]
 
-ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
-"""The project's own packages; of all others the version counts."""
-
+PACKAGE = "longwave"
+"""The project's own package; of all others the version counts."""
 
 HOUSE = Path(__file__).resolve().parents[2]
+"""The folder that holds the rooms: a checkout, or the installed package."""
 
 EXACT = ("sympy", "mpmath", "python-flint", "numpy")
 """Packages that exact numbers are made with."""
@@ -57,7 +56,8 @@ class Sources:
 def source_digest(module: str) -> str:
     """The digest (hexadecimal) of what the kernels of the imported ``module`` are built from.
 
-    >>> source_digest("solutions.run.linear_phase") == source_digest("solutions.run.source_digest")
+    >>> run = "longwave.solutions.run"
+    >>> source_digest(f"{run}.linear_phase") == source_digest(f"{run}.source_digest")
     False
     """
     sources = imported_sources(module)
@@ -104,7 +104,7 @@ def runs_as_written(sources: Files) -> bool:
     Not so where Python took old byte code, a file having changed and kept time and size, and
     perhaps not where a file is younger than the first import of a room.
     """
-    from derive.lazy_face import BEGUN
+    from longwave.derive.lazy_face import BEGUN
 
     for name, path in sources:
         module = sys.modules.get(name)
@@ -133,11 +133,11 @@ def _memory_digest(module: str) -> bytes:
 def imported_sources(module: str) -> Sources:
     """The sources of the imported ``module``.
 
-    >>> sources = imported_sources("solutions.run.linear_phase")
-    >>> "solutions.run.doubledouble" in sources.loaded, "mpmath" in sources.packages
+    >>> sources = imported_sources("longwave.solutions.run.linear_phase")
+    >>> "longwave.solutions.run.doubledouble" in sources.loaded, "mpmath" in sources.packages
     (True, True)
     """
-    return _sources(module, Path(str(sys.modules[module].__file__)).resolve())
+    return _sources(module, Path(str(sys.modules[module].__file__)).absolute())
 
 
 def _sources(module: str, start: Path) -> Sources:
@@ -209,7 +209,7 @@ def _package(module: str, path: Path) -> list[str]:
 @cache
 def _file(root: Path, module: str) -> Path | None:
     """The file of a module of the project, None for any other name."""
-    if module.split(".")[0] not in ROOMS:
+    if module.split(".")[0] != PACKAGE:
         return None
     stem = root.joinpath(*module.split("."))
     files = (stem.with_name(f"{stem.name}.py"), stem / "__init__.py")

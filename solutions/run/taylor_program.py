@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from solutions.run.bytecode import Bytecode, Code, Operation, Value
-from solutions.run.doubledouble import Array, split
-from solutions.run.linear_phase import LONG
+from longwave.solutions.run.bytecode import Bytecode, Code, Operation, Value
+from longwave.solutions.run.doubledouble import Array, split
+from longwave.solutions.run.linear_phase import LONG
 
 __all__ = ["jacobi_series", "taylor_bytecode"]
 

@@ -10,13 +10,13 @@ from functools import cache
 
 from sympy import Expr, I, Rational, cancel, cos, limit, pi, sin, sqrt, symbols
 
-from derive import LATTICES, envelope
-from derive.algebra.rational_functions import RationalFunctions
-from derive.carrier import w, z
-from derive.carrier_envelope import Envelope
-from derive.models.lattices import g2, g3
-from derive.sines import omega
-from derive.symbols import K2, K3, K4, k
+from longwave.derive import LATTICES, envelope
+from longwave.derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.carrier import w, z
+from longwave.derive.carrier_envelope import Envelope
+from longwave.derive.models.lattices import g2, g3
+from longwave.derive.sines import omega
+from longwave.derive.symbols import K2, K3, K4, k
 
 s, C, tau = symbols("s C tau", real=True)
 HALF = {sin(k / 2): s, cos(k / 2): C}

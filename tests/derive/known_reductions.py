@@ -12,10 +12,19 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, Integer, Rational, Symbol, cancel, fraction, symbols, together
 
-from derive import LATTICES, Bond, Lattice, Reduction, Scaling, SlowVariable, Stencil, reduce
-from derive.lattice import spring
-from derive.models.lattices import H2, H3, H4, L2, L3, L4, cubic, m1, m2
-from derive.symbols import K2, K3, K4, c, eps, x, ybar
+from longwave.derive import (
+    LATTICES,
+    Bond,
+    Lattice,
+    Reduction,
+    Scaling,
+    SlowVariable,
+    Stencil,
+    reduce,
+)
+from longwave.derive.lattice import spring
+from longwave.derive.models.lattices import H2, H3, H4, L2, L3, L4, cubic, m1, m2
+from longwave.derive.symbols import K2, K3, K4, c, eps, x, ybar
 
 d, k3, b = (Symbol(name, real=True) for name in ("d", "k3", "b"))
 S2 = Symbol("S2", positive=True)

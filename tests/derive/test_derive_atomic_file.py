@@ -14,14 +14,14 @@ from pathlib import Path
 
 import pytest
 
-from derive.atomic_file import write_atomically
+from longwave.derive.atomic_file import write_atomically
 
 OLD, NEW = "the older file", "new " * 1000
 
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from derive.atomic_file import write_atomically
+from longwave.derive.atomic_file import write_atomically
 
 moment, place = sys.argv[1:]
 

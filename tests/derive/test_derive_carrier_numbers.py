@@ -5,8 +5,8 @@ from math import cos, sin
 import pytest
 from sympy import Rational, pi
 
-from derive import LATTICES, EnvelopeError, envelope
-from derive.carrier_numbers import CarrierTerms, carrier_fields
+from longwave.derive import LATTICES, EnvelopeError, envelope
+from longwave.derive.carrier_numbers import CarrierTerms, carrier_fields
 
 K2, K3, K4 = 2.25, 0.4, 1.1
 GIVEN = {"K2": Rational(9, 4), "K3": Rational(2, 5), "K4": Rational(11, 10)}

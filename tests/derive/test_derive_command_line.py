@@ -4,15 +4,15 @@ from importlib import import_module
 
 import pytest
 
-from derive.__main__ import main
-from derive.command_line import fail
+from longwave.derive.__main__ import main
+from longwave.derive.command_line import fail
 
 COMMANDS = {
-    "derive.__main__": ("",),
-    "verify.__main__": ("", "mutations", "accuracy"),
-    "reports.__main__": ("",),
-    "reports.bench": ("",),
-    "reports.figures.__main__": ("",),
+    "longwave.derive.__main__": ("",),
+    "longwave.verify.__main__": ("", "mutations", "accuracy"),
+    "longwave.reports.__main__": ("",),
+    "longwave.reports.bench": ("",),
+    "longwave.reports.figures.__main__": ("",),
 }
 
 

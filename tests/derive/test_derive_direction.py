@@ -5,11 +5,11 @@ import json
 import pytest
 from sympy import Integer, Rational, Symbol, simplify, sqrt
 
-from derive import LATTICES, find_scaling
-from derive.__main__ import main
-from derive.direction import read_direction, slow_variables
-from derive.scaling import Scaling, SlowVariable
-from derive.symbols import c
+from longwave.derive import LATTICES, find_scaling
+from longwave.derive.__main__ import main
+from longwave.derive.direction import read_direction, slow_variables
+from longwave.derive.scaling import Scaling, SlowVariable
+from longwave.derive.symbols import c
 
 SQUARE = LATTICES["square"]
 NUMBERS = "K2=1,H2=2,K3=1,H3=1,K4=0,H4=1"

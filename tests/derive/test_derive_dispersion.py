@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from sympy import Integer, Symbol, expand, sin, sqrt
 
-from derive import (
+from longwave.derive import (
     LATTICES,
     Bond,
     Scaling,
@@ -14,9 +14,9 @@ from derive import (
     mkdv_reduction,
     reduce,
 )
-from derive.dispersion import agrees_with_reduction, long_wave_of_reduction
-from derive.symbols import K2, K3, K4, k, x, ybar
-from lattice.numeric_lattice import numeric_lattice
+from longwave.derive.dispersion import agrees_with_reduction, long_wave_of_reduction
+from longwave.derive.symbols import K2, K3, K4, k, x, ybar
+from longwave.lattice.numeric_lattice import numeric_lattice
 
 FPUT = LATTICES["fput_strain"]
 STIFFNESS = K2 + 2 * K3 * ybar + 3 * K4 * ybar**2

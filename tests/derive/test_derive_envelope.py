@@ -9,11 +9,18 @@ from typing import Any
 import pytest
 from sympy import Integer, Rational, Symbol, acos, cos, pi, simplify, sin, sqrt
 
-from derive import LATTICES, EnvelopeError, checks_of_envelope, envelope, modulation_map, on_site
-from derive.carrier_envelope import Envelope, omega
-from derive.lattice import Lattice, spring
-from derive.models.lattices import cubic, g1, g2, g3
-from derive.symbols import K2, K3, K4, k, x
+from longwave.derive import (
+    LATTICES,
+    EnvelopeError,
+    checks_of_envelope,
+    envelope,
+    modulation_map,
+    on_site,
+)
+from longwave.derive.carrier_envelope import Envelope, omega
+from longwave.derive.lattice import Lattice, spring
+from longwave.derive.models.lattices import cubic, g1, g2, g3
+from longwave.derive.symbols import K2, K3, K4, k, x
 
 FPUT = LATTICES["fput_strain"]
 s, C = sin(k / 2), cos(k / 2)

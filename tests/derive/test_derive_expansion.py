@@ -7,10 +7,10 @@ import mpmath
 import pytest
 import sympy as sp
 
-from derive import LATTICES, Scaling, reduce
-from derive.algebra.jets import DifferentialPolynomial
-from derive.expansion import expand
-from derive.symbols import K2, K3, K4, T, X, c
+from longwave.derive import LATTICES, Scaling, reduce
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.expansion import expand
+from longwave.derive.symbols import K2, K3, K4, T, X, c
 
 Constants = dict[sp.Symbol, sp.Rational]
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from derive.__main__ import main
+from longwave.derive.__main__ import main
 
 
 def test_a_field_at_rest_is_told_as_that(capsys: pytest.CaptureFixture[str]) -> None:

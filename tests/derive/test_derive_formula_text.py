@@ -8,10 +8,10 @@ import sympy as sp
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.bounded_building import BITS, TooLarge, applied, power, product, total
-from derive.algebra.formula_expression import read_formula
-from derive.algebra.formula_printing import formula_as_text
-from derive.algebra.formula_text import (
+from longwave.derive.algebra.bounded_building import BITS, TooLarge, applied, power, product, total
+from longwave.derive.algebra.formula_expression import read_formula
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.formula_text import (
     DEEPEST,
     LONGEST,
     FormulaError,

@@ -7,8 +7,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive.algebra.formula_text import FormulaError, Parser, Vocabulary, tokens
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.formula_text import FormulaError, Parser, Vocabulary, tokens
+from longwave.derive.algebra.formula_tree import (
     MINUS_ONE,
     Call,
     Derivative,

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from derive.interruption import interrupted
+from longwave.derive.interruption import interrupted
 
 LATE = """
 import os, signal, sys
-from derive.interruption import interruptible
+from longwave.derive.interruption import interruptible
 
 class Press:
     def __del__(self, kill=os.kill, process=os.getpid(), number=signal.SIGINT):

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive import symbols
-from derive.algebra.jets import DifferentialPolynomial, Monomial, raised
-from derive.algebra.rational_functions import RationalFunctions
-from derive.algebra.series import EpsSeries
+from longwave.derive import symbols
+from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial, raised
+from longwave.derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.algebra.series import EpsSeries
 
 CONSTANTS = RationalFunctions((symbols.K4,))
 K4 = CONSTANTS(symbols.K4)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from sympy import Rational
 
-from derive import LATTICES, envelope
+from longwave.derive import LATTICES, envelope
 from tests.derive.known_envelopes import CHAIN, KNOWN, of, unlike
 
 

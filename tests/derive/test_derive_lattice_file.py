@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 from sympy import simplify
 
-from derive import LATTICES, Scaling, envelope, lattice_of, read_lattice, reduce
-from derive.__main__ import main
+from longwave.derive import LATTICES, Scaling, envelope, lattice_of, read_lattice, reduce
+from longwave.derive.__main__ import main
 
 DIMER = """
 name = "two_masses"

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Expr, Integer, Poly, Rational, S, Symbol, cos, expand, log, series, sin, sqrt
 
-from derive import (
+from longwave.derive import (
     LATTICES,
     Bond,
     Lattice,
@@ -24,8 +24,8 @@ from derive import (
     Stencil,
     reduce,
 )
-from derive.lattice import on_site, spring
-from derive.symbols import K2, K3, K4, X, c, eps, k, x, ybar
+from longwave.derive.lattice import on_site, spring
+from longwave.derive.symbols import K2, K3, K4, X, c, eps, k, x, ybar
 
 FPUT = LATTICES["fput_strain"]
 Y = Symbol("Y", real=True)

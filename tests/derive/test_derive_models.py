@@ -11,12 +11,20 @@ from typing import Any
 import pytest
 from sympy import Expr, Integer, Rational, Symbol, expand, simplify, sqrt, symbols
 
-from derive import LATTICES, Lattice, Reduction, Scaling, SlowVariable, find_scaling, reduce
-from derive.checks import checks_of_reduction
-from derive.lattice import spring
-from derive.lattice_file import read_lattice
-from derive.models.lattices import H2, H3
-from derive.symbols import K2, K3, c, eps, x
+from longwave.derive import (
+    LATTICES,
+    Lattice,
+    Reduction,
+    Scaling,
+    SlowVariable,
+    find_scaling,
+    reduce,
+)
+from longwave.derive.checks import checks_of_reduction
+from longwave.derive.lattice import spring
+from longwave.derive.lattice_file import read_lattice
+from longwave.derive.models.lattices import H2, H3
+from longwave.derive.symbols import K2, K3, c, eps, x
 
 C, S = symbols("C S", real=True)
 drift = Symbol("v", real=True)

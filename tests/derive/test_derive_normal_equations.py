@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from sympy import Expr, I, Rational, S, Symbol, expand, pi, simplify, sqrt, symbols
 
-from derive import LATTICES, NormalForm, Scaling, SlowVariable, envelope, reduce
-from derive.models.lattices import H2
-from derive.normal_form import NORMAL_EQUATIONS, normal_form_of
-from derive.symbols import K2, K3, K4, c
+from longwave.derive import LATTICES, NormalForm, Scaling, SlowVariable, envelope, reduce
+from longwave.derive.models.lattices import H2
+from longwave.derive.normal_form import NORMAL_EQUATIONS, normal_form_of
+from longwave.derive.symbols import K2, K3, K4, c
 
 X, Z, T = symbols("X Z T", real=True)
 Shape = Callable[[Expr, Expr, Expr], Expr]

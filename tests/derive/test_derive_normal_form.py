@@ -24,9 +24,9 @@ from sympy import (
     zoo,
 )
 
-from derive import initial_velocity, mkdv_normal_form, mkdv_reduction
-from derive.algebra.exact_numbers import exact, parse_rational
-from derive.symbols import K2, K4, c, eps
+from longwave.derive import initial_velocity, mkdv_normal_form, mkdv_reduction
+from longwave.derive.algebra.exact_numbers import exact, parse_rational
+from longwave.derive.symbols import K2, K4, c, eps
 
 nonzero = st.fractions(min_value=-50, max_value=50, max_denominator=40).filter(bool)
 

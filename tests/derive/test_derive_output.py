@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from derive import LATTICES, Reduction, Scaling, reduce
-from derive.__main__ import main
-from derive.algebra.jets import DifferentialPolynomial
-from derive.output.notation import Notation
-from derive.output.report import polynomial_from_data
+from longwave.derive import LATTICES, Reduction, Scaling, reduce
+from longwave.derive.__main__ import main
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.output.notation import Notation
+from longwave.derive.output.report import polynomial_from_data
 
 
 @pytest.fixture(scope="module")
@@ -136,9 +136,9 @@ def test_wrong_input_is_one_line_and_status_two(
 @pytest.mark.parametrize(
     ("imported", "unwanted"),
     [
-        ("derive, derive.__main__", "{'sympy', 'mpmath'}"),
+        ("derive, longwave.derive.__main__", "{'sympy', 'mpmath'}"),
         (
-            "derive.output.printout",
+            "longwave.derive.output.printout",
             "{'numpy', 'scipy', 'numba', 'matplotlib', 'solutions', 'verify', 'reports'}",
         ),
     ],

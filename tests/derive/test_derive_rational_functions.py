@@ -9,7 +9,7 @@ from sympy import QQ, Add, Integer, Rational, Symbol, cancel, prod, sqrt
 from sympy.polys.fields import FracField
 from sympy.polys.orderings import lex
 
-from derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.algebra.rational_functions import RationalFunctions
 
 SYMBOLS = tuple(Symbol(name) for name in "xyz")
 FIELD = RationalFunctions(SYMBOLS)

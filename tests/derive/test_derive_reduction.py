@@ -6,9 +6,18 @@ from typing import Any
 import pytest
 from sympy import Eq, Expr, Rational, Symbol, simplify, symbols
 
-from derive import LATTICES, Bond, Lattice, Reduction, ReductionError, Scaling, Stencil, reduce
-from derive.algebra.jets import DifferentialPolynomial, Monomial
-from derive.symbols import K2, K3, K4, c, x, ybar
+from longwave.derive import (
+    LATTICES,
+    Bond,
+    Lattice,
+    Reduction,
+    ReductionError,
+    Scaling,
+    Stencil,
+    reduce,
+)
+from longwave.derive.algebra.jets import DifferentialPolynomial, Monomial
+from longwave.derive.symbols import K2, K3, K4, c, x, ybar
 
 FPUT = LATTICES["fput_strain"]
 L2, L4 = symbols("L2 L4", real=True)

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Matrix, Symbol, cancel
 
-from derive.algebra.rational_functions import RationalFunctions
-from derive.algebra.small_matrices import determinant, inverse, null_space, transposed
+from longwave.derive.algebra.rational_functions import RationalFunctions
+from longwave.derive.algebra.small_matrices import determinant, inverse, null_space, transposed
 
 x, y = Symbol("x"), Symbol("y")
 FIELD = RationalFunctions((x, y))

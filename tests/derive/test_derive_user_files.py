@@ -8,8 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from derive.command_line import QUOTED
-from derive.request_limits import (
+from longwave.__main__ import main
+from longwave.derive.command_line import QUOTED
+from longwave.derive.request_limits import (
     ExpectedCost,
     TooMuchError,
     check_request,
@@ -17,8 +18,7 @@ from derive.request_limits import (
     machine_memory,
     request_limits,
 )
-from derive.user_files import read_toml
-from longwave.__main__ import main
+from longwave.derive.user_files import read_toml
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")

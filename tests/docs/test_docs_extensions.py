@@ -12,10 +12,10 @@ import lists
 from docstrings import as_restructured_text
 from house import HOUSE, ROOMS, modules, packages
 from longwave import CATALOGUE
+from longwave.verify.cli.published import published
+from longwave.verify.comparison import SCHEMES, further_scenes, shipped_scenes
 from reference import write_reference
 from snippets import snippets
-from verify.cli.published import published
-from verify.comparison import SCHEMES, further_scenes, shipped_scenes
 
 
 @pytest.mark.parametrize("name", ["docstrings", "lists", "mathml", "paper_map", "snippets"])
@@ -67,13 +67,13 @@ def test_the_library_is_listed_with_its_sources_and_misprints() -> None:
 
 def test_the_maps_table_names_object_file_and_scenes() -> None:
     rows = {line.split("|")[1].strip(): line for line in lists.paper_table().splitlines()}
-    assert "{py:class}`~derive.scaling.Scaling`" in rows["eq.&nbsp;(7)"]
+    assert "{py:class}`~longwave.derive.scaling.Scaling`" in rows["eq.&nbsp;(7)"]
     assert "`derive/scaling.py`" in rows["eq.&nbsp;(7)"]
     assert "`rational_3_eps_0.075`" in rows["fig.&nbsp;2"]
 
 
 def test_the_reference_has_every_module_and_drops_what_is_gone(tmp_path: Path) -> None:
-    stale = tmp_path / "derive.gone.rst"
+    stale = tmp_path / "longwave.derive.gone.rst"
     stale.write_text("old", encoding="utf-8")
     write_reference(tmp_path)
     assert not stale.exists()

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from house import ROOMS
+from longwave.reports.paper import EQUATIONS, FIGURES, UNNUMBERED, cited
 from paper_map import Holder, Row, numbers_in, paper_map
-from reports.paper import EQUATIONS, FIGURES, UNNUMBERED, cited
 
 HOUSE = Path(__file__).parents[2]
-ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
 MAP = paper_map(HOUSE, ROOMS)
 
 
@@ -74,10 +74,10 @@ class Scaling:
         row.place: [holder.target for holder in row.holders]
         for row in paper_map(tree(tmp_path, text), ["derive"])
     }
-    assert held["eq. (1)"] == ["derive.lattice.FORM"]
-    assert held["eq. (2)"] == ["derive.lattice"]
-    assert held["eq. (3)"] == ["derive.lattice.MEAN"]
-    assert held["eq. (5)"] == held["eq. (6)"] == ["derive.lattice.Scaling.speed"]
+    assert held["eq. (1)"] == ["longwave.derive.lattice.FORM"]
+    assert held["eq. (2)"] == ["longwave.derive.lattice"]
+    assert held["eq. (3)"] == ["longwave.derive.lattice.MEAN"]
+    assert held["eq. (5)"] == held["eq. (6)"] == ["longwave.derive.lattice.Scaling.speed"]
     assert held["eq. (7)"] == []
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from lattice.force_program import ForceProgram, force_program
-from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.force_program import ForceProgram, force_program
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -19,7 +19,7 @@ def random_force(random: Random, size: float, stiffness: float) -> ForceProgram:
     """A force whose nonlinear part matters at stretches of that size."""
     from sympy import Float, Rational, exp, sin
 
-    from derive.symbols import x
+    from longwave.derive.symbols import x
 
     kind = random.choice(["polynomial", "polynomial", "linear", "toda", "sine", "hertz"])
     K, scale = Float(stiffness), Float(random.choice([0.3, 1.0]) / size)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.field_ring import FieldRing
 
 
 def ring(counts: tuple[int, ...]) -> FieldRing:

@@ -9,15 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice import integrate
-from lattice.dynamics import FieldDynamics, StrainDynamics, dynamics_of
-from lattice.field_state import FieldState, field_blow_up
-from lattice.force_program import ForceProgram
-from lattice.model import Array, Model, State
-from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
-from lattice.schemes import KAHAN_LI_8, RK4
+from longwave.lattice import integrate
+from longwave.lattice.dynamics import FieldDynamics, StrainDynamics, dynamics_of
+from longwave.lattice.field_state import FieldState, field_blow_up
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.model import Array, Model, State
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.schemes import KAHAN_LI_8, RK4
+from longwave.verify.studies.random_chains import EstimateVerdict, judge
 from tests.lattice.test_numeric_lattice import numbers
-from verify.studies.random_chains import EstimateVerdict, judge
 
 
 def judged(seeds: range) -> list[EstimateVerdict]:

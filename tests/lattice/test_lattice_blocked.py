@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import derive
-from lattice.kernels import blocked, plain
-from lattice.model import Array, Model
-from lattice.schemes import (
+from longwave import derive
+from longwave.lattice.kernels import blocked, plain
+from longwave.lattice.model import Array, Model
+from longwave.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     REDUCED_PHASE_6,
@@ -26,9 +26,9 @@ from lattice.schemes import (
     Composition,
     Splitting,
 )
-from lattice.stepper import advance
-from solutions import Wave, closed_form
-from solutions.run import cores
+from longwave.lattice.stepper import advance
+from longwave.solutions import Wave, closed_form
+from longwave.solutions.run import cores
 
 SPLITTINGS = [scheme for scheme in SCHEMES if isinstance(scheme, Splitting | Composition)]
 
@@ -109,7 +109,7 @@ def advanced(size: int, steps: int) -> Iterator[Array]:
 OTHER_WAY = """
 import sys
 import numpy as np
-from lattice.kernels import blocked
+from longwave.lattice.kernels import blocked
 from tests.lattice.test_lattice_blocked import advanced
 np.save(sys.argv[1], list(advanced(*map(int, sys.argv[2:]))))
 print(blocked.why_plain())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lattice.model import Model, State, find_blow_up
+from longwave.lattice.model import Model, State, find_blow_up
 
 SOFT = Model(1.0, 0.0, -1.0)
 

@@ -11,17 +11,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive import LATTICES
-from lattice.force_program import ForceProgram
-from lattice.kernels import chain_kernel
-from lattice.kernels.chain_kernel import advance_chain, advance_stages
-from lattice.kernels.reference import advance_splitting
-from lattice.kernels.row_code import passage_text
-from lattice.kernels.streams import flow_of
-from lattice.numeric_lattice import Array, Entry, NumericBond, NumericLattice, numeric_lattice
-from lattice.schemes import BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8
+from longwave.derive import LATTICES
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.kernels import chain_kernel
+from longwave.lattice.kernels.chain_kernel import advance_chain, advance_stages
+from longwave.lattice.kernels.reference import advance_splitting
+from longwave.lattice.kernels.row_code import passage_text
+from longwave.lattice.kernels.streams import flow_of
+from longwave.lattice.numeric_lattice import (
+    Array,
+    Entry,
+    NumericBond,
+    NumericLattice,
+    numeric_lattice,
+)
+from longwave.lattice.schemes import BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8
+from longwave.verify.studies.random_chains import random_chain
 from tests.lattice.test_numeric_lattice import DISPLACED, numbers
-from verify.studies.random_chains import random_chain
 
 CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput", "mass_dimer"})
 

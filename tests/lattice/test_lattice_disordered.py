@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive import LATTICES
-from lattice import FieldRing, FieldState, integrate, spectral_integrate
-from lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
-from lattice.force_program import ForceProgram
-from lattice.kernels.chain_kernel import advance_chain, advance_stages
-from lattice.numeric_lattice import Array, NumericLattice, numeric_lattice
-from lattice.random_sites import mean_inverse, site_deviations
-from lattice.schemes import REDUCED_PHASE_6
+from longwave.derive import LATTICES
+from longwave.lattice import FieldRing, FieldState, integrate, spectral_integrate
+from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.kernels.chain_kernel import advance_chain, advance_stages
+from longwave.lattice.numeric_lattice import Array, NumericLattice, numeric_lattice
+from longwave.lattice.random_sites import mean_inverse, site_deviations
+from longwave.lattice.schemes import REDUCED_PHASE_6
 from tests.lattice.test_numeric_lattice import numbers
 
 CHAINS = ("fput_strain", "next_nearest", "fput", "dimer", "klein_gordon", "toda", "granular")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lattice.spectral.exponential import ORDER, ExponentialAdams, ExponentialRungeKutta
+from longwave.lattice.spectral.exponential import ORDER, ExponentialAdams, ExponentialRungeKutta
 
 W = np.array([[0.0, 1.0, 30.0]])
 START = np.array([[0.5, 0.7 + 0.2j, 0.3j]])

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from lattice.spectral.exponential import moment_weights, phi_functions
+from longwave.lattice.spectral.exponential import moment_weights, phi_functions
 
 
 @pytest.mark.parametrize("z", [0j, 1e-9j, 1.9j, 2.0j, 2.1j, 13j, -1 + 1j, -30 + 0j])

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import lattice
-from lattice import Composition, Model, State, Trajectory, integrate, ring_energy
-from lattice.model import Array
-from lattice.schemes import KAHAN_LI_8, RK4, SCHEMES
-from verify.studies.doubledouble_ring import advance_doubled, doubled
+from longwave import lattice
+from longwave.lattice import Composition, Model, State, Trajectory, integrate, ring_energy
+from longwave.lattice.model import Array
+from longwave.lattice.schemes import KAHAN_LI_8, RK4, SCHEMES
+from longwave.verify.studies.doubledouble_ring import advance_doubled, doubled
 
 
 def reference(model: Model, state: State, times: Array, largest: float) -> Array:

@@ -8,12 +8,12 @@ import pytest
 import sympy as sp
 from numba import float64, njit, none
 
-import derive
-from derive import symbols
-from lattice.kernels import plain
-from lattice.model import Array, Model, State, ring_energy
-from lattice.schemes import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET, Scheme
-from lattice.stepper import advance
+from longwave import derive
+from longwave.derive import symbols
+from longwave.lattice.kernels import plain
+from longwave.lattice.model import Array, Model, State, ring_energy
+from longwave.lattice.schemes import KAHAN_LI_8, RK4, SCHEMES, STOERMER_VERLET, Scheme
+from longwave.lattice.stepper import advance
 
 SIZES = (3, 4, plain.BLOCK - 1, plain.BLOCK, plain.BLOCK + 1, 2 * plain.BLOCK + 2)
 PRESENT = list(itertools.product((0.0, 0.7), (0.0, -0.4)))

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from lattice.scheme_order import check_order, nystroem_defect, phase_lag_defect
-from lattice.schemes import (
+from longwave.lattice.scheme_order import check_order, nystroem_defect, phase_lag_defect
+from longwave.lattice.schemes import (
     BLANES_MOAN_6,
     KAHAN_LI_8,
     MCLACHLAN_4,

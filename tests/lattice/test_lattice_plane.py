@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lattice import FieldState, integrate
-from lattice.kernels import plane_kernel, reference
-from lattice.kernels.plane_flow import plane_flow
-from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
-from lattice.schemes import BLANES_MOAN_6, REDUCED_PHASE_6, STOERMER_VERLET, DriftKick
+from longwave.lattice import FieldState, integrate
+from longwave.lattice.kernels import plane_kernel, reference
+from longwave.lattice.kernels.plane_flow import plane_flow
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.schemes import BLANES_MOAN_6, REDUCED_PHASE_6, STOERMER_VERLET, DriftKick
 from tests.lattice.random_lattices import random_lattice, smooth_or_rough
 from tests.lattice.random_lattices import reference as exact_run
 from tests.lattice.test_numeric_lattice import numbers

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from derive import LATTICES
-from lattice.force_program import ForceProgram
-from lattice.model import Model
-from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
-from lattice.spectral.evolution import SamplingError, SpectralRing
-from lattice.spectral.field_ring import FieldRing
-from lattice.spectral.lattice_ring import LatticeRing
-from lattice.spectral.normal_modes import normal_modes
-from lattice.spectral.ring import RingState
+from longwave.derive import LATTICES
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.model import Model
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.spectral.evolution import SamplingError, SpectralRing
+from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.lattice_ring import LatticeRing
+from longwave.lattice.spectral.normal_modes import normal_modes
+from longwave.lattice.spectral.ring import RingState
 from tests.lattice.random_lattices import reference
 from tests.lattice.test_numeric_lattice import numbers
 

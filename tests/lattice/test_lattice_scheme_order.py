@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from lattice.model import Array, Model
-from lattice.schemes import SCHEMES, RungeKutta, Scheme
-from lattice.stepper import advance
+from longwave.lattice.model import Array, Model
+from longwave.lattice.schemes import SCHEMES, RungeKutta, Scheme
+from longwave.lattice.stepper import advance
 
 CONSTANTS = Model(1.0, 0.4, 0.9)
 DURATION = 12.0

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from lattice.model import Model
-from lattice.schemes import scheme_named
-from lattice.spectral.evolution import SamplingError, SpectralRing
-from lattice.spectral.ring import RingState
-from lattice.stepper import advance
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import scheme_named
+from longwave.lattice.spectral.evolution import SamplingError, SpectralRing
+from longwave.lattice.spectral.ring import RingState
+from longwave.lattice.stepper import advance
 
 CONSTANTS = Model(4.0, 0.0, 1.0)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lattice.model import Model
-from lattice.schemes import SCHEMES, Scheme, check_step, scheme_named, stability_limit
-from lattice.stepper import advance
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import SCHEMES, Scheme, check_step, scheme_named, stability_limit
+from longwave.lattice.stepper import advance
 
 LINEAR = Model(4.0, 0.0, 0.0)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-import derive
-from lattice.model import Model
-from lattice.spectral.ring import DENSITY, energy_spread
-from solutions import Wave, closed_form
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.spectral_data import ring_data
+from longwave import derive
+from longwave.lattice.model import Model
+from longwave.lattice.spectral.ring import DENSITY, energy_spread
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.spectral_data import ring_data
 
 LATTICES = 16
 

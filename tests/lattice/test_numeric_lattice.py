@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from sympy import Rational
 
-from derive import LATTICES
-from lattice.model import Model
-from lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.derive import LATTICES
+from longwave.lattice.model import Model
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
 
 NAMES = "K2 K3 K4 H2 H3 H4 L2 L3 L4 m1 m2 m3 g1 g2 g3 a b A d r E"
 NUMBERS = (1, Rational(1, 4), 1, 2, 1, Rational(1, 3), Rational(1, 5), 1, 2, 1, 3, 2, 1, 1, 1)

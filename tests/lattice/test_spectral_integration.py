@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice import FieldState, integrate
-from lattice.spectral.field_ring import FieldRing
-from lattice.spectral.ring import telling_step
-from lattice.spectral.spectral_integration import spectral_integrate
+from longwave.lattice import FieldState, integrate
+from longwave.lattice.spectral.field_ring import FieldRing
+from longwave.lattice.spectral.ring import telling_step
+from longwave.lattice.spectral.spectral_integration import spectral_integrate
 from tests.lattice.random_lattices import random_lattice, reference, smooth_or_rough
 from tests.lattice.test_numeric_lattice import numbers
 

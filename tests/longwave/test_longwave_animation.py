@@ -12,10 +12,10 @@ import longwave
 from longwave import animation
 from longwave.__main__ import main
 from longwave.animation import animate, film_of
-from reports.figures.drawing import styled
-from runs import run_any_scene, save_run
-from verify.comparison import Scene
-from verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.reports.figures.drawing import styled
+from longwave.runs import run_any_scene, save_run
+from longwave.verify.comparison import Scene
+from longwave.verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
 
 Output = pytest.CaptureFixture[str]
 
@@ -184,7 +184,7 @@ def test_ctrl_c_is_one_line_and_leaves_nothing(
         raise KeyboardInterrupt
 
     save_run(made, tmp_path / "run.nc")
-    monkeypatch.setattr("reports.figures.film_files.PillowImage.fromarray", stop)
+    monkeypatch.setattr("longwave.reports.figures.film_files.PillowImage.fromarray", stop)
     path = tmp_path / "film.gif"
     assert main(["animate", str(tmp_path / "run.nc"), "--output", str(path)]) == 130
     assert capsys.readouterr().err == f"longwave animate: interrupted ({path} was not written)\n"

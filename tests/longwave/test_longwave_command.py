@@ -11,19 +11,19 @@ from typing import Any
 import click
 import pytest
 
-import derive.output.printout
 import longwave.command_tree as tree
+import longwave.derive.output.printout
 import longwave.inventory
-import reports.build
-import runs.scene_command
-import verify.cli.accuracy
-import verify.cli.verdicts
-from derive.__main__ import CONSTANTS
-from derive.models.lattices import FPUT_STRAIN
+import longwave.reports.build
+import longwave.runs.scene_command
+import longwave.verify.cli.accuracy
+import longwave.verify.cli.verdicts
 from longwave.__main__ import main
-from runs import load_run, run_words
-from verify.comparison import ENGINES, further_scenes, shipped_scenes
-from verify.lattices.lattice_scene import shipped_lattice_scenes
+from longwave.derive.__main__ import CONSTANTS
+from longwave.derive.models.lattices import FPUT_STRAIN
+from longwave.runs import load_run, run_words
+from longwave.verify.comparison import ENGINES, further_scenes, shipped_scenes
+from longwave.verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 HOUSE = Path(__file__).parents[2]
@@ -146,14 +146,17 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         got.append(given)
         return 1
 
-    monkeypatch.setattr(derive.output.printout, "print_derivation", keep)
-    monkeypatch.setattr(verify.cli.verdicts, "print_verdicts", keep)
-    monkeypatch.setattr(verify.cli.verdicts, "print_mutations", keep)
-    monkeypatch.setattr(runs.scene_command, "run_and_print", keep)
-    monkeypatch.setattr(verify.cli.accuracy, "print_accuracy", keep)
-    monkeypatch.setattr(reports.build, "write_report", keep)
-    Wanted = derive.output.printout.Wanted
-    verdicts, RunOptions = verify.cli.verdicts.VerdictOptions, runs.scene_command.RunOptions
+    monkeypatch.setattr(longwave.derive.output.printout, "print_derivation", keep)
+    monkeypatch.setattr(longwave.verify.cli.verdicts, "print_verdicts", keep)
+    monkeypatch.setattr(longwave.verify.cli.verdicts, "print_mutations", keep)
+    monkeypatch.setattr(longwave.runs.scene_command, "run_and_print", keep)
+    monkeypatch.setattr(longwave.verify.cli.accuracy, "print_accuracy", keep)
+    monkeypatch.setattr(longwave.reports.build, "write_report", keep)
+    Wanted = longwave.derive.output.printout.Wanted
+    verdicts, RunOptions = (
+        longwave.verify.cli.verdicts.VerdictOptions,
+        longwave.runs.scene_command.RunOptions,
+    )
     for line in (
         "derive --k4 -1/2 --orders 5 --latex",
         "prove kink wave_cn kink --json --output c.json",
@@ -171,7 +174,7 @@ def test_options_reach_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
         (("kink",), False, "longwave verify mutations"),
         (("kink",), 2, None, True, "longwave verify accuracy"),
         (RunOptions("x.toml", 1e-3, "stencil", "x.nc"), "longwave run"),
-        (reports.build.ReportOptions(Path("there"), False, True, 3), "longwave report"),
+        (longwave.reports.build.ReportOptions(Path("there"), False, True, 3), "longwave report"),
     ]
 
 
@@ -223,7 +226,8 @@ def test_it_runs_as_a_module() -> None:
 def test_help_and_completion_import_nothing_that_computes(words: list[str]) -> None:
     script = (
         "import sys; from longwave.__main__ import main; main(sys.argv[1:]);"
-        "heavy = {'sympy', 'numpy', 'rich', 'solutions', 'lattice', 'verify.proof', 'numba'};"
+        "rooms = {f'longwave.{room}' for room in ('solutions', 'lattice', 'verify.proof')};"
+        "heavy = {'sympy', 'numpy', 'rich', 'numba'} | rooms;"
         "sys.exit(', '.join(heavy & set(sys.modules)) or 0)"
     )
     done = subprocess.run(
@@ -354,7 +358,7 @@ def test_no_command_of_the_process_stays_silent() -> None:
     """It is the words of the process that are watched, though they are handed on."""
     script = (
         "import sys, time\n"
-        "import derive.open_end as open_end\n"
+        "import longwave.derive.open_end as open_end\n"
         "import longwave.inventory as inventory\n"
         "from longwave.__main__ import main\n"
         "open_end.SILENT = 0.1\n"

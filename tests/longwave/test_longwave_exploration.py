@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.request_limits import RequestLimits
 from longwave import explore_text as text
+from longwave.derive.request_limits import RequestLimits
 from longwave.exploration import (
     FRAMES,
     Chosen,
@@ -29,10 +29,10 @@ from longwave.exploration_run import (
     WaveTexts,
     compare,
 )
-from solutions import CATALOGUE, closed_form
-from verify.comparison.scene import Scene
-from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_scene import (
+from longwave.solutions import CATALOGUE, closed_form
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.lattices.lattice_derivation import derivation
+from longwave.verify.lattices.lattice_scene import (
     LatticeScene,
     find_any_scene,
     load_lattice_scene,
@@ -146,7 +146,7 @@ def found() -> Comparison:
 
 @pytest.mark.slow
 def test_a_comparison_holds_what_the_run_holds(found: Comparison, tmp_path: Path) -> None:
-    from verify.comparison import run
+    from longwave.verify.comparison import run
 
     path = tmp_path / "explored.toml"
     path.write_text(scene_of_choices(SOLITON).toml(), encoding="utf-8")

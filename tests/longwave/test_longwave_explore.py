@@ -20,7 +20,7 @@ from longwave import explore_server
 from longwave.__main__ import main
 from longwave.exploration import AnyScene
 from longwave.exploration_run import Explorer
-from verify.lattices.lattice_scene import find_any_scene
+from longwave.verify.lattices.lattice_scene import find_any_scene
 
 Output = pytest.CaptureFixture[str]
 

@@ -9,8 +9,8 @@ from importlib.metadata import version
 import pytest
 
 import longwave
-from derive import Bond, SlowVariable, Stencil
-from derive.symbols import K2, c, x
+from longwave.derive import Bond, SlowVariable, Stencil
+from longwave.derive.symbols import K2, c, x
 
 FPUT = longwave.LATTICES["fput_strain"]
 NORMAL_FORM = longwave.mkdv_normal_form(1, 1)

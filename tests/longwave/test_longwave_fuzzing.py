@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 
 from benchmarks import fuzz_server
 from benchmarks.fuzz_inputs import KINDS, FuzzCase
-from derive.lattice_file import read_lattice
-from runs.run_file import load_run, scene_of_run
-from verify.cli.certificates import read_certificates
-from verify.cli.problem_file import problem_texts
-from verify.lattices.lattice_scene import find_any_scene
+from longwave.derive.lattice_file import read_lattice
+from longwave.runs.run_file import load_run, scene_of_run
+from longwave.verify.cli.certificates import read_certificates
+from longwave.verify.cli.problem_file import problem_texts
+from longwave.verify.lattices.lattice_scene import find_any_scene
 
 HOUSE = Path(__file__).parents[2]
 

@@ -12,10 +12,10 @@ import xarray as xr
 
 from longwave.growth_plotting import growth_panels
 from longwave.plotting import plot
-from runs.sweep_scene import changed_document, make_scene
+from longwave.runs.sweep_scene import changed_document, make_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.sideband_growth import growth_plan
 from tests.runs.test_runs_sweep_growth import GROWTH
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.sideband_growth import growth_plan
 
 SCENE: dict[str, Any] = GROWTH | {
     "eps": 0.1,

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from llvmlite import binding  # type: ignore[import-untyped]
 
-import reports.engine
-import solutions.run.kernel_folder
+import longwave.reports.engine
+import longwave.solutions.run.kernel_folder
 from longwave import health
 from longwave.__main__ import main
 
@@ -71,9 +71,9 @@ def test_one_core_costs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(solutions.run.kernel_folder, "cache_folder", lambda *_: None)
+    monkeypatch.setattr(longwave.solutions.run.kernel_folder, "cache_folder", lambda *_: None)
     assert "NUMBA_CACHE_DIR" in found("compiled kernels").cost
-    monkeypatch.setattr(solutions.run.kernel_folder, "cache_folder", lambda *_: tmp_path)
+    monkeypatch.setattr(longwave.solutions.run.kernel_folder, "cache_folder", lambda *_: tmp_path)
     assert "the first run compiles" in found("compiled kernels").cost
     (tmp_path / "kernel.kernel").touch()
     assert found("compiled kernels").state == "good"
@@ -82,16 +82,16 @@ def test_kernels_that_cannot_be_kept_cost(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 
 def test_without_latex_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reports.engine, "engine_present", lambda: False)
-    monkeypatch.setattr(reports.engine, "apt_prefix", lambda: None)
+    monkeypatch.setattr(longwave.reports.engine, "engine_present", lambda: False)
+    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", lambda: None)
     assert "install latexmk" in found("LaTeX").cost
-    monkeypatch.setattr(reports.engine, "apt_prefix", list)
+    monkeypatch.setattr(longwave.reports.engine, "apt_prefix", list)
     assert "with apt" in found("LaTeX").cost
 
 
 def test_plain_loops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     why = "LONGWAVE_PLAIN_KERNELS is set"
-    monkeypatch.setattr("lattice.kernels.blocked.why_plain", lambda: why)
+    monkeypatch.setattr("longwave.lattice.kernels.blocked.why_plain", lambda: why)
     finding = found("vectors")
     assert (finding.found, finding.state) == ("plain loops", "costs")
     assert "three times as long: LONGWAVE_PLAIN_KERNELS is set" in finding.cost

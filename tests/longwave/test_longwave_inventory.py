@@ -8,19 +8,19 @@ from pathlib import Path
 import pytest
 
 import longwave.inventory as inventory
-from derive import LATTICES
 from longwave.__main__ import main
 from longwave.command_tree import KINDS
-from runs.sweep_file import shipped_sweeps
-from solutions import CATALOGUE
-from verify.comparison import (
+from longwave.derive import LATTICES
+from longwave.runs.sweep_file import shipped_sweeps
+from longwave.solutions import CATALOGUE
+from longwave.verify.comparison import (
     OBSERVABLES,
     SCHEMES,
     further_scenes,
     rational_family_scenes,
     shipped_scenes,
 )
-from verify.lattices.lattice_scene import shipped_lattice_scenes
+from longwave.verify.lattices.lattice_scene import shipped_lattice_scenes
 
 Output = pytest.CaptureFixture[str]
 NAMES = {
@@ -86,11 +86,14 @@ def test_a_scenes_markup_is_printed_as_text(tmp_path: Path, capsys: Output) -> N
 @pytest.mark.parametrize(
     ("kind", "unwanted"),
     [
-        ("lattices", "numpy numba solutions.wave lattice.model verify.comparison"),
-        ("waves", "numba matplotlib lattice.model verify.comparison"),
-        ("schemes", "sympy xarray pandas verify.comparison"),
-        ("scenes", "sympy xarray pandas ducc0 verify.proof"),
-        ("lattice-scenes", "numba matplotlib xarray verify.lattices.lattice_run"),
+        (
+            "lattices",
+            "numpy numba longwave.solutions.wave longwave.lattice.model longwave.verify.comparison",
+        ),
+        ("waves", "numba matplotlib longwave.lattice.model longwave.verify.comparison"),
+        ("schemes", "sympy xarray pandas longwave.verify.comparison"),
+        ("scenes", "sympy xarray pandas ducc0 longwave.verify.proof"),
+        ("lattice-scenes", "numba matplotlib xarray longwave.verify.lattices.lattice_run"),
         ("observables", "sympy xarray pandas ducc0 numba"),
     ],
 )

@@ -19,7 +19,7 @@ import pytest
 import sympy as sp
 
 import longwave
-from derive import (
+from longwave.derive import (
     LATTICES,
     Check,
     carrier_fields,
@@ -28,22 +28,38 @@ from derive import (
     mkdv_normal_form,
     mkdv_reduction,
 )
-from lattice import SCHEMES, FieldRing, FieldState, Model, State, integrate, spectral_integrate
-from lattice.model import BlowUp
-from lattice.numeric_lattice import NumericLattice, numeric_lattice
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
-from verify.comparison import OBSERVABLES, Discretisation, Scene, Tolerance, load_scene
-from verify.comparison.stated_run import RunRecord
-from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
-from verify.lattices.lattice_scene import LatticeScene
-from verify.proof import Domain, rational_facts
-from verify.proof.statement_text import read_statement
-from verify.proof.statement_verdict import decide_statement
-from verify.verdict import Outcome, Verdict
+from longwave.lattice import (
+    SCHEMES,
+    FieldRing,
+    FieldState,
+    Model,
+    State,
+    integrate,
+    spectral_integrate,
+)
+from longwave.lattice.model import BlowUp
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from longwave.verify.comparison import OBSERVABLES, Discretisation, Scene, Tolerance, load_scene
+from longwave.verify.comparison.stated_run import RunRecord
+from longwave.verify.lattices.lattice_derivation import derivation
+from longwave.verify.lattices.lattice_run import LatticeRun, run_lattice_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.proof import Domain, rational_facts
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.verdict import Outcome, Verdict
 
 HOUSE = Path(__file__).parents[2]
-FACES = ("longwave", "derive", "solutions", "lattice", "verify.comparison", "verify.proof", "runs")
+FACES = (
+    "longwave",
+    "longwave.derive",
+    "longwave.solutions",
+    "longwave.lattice",
+    "longwave.verify.comparison",
+    "longwave.verify.proof",
+    "longwave.runs",
+)
 NOUNS = {
     f"{face}.{noun}": getattr(import_module(face), noun)
     for face in FACES

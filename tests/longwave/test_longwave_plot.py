@@ -9,8 +9,8 @@ import xarray as xr
 
 import longwave
 from longwave.plotting import MOST_PANELS, PICTURES, plot, shown_half_width
-from runs import save_run
-from verify.comparison import Scene, run
+from longwave.runs import save_run
+from longwave.verify.comparison import Scene, run
 
 SCENE = Scene.of(
     name="soliton",

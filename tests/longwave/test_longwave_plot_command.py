@@ -10,8 +10,8 @@ from longwave.__main__ import main
 from longwave.command_tree import PICTURES
 from longwave.plotting import ALL
 from longwave.plotting import PICTURES as KINDS
-from verify.comparison import load_scene
-from verify.comparison.stated_run import RunRecord, UnfinishedRun
+from longwave.verify.comparison import load_scene
+from longwave.verify.comparison.stated_run import RunRecord, UnfinishedRun
 
 Output = pytest.CaptureFixture[str]
 

@@ -1,4 +1,4 @@
-"""A user's own solutions.py, verify.py or derive.py does not get in the way of longwave."""
+"""A user's own lattice.py, solutions.py or runs/ is theirs, and not in the way of longwave."""
 
 import os
 import subprocess
@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from longwave.rooms import ROOMS
+from house import HOUSE, ROOMS
 
-HOUSE = Path(__file__).parents[2]
 USE = "import longwave; print(longwave.closed_form('kink').name, longwave.Verdict.__name__)"
+OWN = f"import {', '.join(ROOMS[:-1])}; print({' + '.join(f'{room}.OWN' for room in ROOMS[:-1])})"
 
 
 def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """Python in the folder, which comes first on the path, the house after it."""
     environment = os.environ | {"PYTHONPATH": str(HOUSE)}
     return subprocess.run(
-        [sys.executable, *words],
+        [sys.executable, "-W", "error", *words],
         cwd=folder,
         env=environment,
         capture_output=True,
@@ -26,20 +26,22 @@ def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.fixture
-def shadowed(tmp_path: Path) -> Path:
-    """A working folder with a file of every room's name; none of them may be run."""
-    for room in ROOMS:
-        (tmp_path / f"{room}.py").write_text("raise SystemExit('by mistake')", encoding="utf-8")
+@pytest.fixture(params=["{}.py", "{}/__init__.py"])
+def shadowed(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """A working folder with a file, or a package, of every room's name."""
+    for room in ROOMS[:-1]:
+        path = tmp_path / request.param.format(room)
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(f"OWN = '{room[0]}'", encoding="utf-8")
     return tmp_path
 
 
-def test_a_script_beside_them_works_and_is_warned(shadowed: Path) -> None:
-    (shadowed / "script.py").write_text(USE, encoding="utf-8")
+@pytest.mark.parametrize("code", [f"{OWN}\n{USE}", f"{USE}\n{OWN}"], ids=["before", "after"])
+def test_both_are_imported(shadowed: Path, code: str) -> None:
+    (shadowed / "script.py").write_text(code, encoding="utf-8")
     done = python(shadowed, "script.py")
-    assert done.stdout == "kink Verdict\n", done.stderr
-    for room in ROOMS:
-        assert f"{room}.py has the name of a package of longwave" in done.stderr
+    assert sorted(done.stdout.splitlines()) == ["dslvrr", "kink Verdict"], done.stderr
+    assert done.stderr == ""
 
 
 @pytest.mark.parametrize("word", ["derive", "verify", "run", "report"])
@@ -47,33 +49,3 @@ def test_the_command_beside_them_works(shadowed: Path, word: str) -> None:
     done = python(shadowed, "-m", "longwave", word, "--help")
     assert done.returncode == 0
     assert done.stdout.startswith(f"Usage: longwave {word} ")
-
-
-def test_a_folder_of_that_name_is_no_obstacle(tmp_path: Path) -> None:
-    (tmp_path / "solutions").mkdir()
-    (tmp_path / "solutions" / "__init__.py").write_text("raise SystemExit('by mistake')")
-    assert python(tmp_path, "-c", USE).stdout == "kink Verdict\n"
-
-
-def test_one_imported_before_is_named_in_one_line(tmp_path: Path) -> None:
-    own = tmp_path / "solutions.py"
-    own.write_text("answer = 42\n", encoding="utf-8")
-    done = python(tmp_path, "-c", f"import solutions; {USE}")
-    last = done.stderr.splitlines()[-1]
-    assert last.startswith("ImportError: solutions must be longwave's own package, got ")
-    assert str(own) in last
-
-
-def test_nothing_is_said_where_nothing_is_in_the_way(tmp_path: Path) -> None:
-    code = f"import sys; old = list(sys.meta_path); {USE}; assert old == sys.meta_path"
-    done = python(tmp_path, "-W", "error", "-c", code)
-    assert (done.stdout, done.stderr) == ("kink Verdict\n", "")
-
-
-@pytest.mark.parametrize("room", ["runs", "reports"])
-def test_a_folder_of_results_is_passed_over_in_silence(tmp_path: Path, room: str) -> None:
-    (tmp_path / room / "ab").mkdir(parents=True)
-    (tmp_path / room / "run.nc").touch()
-    done = python(tmp_path, "-W", "error", "-c", f"{USE}; import {room}; print({room}.__file__)")
-    assert done.stderr == ""
-    assert done.stdout.splitlines()[1].startswith(str(Path(__file__).parents[2]))

@@ -11,10 +11,10 @@ import xarray as xr
 from longwave.animation import animate
 from longwave.plotting import plot
 from longwave.run_quantities import frame_of, own_error, spectrum_panel, with_looks
-from runs import run_any_scene
-from verify.comparison import Scene
-from verify.comparison.observables import amplitudes
-from verify.lattices.lattice_scene import load_lattice_scene
+from longwave.runs import run_any_scene
+from longwave.verify.comparison import Scene
+from longwave.verify.comparison.observables import amplitudes
+from longwave.verify.lattices.lattice_scene import load_lattice_scene
 
 SCENE = Scene.of(
     name="soliton",

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from longwave.__main__ import main
 from longwave.command_tree import SWEEP_PICTURES as WORDS
 from longwave.plotting import plot
+from longwave.reports.figures.swept_figures import SweptAxis, WorkCurve, draw_work_precision
+from longwave.runs import save_run
 from longwave.sweep_plotting import SWEEP_PICTURES, axis_of
-from reports.figures.swept_figures import SweptAxis, WorkCurve, draw_work_precision
-from runs import save_run
 
 EPS = [0.2, 0.05, 0.1, 0.4]
 K = [0.1, 0.5, 0.9]

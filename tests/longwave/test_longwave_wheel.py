@@ -11,8 +11,8 @@ from zipfile import ZipFile
 
 import pytest
 
-HOUSE = Path(__file__).parents[2]
-ROOMS = ("derive", "solutions", "lattice", "verify", "runs", "reports", "longwave")
+from house import HOUSE, ROOMS
+
 SCENE = "rogue_cn_k_0.5"
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 
@@ -59,22 +59,43 @@ def installed(wheel: Path) -> Path:
 def test_the_wheel_holds_every_source_and_every_file_that_is_read(wheel: Path) -> None:
     read = (".py", ".toml", ".j2", ".gp", ".mac", ".v", "py.typed")
     expected = {
-        str(path.relative_to(HOUSE))
+        str(path.relative_to(HOUSE) if room == "longwave" else "longwave" / path.relative_to(HOUSE))
         for room in ROOMS
         for path in (HOUSE / room).rglob("*")
         if path.name.endswith(read) and "build" not in path.parts
     }
-    assert {f"{room}/py.typed" for room in ROOMS} <= expected
+    assert {f"longwave/{room}/py.typed" for room in ROOMS[:-1]} <= expected
     with ZipFile(wheel) as archive:
         held = {name for name in archive.namelist() if ".dist-info/" not in name}
+        (top,) = (name for name in archive.namelist() if name.endswith("/top_level.txt"))
+        assert archive.read(top) == b"longwave\n"
     assert held == expected
+
+
+@pytest.mark.slow
+def test_the_files_of_a_user_are_theirs_beside_the_installed_package(
+    installed: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "runs").mkdir()
+    for own in ("lattice.py", "solutions.py", "runs/__init__.py"):
+        (tmp_path / own).write_text("MINE = True\n", encoding="utf-8")
+    (tmp_path / "script.py").write_text(
+        "import lattice\n"
+        "import longwave\n"
+        "import runs, solutions\n"
+        "assert lattice.MINE and runs.MINE and solutions.MINE\n"
+        "print(longwave.closed_form('kink').name, longwave.lattice.__name__)\n",
+        encoding="utf-8",
+    )
+    done = call(installed / "python", "-W", "error", "script.py", cwd=tmp_path)
+    assert done.stdout == "kink longwave.lattice\n"
 
 
 @pytest.mark.slow
 def test_the_installed_command_runs_plots_and_reports(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "solutions.py").write_text("raise SystemExit('by mistake')", encoding="utf-8")
-    for room in ROOMS:
-        code = f"import {room}; print({room}.__file__)"
+    for room in ROOMS[:-1]:
+        code = f"from longwave import {room}; print({room}.__file__)"
         where = call(installed / "python", "-P", "-c", code, cwd=tmp_path)
         assert Path(where.stdout.strip()).is_relative_to(installed.parent)
     command = installed / "longwave"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,

@@ -1,14 +1,14 @@
-"""`python -m reports.bench`: it says where its tables and figures are, and fails with a case."""
+"""`python -m longwave.reports.bench`: says where its tables are, and fails with a case."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from reports import bench, build
-from reports.build import STUDY_TABLES, Studies
-from verify.studies.hard_cases import HardCaseResult
-from verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
+from longwave.reports import bench, build
+from longwave.reports.build import STUDY_TABLES, Studies
+from longwave.verify.studies.hard_cases import HardCaseResult
+from longwave.verify.studies.lattice_cost import CostPoint, PeakError, ScalingPoint
 
 FOUND = Studies(
     evaluation=[],

@@ -5,21 +5,21 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from reports import build
-from reports.__main__ import main
-from reports.build import Findings, Studies
-from reports.engine import EngineMissingError
-from reports.lattice_chapter import LatticeChapter
-from verify.cli.published import chosen
-from verify.evidence.mutations import MutationCount, Survivor
-from verify.lattices.lattice_scene import load_lattice_scene
-from verify.studies.hard_cases import HardCaseResult
-from verify.studies.lattice_models import modulation_plane
-from verify.studies.measured_runs import MeasuredRuns
-from verify.studies.proofs import ProofRecord
-from verify.studies.published_verdicts import PublishedVerdict
-from verify.studies.scene_runs import SceneRun
-from verify.verdict import Outcome
+from longwave.reports import build
+from longwave.reports.__main__ import main
+from longwave.reports.build import Findings, Studies
+from longwave.reports.engine import EngineMissingError
+from longwave.reports.lattice_chapter import LatticeChapter
+from longwave.verify.cli.published import chosen
+from longwave.verify.evidence.mutations import MutationCount, Survivor
+from longwave.verify.lattices.lattice_scene import load_lattice_scene
+from longwave.verify.studies.hard_cases import HardCaseResult
+from longwave.verify.studies.lattice_models import modulation_plane
+from longwave.verify.studies.measured_runs import MeasuredRuns
+from longwave.verify.studies.proofs import ProofRecord
+from longwave.verify.studies.published_verdicts import PublishedVerdict
+from longwave.verify.studies.scene_runs import SceneRun
+from longwave.verify.verdict import Outcome
 
 
 def findings(

@@ -2,9 +2,9 @@
 
 import pytest
 
-from reports.figures.drawing import CostAxes, CostPanel, cost_figure
-from reports.latex import escape
-from reports.sections.costs import (
+from longwave.reports.figures.drawing import CostAxes, CostPanel, cost_figure
+from longwave.reports.latex import escape
+from longwave.reports.sections.costs import (
     PRINTED,
     hard_case_table,
     message_table,
@@ -12,9 +12,15 @@ from reports.sections.costs import (
     rk4_table,
     scaling_table,
 )
-from verify.comparison import SCHEMES
-from verify.studies.hard_cases import HardCaseResult
-from verify.studies.lattice_cost import SPECTRAL, TRUE_ERROR, CostPoint, ScalingPoint, scaling_laws
+from longwave.verify.comparison import SCHEMES
+from longwave.verify.studies.hard_cases import HardCaseResult
+from longwave.verify.studies.lattice_cost import (
+    SPECTRAL,
+    TRUE_ERROR,
+    CostPoint,
+    ScalingPoint,
+    scaling_laws,
+)
 
 EPSILONS = (0.1, 0.05, 0.025, 0.0125)
 

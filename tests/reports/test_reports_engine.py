@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reports import engine
+from longwave.reports import engine
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@
 
 import math
 
-from reports.sections.costs import estimate_table, reason_table
-from verify.studies.estimates import Judged, estimate_rows
+from longwave.reports.sections.costs import estimate_table, reason_table
+from longwave.verify.studies.estimates import Judged, estimate_rows
 
 
 def judged(index: int, verdict: str, true: float, reason: str = "") -> Judged:

@@ -10,11 +10,11 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from reports.formulas.formula import Formula, broken
-from reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
-from solutions import CATALOGUE, ClosedForm
-from solutions.functions import jacobi_dn, jacobi_sn
-from solutions.symbols import k, tau, xi
+from longwave.reports.formulas.formula import Formula, broken
+from longwave.reports.formulas.printing import LINE, is_wide, latex, nesting, tidied, width
+from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.solutions.functions import jacobi_dn, jacobi_sn
+from longwave.solutions.symbols import k, tau, xi
 from tests.reports.latex_reader import Reader
 
 

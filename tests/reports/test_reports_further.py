@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reports.sections.runs import (
+from longwave.reports.sections.runs import (
     ACROSS,
     long_table,
     peak_panels,
@@ -12,9 +12,9 @@ from reports.sections.runs import (
     split_rows,
     split_table,
 )
-from verify.comparison import load_scene
-from verify.studies.lattice_cost import PeakError
-from verify.studies.long_runs import LONG_SCENES, LongRun
+from longwave.verify.comparison import load_scene
+from longwave.verify.studies.lattice_cost import PeakError
+from longwave.verify.studies.long_runs import LONG_SCENES, LongRun
 
 SPLIT = "split_rational_3"
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reports.latex import environment, escape, measured, render, scientific, table
+from longwave.reports.latex import environment, escape, measured, render, scientific, table
 
 
 def filled(template: str, **content: object) -> str:

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from reports.engine import compile_pdf, engine_present
-from reports.sections.literature import (
+from longwave.reports.engine import compile_pdf, engine_present
+from longwave.reports.sections.literature import (
     found_misprints,
     library_conditions,
     library_counts,
     library_table,
 )
-from verify.cli.published import chosen, published
-from verify.studies.published_verdicts import PublishedVerdict, library_jobs
-from verify.verdict import Outcome
+from longwave.verify.cli.published import chosen, published
+from longwave.verify.studies.published_verdicts import PublishedVerdict, library_jobs
+from longwave.verify.verdict import Outcome
 
 
 def as_expected(names: Sequence[str] = ()) -> list[PublishedVerdict]:

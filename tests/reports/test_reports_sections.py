@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from reports.build import STUDY_TABLES, TABLES, source
-from reports.engine import compile_pdf, engine_present
-from reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
-from reports.lattice_chapter import CHAPTER_TABLES
-from reports.paper import SOURCES, cited
-from reports.sections.costs import accuracy_table
-from reports.sections.runs import caption_part, claim_table, mathematics
-from reports.sections.theory import (
+from longwave.reports.build import STUDY_TABLES, TABLES, source
+from longwave.reports.engine import compile_pdf, engine_present
+from longwave.reports.figures.paper_figures import ERROR_FIGURES, SNAPSHOT_FIGURES
+from longwave.reports.lattice_chapter import CHAPTER_TABLES
+from longwave.reports.paper import SOURCES, cited
+from longwave.reports.sections.costs import accuracy_table
+from longwave.reports.sections.runs import caption_part, claim_table, mathematics
+from longwave.reports.sections.theory import (
     derivation,
     equations,
     mutation_table,
@@ -22,14 +22,14 @@ from reports.sections.theory import (
     solution_table,
     survivor_table,
 )
-from solutions import CATALOGUE
-from verify.comparison import shipped_scenes
-from verify.evidence.mutations import MutationCount, Survivor
-from verify.studies.claims import Claim, Measurement, Ruling
-from verify.studies.evaluation_accuracy import Accuracy
-from verify.studies.measured_runs import report_scenes
-from verify.studies.proofs import ProofRecord
-from verify.verdict import Outcome, Verdict
+from longwave.solutions import CATALOGUE
+from longwave.verify.comparison import shipped_scenes
+from longwave.verify.evidence.mutations import MutationCount, Survivor
+from longwave.verify.studies.claims import Claim, Measurement, Ruling
+from longwave.verify.studies.evaluation_accuracy import Accuracy
+from longwave.verify.studies.measured_runs import report_scenes
+from longwave.verify.studies.proofs import ProofRecord
+from longwave.verify.verdict import Outcome, Verdict
 
 
 @pytest.fixture(scope="module")

@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 
 import xarray as xr
 
-import runs.run_file
-from runs import output_checkpoint
-from runs.run_store import RunStore
-from runs.scene_command import RunOptions, run_and_print
+import longwave.runs.run_file
+from longwave.runs import output_checkpoint
+from longwave.runs.run_store import RunStore
+from longwave.runs.scene_command import RunOptions, run_and_print
 from tests.runs.unfinished_scenes import SCENES
 
 
@@ -45,7 +45,7 @@ def write(name: str, folder: str, least: str) -> int:
 def keep(name: str, folder: str) -> int:
     """Put a large file into the store again and again: most of the time is writing."""
     content = memoryview(bytes(range(256)) * 80_000)
-    runs.run_file.file_content = lambda _: content
+    longwave.runs.run_file.file_content = lambda _: content
     for _ in range(1000):
         RunStore(folder).keep(SCENES[name], xr.Dataset())
     return 0

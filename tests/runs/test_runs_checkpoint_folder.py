@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lattice.checkpoint import Memory, begin_loop, branches, kept_by
-from runs.checkpoint_folder import CheckpointFolder
+from longwave.lattice.checkpoint import Memory, begin_loop, branches, kept_by
+from longwave.runs.checkpoint_folder import CheckpointFolder
 
 MEMORY: Memory = {"seconds": 1.5, "f": np.arange(3.0), "rows": [np.float64(2.0), (1, None, "a")]}
 
@@ -66,7 +66,7 @@ def test_keeping_takes_a_small_share_of_the_time(tmp_path: Path) -> None:
     written = []
     with kept_by(keeper), pytest.MonkeyPatch.context() as patched:
         clock = [0.0]
-        patched.setattr("lattice.checkpoint.perf_counter", lambda: clock[0])
+        patched.setattr("longwave.lattice.checkpoint.perf_counter", lambda: clock[0])
 
         def write(*_: object) -> None:
             written.append(clock[0])

@@ -5,16 +5,16 @@ from typing import Any
 
 import pytest
 
-from derive.request_limits import ExpectedCost, RequestLimits
 from longwave.__main__ import main
-from runs import sweep_cells, sweep_cost
-from runs.run_cost import expected_run_cost
-from runs.run_store import RunStore
-from runs.sweep import settled_keys
-from runs.sweep_cells import Cell, run_cells
-from runs.sweep_cost import expected_sweep_cost
-from runs.sweep_file import Sweep, sweep_of
-from verify.lattices.lattice_scene import load_lattice_scene
+from longwave.derive.request_limits import ExpectedCost, RequestLimits
+from longwave.runs import sweep_cells, sweep_cost
+from longwave.runs.run_cost import expected_run_cost
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import settled_keys
+from longwave.runs.sweep_cells import Cell, run_cells
+from longwave.runs.sweep_cost import expected_sweep_cost
+from longwave.runs.sweep_file import Sweep, sweep_of
+from longwave.verify.lattices.lattice_scene import load_lattice_scene
 
 SWEEP = """
 [scene]

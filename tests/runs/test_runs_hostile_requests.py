@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from derive import open_end
-from derive.command_line import announce
 from longwave.__main__ import main
+from longwave.derive import open_end
+from longwave.derive.command_line import announce
 
 SCENE = """
 wave = "soliton_sech"

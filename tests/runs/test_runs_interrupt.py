@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from runs import load_run
+from longwave.runs import load_run
 
 LONG = """
 wave = "soliton_sech"

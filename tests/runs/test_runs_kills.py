@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runs.run_file import load_run, run_any_scene
-from runs.run_store import RunStore, UnkeptRunError
+from longwave.runs.run_file import load_run, run_any_scene
+from longwave.runs.run_store import RunStore, UnkeptRunError
 from tests.runs.unfinished_scenes import SCENES, bits, chain
 
 KILLS = 12

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from longwave.__main__ import main
-from runs import load_run
+from longwave.runs import load_run
 
 Output = pytest.CaptureFixture[str]
 
@@ -102,7 +102,7 @@ def test_ctrl_c_is_one_line_and_status_130(
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("lattice.dynamics.FieldDynamics.advance", stop)
+    monkeypatch.setattr("longwave.lattice.dynamics.FieldDynamics.advance", stop)
     for word in ("run", "converge"):
         assert main([word, str(scene)]) == 130
         assert capsys.readouterr().err == f"longwave {word}: interrupted (nothing was kept)\n"

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from longwave.__main__ import main
-from runs import load_run, rescue, save_run
-from runs.repeated_run import compare_runs
+from longwave.runs import load_run, rescue, save_run
+from longwave.runs.repeated_run import compare_runs
 
 SCENE = """
 wave = "soliton_sech"
@@ -115,7 +115,7 @@ def test_a_store_that_is_full_at_the_end_loses_nothing(
     def full(*_: Any, **__: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "store/x.nc")
 
-    monkeypatch.setattr("runs.sealed_file.write_atomically", full)
+    monkeypatch.setattr("longwave.runs.sealed_file.write_atomically", full)
     assert main(["run", str(scene), "--store", "store"]) == 1
     said = capsys.readouterr().err
     assert "x.nc: No space left on device (the run is kept in " in said
@@ -133,7 +133,7 @@ def test_a_run_in_a_store_is_printed_alike_and_not_run_again(
         assert main(["run", str(scene), "--store", "store", "--output", "copy.nc", "--force"]) == 0
         out, told = capsys.readouterr()
         printed.append(out)
-        monkeypatch.setattr("runs.run_file.record_with_trust", None)
+        monkeypatch.setattr("longwave.runs.run_file.record_with_trust", None)
     assert printed[0] == printed[1]
     assert "10 steps, 256 sites" in printed[0]
     (kept,) = Path("store").rglob("*.nc")

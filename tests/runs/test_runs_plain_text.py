@@ -7,9 +7,9 @@ from rich.console import Console
 from rich.progress import TextColumn
 
 from longwave.__main__ import main
-from runs import scene_command as cli
-from verify.cli import console
-from verify.comparison.scene import find_scene
+from longwave.runs import scene_command as cli
+from longwave.verify.cli import console
+from longwave.verify.comparison.scene import find_scene
 
 SCENE = """
 title = {title}

@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from runs import load_run, open_run, run_any_scene, save_run, scene_of_run
-from verify.comparison import Scene, load_scene
-from verify.comparison.observables import OBSERVABLES
-from verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
+from longwave.runs import load_run, open_run, run_any_scene, save_run, scene_of_run
+from longwave.verify.comparison import Scene, load_scene
+from longwave.verify.comparison.observables import OBSERVABLES
+from longwave.verify.lattices.lattice_scene import LatticeScene, load_lattice_scene
 
 EVERYTHING = tuple(OBSERVABLES)
 RING = Scene.of(
@@ -155,7 +155,7 @@ def test_what_no_file_can_hold_is_one_line_and_leaves_nothing(tmp_path: Path) ->
 FULL = """
 import resource, signal, sys
 import numpy as np, xarray as xr
-from runs import save_run
+from longwave.runs import save_run
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 run = xr.Dataset({"x": ("site", np.random.default_rng(0).random(10**5))})
 resource.setrlimit(resource.RLIMIT_FSIZE, (10**5, 10**5))
@@ -254,7 +254,7 @@ def test_no_view_of_an_image_is_given_out() -> None:
     """A collector that closes the image under it has Python 3.13 say so, on the terminal."""
     script = (
         "import gc, xarray as xr\n"
-        "from runs.run_file import file_content\n"
+        "from longwave.runs.run_file import file_content\n"
         "class Held: pass\n"
         "held = Held()\n"
         "held.itself = held\n"

@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 import xarray as xr
 
-import runs.run_file
-import runs.run_store
-from runs.run_file import load_run, run_any_scene
-from runs.run_store import RunStore, UnkeptRunError, code_that_matters
+import longwave.runs.run_file
+import longwave.runs.run_store
+from longwave.runs.run_file import load_run, run_any_scene
+from longwave.runs.run_store import RunStore, UnkeptRunError, code_that_matters
+from longwave.verify.lattices.lattice_scene import load_lattice_scene
+from longwave.verify.provenance import provenance
 from tests.runs.unfinished_scenes import bits, chain
-from verify.lattices.lattice_scene import load_lattice_scene
-from verify.provenance import provenance
 
 SMALL = chain("small", snapshots=[0, 20], domain="window", step=0.5, sites=640)
 
@@ -38,7 +38,7 @@ def runs_made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         made.append(scene.name)
         return run_any_scene(scene, *rest)
 
-    monkeypatch.setattr(runs.run_file, "run_any_scene", run)
+    monkeypatch.setattr(longwave.runs.run_file, "run_any_scene", run)
     return made
 
 
@@ -103,7 +103,7 @@ def test_a_changed_formula_kernel_engine_or_package_makes_another_key(
     assert before in made[name]
     made[name] = made[name].replace(before, after)
     with monkeypatch.context() as changed:
-        changed.setattr("verify.provenance.provenance", lambda: made)
+        changed.setattr("longwave.verify.provenance.provenance", lambda: made)
         code_that_matters.cache_clear()
         assert store.key(SMALL) != key
     code_that_matters.cache_clear()
@@ -146,7 +146,7 @@ def test_a_finished_run_is_not_lost_where_it_cannot_be_written(
         raise OSError(errno.ENOSPC, "No space left on device", "there.nc")
 
     with monkeypatch.context() as broken:
-        broken.setattr(runs.run_store, "write_sealed", full)
+        broken.setattr(longwave.runs.run_store, "write_sealed", full)
         with pytest.raises(UnkeptRunError, match="No space left") as caught:
             store.fetch(SMALL)
     assert bits(caught.value.run) == bits(run_any_scene(SMALL))
@@ -164,18 +164,18 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_run(runs_made: list[
 def test_sources_that_changed_keep_no_run(
     store: RunStore, runs_made: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("solutions.run.source_digest.runs_as_written", lambda _: False)
-    runs.run_store.runs_its_sources.cache_clear()
+    monkeypatch.setattr("longwave.solutions.run.source_digest.runs_as_written", lambda _: False)
+    longwave.runs.run_store.runs_its_sources.cache_clear()
     with pytest.raises(ValueError, match="start it again"):
         store.fetch(SMALL)
-    runs.run_store.runs_its_sources.cache_clear()
+    longwave.runs.run_store.runs_its_sources.cache_clear()
     assert runs_made == []
 
 
 FETCH = """
 import sys
-from runs import run_file
-from runs.run_store import RunStore
+from longwave.runs import run_file
+from longwave.runs.run_store import RunStore
 from tests.runs.test_runs_store import SMALL
 
 made = run_file.run_any_scene

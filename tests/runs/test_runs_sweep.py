@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from runs import run_file, run_pack, run_store, scene_command, sweep_cells
-from runs.run_file import load_run, run_any_scene
-from runs.run_pack import CellRecord, packed_records, read_pack, write_pack
-from runs.run_store import RunStore
-from runs.scene_command import RunOptions, run_and_print
-from runs.sweep import MOST_LOSSES, run_sweep
-from runs.sweep_cells import Cell, run_cells
-from runs.sweep_cost import expected_sweep_cost
-from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
-from runs.sweep_file import Sweep, sweep_of
-from runs.worker_code import code_here
-from solutions.run import cores
+from longwave.runs import run_file, run_pack, run_store, scene_command, sweep_cells
+from longwave.runs.run_file import load_run, run_any_scene
+from longwave.runs.run_pack import CellRecord, packed_records, read_pack, write_pack
+from longwave.runs.run_store import RunStore
+from longwave.runs.scene_command import RunOptions, run_and_print
+from longwave.runs.sweep import MOST_LOSSES, run_sweep
+from longwave.runs.sweep_cells import Cell, run_cells
+from longwave.runs.sweep_cost import expected_sweep_cost
+from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
+from longwave.runs.sweep_file import Sweep, sweep_of
+from longwave.runs.worker_code import code_here
+from longwave.solutions.run import cores
+from longwave.verify.lattices.lattice_scene import find_any_scene
 from tests.runs.unfinished_scenes import bits
-from verify.lattices.lattice_scene import find_any_scene
 
 SMALL = {
     "wave": "soliton_sech",
@@ -122,7 +122,7 @@ def test_attributes_come_back_as_they_were(store: RunStore) -> None:
 def test_fields_are_read_when_they_are_used(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from runs import sweep_fields
+    from longwave.runs import sweep_fields
 
     sweep = small_sweep()
     run_sweep(sweep, store, HereWorkers())

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main
-from runs import sweep_command, sweep_dataset
-from runs.run_store import RunStore
-from runs.sweep_command import SweepOptions, sweep_and_print
-from runs.sweep_file import load_sweep
-from verify.cli import console
+from longwave.runs import sweep_command, sweep_dataset
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep_command import SweepOptions, sweep_and_print
+from longwave.runs.sweep_file import load_sweep
+from longwave.verify.cli import console
 
 TEXT = 'scene = "toda_soliton"\n[grid]\neps = [0.1, 0.2]\n'
 

@@ -10,16 +10,16 @@ import xarray as xr
 
 from longwave.growth_plotting import growth_panels
 from longwave.plotting import plot
-from runs import load_run, save_run
-from runs.repeated_run import compare_runs
-from runs.run_file import run_any_scene, scene_of_run
-from runs.run_store import RunStore
-from runs.sweep import run_sweep
-from runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
-from runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
-from solutions.run import cores
+from longwave.runs import load_run, save_run
+from longwave.runs.repeated_run import compare_runs
+from longwave.runs.run_file import run_any_scene, scene_of_run
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import run_sweep
+from longwave.runs.sweep_dataset import cell_run, sweep_dataset, write_sweep
+from longwave.runs.sweep_file import load_sweep, shipped_sweeps, sweep_of
+from longwave.solutions.run import cores
+from longwave.verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
 from tests.runs.test_runs_sweep import HereWorkers
-from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
 
 GROWTH: dict[str, Any] = {
     "lattice": "fput",

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from runs import sweep
-from runs.run_store import RunStore
-from runs.sweep import SweepState, run_sweep
-from runs.sweep_dataset import sweep_dataset
-from runs.sweep_file import Sweep, sweep_of
-from runs.sweep_workers import DaskWorkers, LocalWorkers, sweep_workers
+from longwave.runs import sweep
+from longwave.runs.run_store import RunStore
+from longwave.runs.sweep import SweepState, run_sweep
+from longwave.runs.sweep_dataset import sweep_dataset
+from longwave.runs.sweep_file import Sweep, sweep_of
+from longwave.runs.sweep_workers import DaskWorkers, LocalWorkers, sweep_workers
 
 SOLITON = {
     "wave": "soliton_sech",
@@ -85,7 +85,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> np.ndarray[Any, Any]:
 
 @pytest.mark.slow
 def test_a_killed_process_costs_a_repeat(plain: np.ndarray[Any, Any], tmp_path: Path) -> None:
-    from runs.run_file import run_any_scene
+    from longwave.runs.run_file import run_any_scene
 
     sweep = soliton_sweep(24)
     for cell in (0, 11, 23):

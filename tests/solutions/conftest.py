@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derive import NormalForm, mkdv_normal_form
-from solutions import ClosedForm
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import tau, xi
+from longwave.derive import NormalForm, mkdv_normal_form
+from longwave.solutions import ClosedForm
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.symbols import tau, xi
 
 RANGES = {
     "k": (0.05, 0.99),

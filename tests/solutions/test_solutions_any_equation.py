@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derive import NormalForm, mkdv_normal_form
-from derive.normal_form import NORMAL_EQUATIONS
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form, data_store, kept_wave
-from solutions.equation import KP, NLS, Equation
-from solutions.symbols import s, tau, xi, zeta
+from longwave.derive import NormalForm, mkdv_normal_form
+from longwave.derive.normal_form import NORMAL_EQUATIONS
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, data_store, kept_wave
+from longwave.solutions.equation import KP, NLS, Equation
+from longwave.solutions.symbols import s, tau, xi, zeta
 
 OTHERS = [form for form in CATALOGUE if form not in CATALOGUE.of("mKdV")]
 TOLERANCE = 1e-13

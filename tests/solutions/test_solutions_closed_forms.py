@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from solutions import CATALOGUE, ClosedForm, closed_form, rational
-from solutions.forms.breather_sn import inverse_width, speed
-from solutions.symbols import alpha, k, tau, xi
+from longwave.solutions import CATALOGUE, ClosedForm, closed_form, rational
+from longwave.solutions.forms.breather_sn import inverse_width, speed
+from longwave.solutions.symbols import alpha, k, tau, xi
 
 FORMS = (*CATALOGUE.of("mKdV"), rational(4, free=[5, 7]))
 TINY = 1e-40
@@ -111,11 +111,12 @@ def test_unknown_name_lists_the_catalogue() -> None:
 
 def test_a_form_is_made_only_when_it_is_asked_for() -> None:
     code = (
-        "import sys; from solutions import CATALOGUE, closed_form; closed_form('kink');"
-        "print(len(CATALOGUE.names), *(m for m in sys.modules if m.startswith('solutions.forms.')))"
+        "import sys; from longwave.solutions import CATALOGUE, closed_form; closed_form('kink');"
+        "forms = 'longwave.solutions.forms.';"
+        "print(len(CATALOGUE.names), *(m for m in sys.modules if m.startswith(forms)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == [str(len(CATALOGUE)), "solutions.forms.solitons"]
+    assert done.stdout.split() == [str(len(CATALOGUE)), "longwave.solutions.forms.solitons"]
 
 
 @pytest.mark.parametrize("name", CATALOGUE.names)

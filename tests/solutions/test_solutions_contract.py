@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from derive import mkdv_normal_form
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from longwave.derive import mkdv_normal_form
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 
 TOLERANCE = 1e-13
 FOCUSING, DEFOCUSING = mkdv_normal_form(K2=4, K4=1), mkdv_normal_form(K2=1, K4=-1)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from solutions import Wave, closed_form
-from solutions.symbols import xi
+from longwave.solutions import Wave, closed_form
+from longwave.solutions.symbols import xi
 
 TINY = Fraction(1, 10**8)
 NEAR_ONE = 1 - Fraction(1, 10**12)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derive import NormalForm
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form
-from solutions.numpy_function import numpy_function
+from longwave.derive import NormalForm
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
+from longwave.solutions.numpy_function import numpy_function
 
 PARAMETERS = {
     "k": 0.6,

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derive.algebra.exact_numbers import exact_number
-from solutions import closed_form
-from solutions.symbols import X_0, alpha, k
+from longwave.derive.algebra.exact_numbers import exact_number
+from longwave.solutions import closed_form
+from longwave.solutions.symbols import X_0, alpha, k
 
 BREATHER = closed_form("breather_sn")
 DN = closed_form("soliton_dn")

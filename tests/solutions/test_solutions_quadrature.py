@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solutions.quadrature import integral_from_zero
+from longwave.solutions.quadrature import integral_from_zero
 
 
 @pytest.mark.parametrize("width", [1e-9, 1e-18, 1e-300])

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
 
 FORMS = (*CATALOGUE.of("mKdV"), rational(4), rational(3, free=[5]))
 TOLERANCE = 1e-13
@@ -152,7 +152,7 @@ def test_a_fork_evaluates_after_its_parent_has() -> None:
     """The threads of the parent are not in the fork: to wait for them was to wait for ever."""
     script = (
         "import os, signal, numpy as np;"
-        "from solutions.points import evaluate_points as all_of;"
+        "from longwave.solutions.points import evaluate_points as all_of;"
         "x = np.zeros(9000); all_of(lambda x: x[None], x);"
         "child = os.fork();"
         "child or (signal.alarm(20), all_of(lambda x: x[None], x), os._exit(0));"

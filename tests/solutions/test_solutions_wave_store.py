@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive import mkdv_normal_form
-from solutions import Wave, closed_form, data_store, kept_data, kept_wave
-from solutions.run import source_digest
-from solutions.run.source_digest import all_sources, text_digest
+from house import HOUSE, ROOMS
+from longwave.derive import mkdv_normal_form
+from longwave.solutions import Wave, closed_form, data_store, kept_data, kept_wave
+from longwave.solutions.run import source_digest
+from longwave.solutions.run.source_digest import all_sources, text_digest
 
-HOUSE = Path(__file__).parents[2]
 SITES = np.linspace(-4000.0, 4000.0, 301)
 WAVES: dict[str, dict[str, float]] = {
     "rogue_cn": {"k": 0.5},
@@ -113,18 +113,20 @@ def test_nothing_is_kept_of_what_the_files_do_not_say(
 
 def test_every_file_that_makes_a_wave_is_in_the_key() -> None:
     """The closed forms, the normal form's derivation, the compiler; and the text of each counts."""
-    files = dict(all_sources(("verify.comparison.moving_wave", "solutions.forms.rogue_cn")))
+    files = dict(
+        all_sources(("longwave.verify.comparison.moving_wave", "longwave.solutions.forms.rogue_cn"))
+    )
     for module in (
-        "derive.models.mkdv",
-        "derive.multiscale",
-        "derive.algebra.exact_numbers",
-        "solutions.wave",
-        "solutions.record",
-        "solutions.forms.rogue_cn",
-        "solutions.functions.jacobi",
-        "solutions.compile.lowering",
-        "solutions.run.program",
-        "solutions.functions.multiprecision",
+        "longwave.derive.models.mkdv",
+        "longwave.derive.multiscale",
+        "longwave.derive.algebra.exact_numbers",
+        "longwave.solutions.wave",
+        "longwave.solutions.record",
+        "longwave.solutions.forms.rogue_cn",
+        "longwave.solutions.functions.jacobi",
+        "longwave.solutions.compile.lowering",
+        "longwave.solutions.run.program",
+        "longwave.solutions.functions.multiprecision",
     ):
         assert module in files, module
 
@@ -144,8 +146,8 @@ def test_another_text_is_another_key(tmp_path: Path) -> None:
 STALE = """
 import os, sys, time
 from pathlib import Path
-from solutions.run.source_digest import runs_as_written
-import derive
+from longwave.solutions.run.source_digest import runs_as_written
+from longwave import derive
 lazy_face = sys.modules["derive.lazy_face"]
 path = Path("old.py")
 path.write_text("value = 1\\n")
@@ -215,7 +217,7 @@ def test_the_imports_of_a_file_are_read_as_python_reads_them() -> None:
             for inner in ("body", "orelse", "finalbody", "handlers", "cases"):
                 yield from imported(getattr(node, inner, []), at_once=False)
 
-    for room in source_digest.ROOMS:
+    for room in ROOMS:
         for path in (HOUSE / room).rglob("*.py"):
             found = source_digest._imports(path)
             assert sorted(found) == sorted(imported(ast.parse(path.read_bytes()).body)), path

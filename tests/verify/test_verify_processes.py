@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from verify.comparison import Scene, load_scene, run
-from verify.processes import Job, OutOfTime, pool_context, run_jobs, time_limit
-from verify.studies.measured_runs import scene_job
+from longwave.verify.comparison import Scene, load_scene, run
+from longwave.verify.processes import Job, OutOfTime, pool_context, run_jobs, time_limit
+from longwave.verify.studies.measured_runs import scene_job
 
 SHORT = replace(
     load_scene("rational_2_eps_0.05"),
@@ -59,7 +59,7 @@ def test_what_loses_the_limit_does_not_get_away_with_it() -> None:
 ENDED = """
 import os
 from concurrent.futures import ProcessPoolExecutor
-from verify.processes import ignore_interrupt, pool_context
+from longwave.verify.processes import ignore_interrupt, pool_context
 if __name__ == "__main__":
     pool = ProcessPoolExecutor(1, pool_context(), ignore_interrupt)
     pool.submit(abs, -1).result()

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from verify.verdict import Outcome, Verdict
+from longwave.verify.verdict import Outcome, Verdict
 
 
 def _verdict(outcome: Outcome, **fields: object) -> Verdict:

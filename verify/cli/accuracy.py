@@ -11,11 +11,11 @@ from concurrent.futures import ProcessPoolExecutor
 
 from rich.table import Table
 
-from derive.algebra.exact_numbers import shown
-from derive.command_line import check_and_announce, fail, interrupted
-from verify.cli.console import finished, table_console
-from verify.processes import ignore_interrupt, pool_context, starting_workers, stopping
-from verify.studies.evaluation_accuracy import (
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.derive.command_line import check_and_announce, fail, interrupted
+from longwave.verify.cli.console import finished, table_console
+from longwave.verify.processes import ignore_interrupt, pool_context, starting_workers, stopping
+from longwave.verify.studies.evaluation_accuracy import (
     DRAWN,
     PROMISED_ERROR,
     Accuracy,

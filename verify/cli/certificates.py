@@ -17,12 +17,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from derive.command_line import fail, one_line
-from derive.user_files import QUOTED, read_text, shown_path
-from verify.cli.exporting import Scripts
-from verify.kernel.limits import FILE_BYTES
-from verify.processes import limit_memory
-from verify.proof import CertificateError, check_certificate
+from longwave.derive.command_line import fail, one_line
+from longwave.derive.user_files import QUOTED, read_text, shown_path
+from longwave.verify.cli.exporting import Scripts
+from longwave.verify.kernel.limits import FILE_BYTES
+from longwave.verify.processes import limit_memory
+from longwave.verify.proof import CertificateError, check_certificate
 
 CERTIFICATES = 100
 """Most certificates in a file."""

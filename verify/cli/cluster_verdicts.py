@@ -13,11 +13,11 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from solutions.run.source_digest import all_sources, text_digest
-from verify.cli.problem_file import StatedProblem
-from verify.dask_cluster import connect
-from verify.proof.statement_verdict import StatementVerdict, undecided
-from verify.proof.typed_statement import Statement
+from longwave.solutions.run.source_digest import all_sources, text_digest
+from longwave.verify.cli.problem_file import StatedProblem
+from longwave.verify.dask_cluster import connect
+from longwave.verify.proof.statement_verdict import StatementVerdict, undecided
+from longwave.verify.proof.typed_statement import Statement
 
 BEGINNING = 60.0
 """Seconds for the interpreter to begin and to end, beyond the limit of its statement."""
@@ -63,12 +63,12 @@ def decided_on_cluster(
 
 def proof_digest() -> str:
     """The digest (hexadecimal) of the sources and versions that a verdict follows from."""
-    return text_digest(all_sources(("verify.cli.statements",)))
+    return text_digest(all_sources(("longwave.verify.cli.statements",)))
 
 
 def decide_apart(statement: Statement, limit: float, hinting: float) -> StatementVerdict:
     """The verdict on a statement, by a new interpreter that ends at the limits."""
-    house = str(Path(__file__).parents[2])
+    house = str(Path(__file__).absolute().parents[3])
     paths = [house, *filter(None, [os.environ.get("PYTHONPATH")])]
     try:
         done = subprocess.run(
@@ -88,7 +88,7 @@ def decide_apart(statement: Statement, limit: float, hinting: float) -> Statemen
 
 def main() -> None:
     """Read a statement with its limits, decide it, and write the verdict."""
-    from verify.cli.statements import decided
+    from longwave.verify.cli.statements import decided
 
     statement, limit, hinting = pickle.load(sys.stdin.buffer)
     for _, verdict in decided([StatedProblem(statement)], limit, 1, hinting):

@@ -8,7 +8,14 @@ from typing import Any
 
 import click
 
-from derive.command_line import Words, called_by, example, force_option, json_option, limit_options
+from longwave.derive.command_line import (
+    Words,
+    called_by,
+    example,
+    force_option,
+    json_option,
+    limit_options,
+)
 
 METHODS = ("proof", "residual")
 ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
@@ -16,7 +23,7 @@ ALGEBRA_SYSTEMS = ("pari", "maxima", "coq")
 
 def complete_waves(_: click.Context, __: click.Parameter, begun: str) -> list[str]:
     """The closed forms whose names begin like that."""
-    from solutions.catalogue import CATALOGUE
+    from longwave.solutions.catalogue import CATALOGUE
 
     return [name for name in CATALOGUE.names if name.startswith(begun)]
 
@@ -25,7 +32,7 @@ def complete_provable(context: click.Context, parameter: click.Parameter, begun:
     """The closed forms whose names begin like that, or with --library the statements there."""
     if not context.params.get("library"):
         return complete_waves(context, parameter, begun)
-    from verify.cli.published import published
+    from longwave.verify.cli.published import published
 
     return [text.name for text in published() if text.name.startswith(begun)]
 
@@ -117,7 +124,7 @@ def _prove_statements(names: tuple[str, ...], files: list[str], options: dict[st
     ):
         if wrong:
             raise click.UsageError(f"{option} must not be given with {other}, got both")
-    from verify.cli.statements import Options, print_statement_verdicts
+    from longwave.verify.cli.statements import Options, print_statement_verdicts
 
     options["certificate"] = options["certificate"] or (None if scripts else written)
     chosen = names if library else None
@@ -135,7 +142,7 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
             "(--output FILE writes certificates)"
         )
     if certificate is None:
-        from verify.cli.verdicts import VerdictOptions, print_verdicts
+        from longwave.verify.cli.verdicts import VerdictOptions, print_verdicts
 
         chosen = tuple(dict.fromkeys(names))
         verdicts = VerdictOptions(
@@ -144,8 +151,8 @@ def _prove_names(names: tuple[str, ...], options: dict[str, Any]) -> int:
         return print_verdicts(verdicts, called_by())
     if output is not None and system is None:
         raise click.UsageError("--output must not be given with --certificate, got both")
-    from verify.cli.certificates import print_certificates
-    from verify.cli.exporting import Scripts
+    from longwave.verify.cli.certificates import print_certificates
+    from longwave.verify.cli.exporting import Scripts
 
     scripts = None if system is None else Scripts(output, system, options["force"])
     return print_certificates(Path(certificate), options["json_wanted"], scripts)
@@ -182,7 +189,7 @@ def verify(**options: Any) -> int:
                 f"{subcommand}"
             )
         return 0
-    from verify.cli.verdicts import VerdictOptions, print_verdicts
+    from longwave.verify.cli.verdicts import VerdictOptions, print_verdicts
 
     return print_verdicts(VerdictOptions(**options), called_by())
 
@@ -192,7 +199,7 @@ def verify(**options: Any) -> int:
 @json_option
 def check(file: Path, json_wanted: bool) -> int:
     """Repeat the proofs in FILE with other arithmetic."""
-    from verify.cli.certificates import print_certificates
+    from longwave.verify.cli.certificates import print_certificates
 
     return print_certificates(file, json_wanted)
 
@@ -207,7 +214,7 @@ def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> in
 
     Those of all closed forms and of the library, without --only.
     """
-    from verify.cli.recheck import print_rechecks
+    from longwave.verify.cli.recheck import print_rechecks
 
     return print_rechecks(only, limit, json_wanted, called_by())
 
@@ -218,7 +225,7 @@ def recheck(only: tuple[str, ...], limit: float | None, json_wanted: bool) -> in
 @limit_options
 def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
     """Refute every misprint of the closed forms."""
-    from verify.cli.verdicts import print_mutations
+    from longwave.verify.cli.verdicts import print_mutations
 
     return print_mutations(only, json_wanted, called_by())
 
@@ -231,6 +238,6 @@ def mutations(only: tuple[str, ...], json_wanted: bool) -> int:
 @limit_options
 def accuracy(only: tuple[str, ...], jobs: int | None, drawn: int | None, json_wanted: bool) -> int:
     """Measure the evaluation of every wave."""
-    from verify.cli.accuracy import print_accuracy
+    from longwave.verify.cli.accuracy import print_accuracy
 
     return print_accuracy(only, jobs, drawn, json_wanted, called_by())

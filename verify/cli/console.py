@@ -15,10 +15,10 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn, track
 from rich.text import Text
 
-from derive.command_line import LONG, announce
-from derive.open_end import say_open_end, spoke
-from derive.user_files import printable
-from verify.comparison.scene_fields import shown
+from longwave.derive.command_line import LONG, announce
+from longwave.derive.open_end import say_open_end, spoke
+from longwave.derive.user_files import printable
+from longwave.verify.comparison.scene_fields import shown
 
 PIPE_WIDTH = 120
 """Columns of a table where stdout is no terminal."""

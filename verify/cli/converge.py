@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from verify.cli.console import plain_console, progress_bar
-from verify.comparison.scene_fields import finite
-from verify.lattices.lattice_scene import LatticeScene, find_any_scene
+from longwave.verify.cli.console import plain_console, progress_bar
+from longwave.verify.comparison.scene_fields import finite
+from longwave.verify.lattices.lattice_scene import LatticeScene, find_any_scene
 
 if TYPE_CHECKING:
-    from verify.lattices.scene_convergence import SceneConvergence
+    from longwave.verify.lattices.scene_convergence import SceneConvergence
 
 
 def eps_values(text: str | None) -> tuple[float, ...]:
@@ -33,8 +33,8 @@ def eps_values(text: str | None) -> tuple[float, ...]:
 
 def measured_convergence(source: str, eps: str | None, tolerance: float | None) -> SceneConvergence:
     """The convergence of the scene that is named; ValueError for one of the paper's chain."""
-    from derive.request_limits import Announcer
-    from verify.lattices.scene_convergence import scene_convergence
+    from longwave.derive.request_limits import Announcer
+    from longwave.verify.lattices.scene_convergence import scene_convergence
 
     values = eps_values(eps)
     scene = find_any_scene(source)

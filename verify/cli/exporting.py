@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from derive.atomic_file import write_atomically
-from verify.cli.console import check_output
-from verify.proof.export.derivation import written_out
-from verify.proof.export.systems import SYSTEMS
-from verify.proof.export.terms import premises_in_short
+from longwave.derive.atomic_file import write_atomically
+from longwave.verify.cli.console import check_output
+from longwave.verify.proof.export.derivation import written_out
+from longwave.verify.proof.export.systems import SYSTEMS
+from longwave.verify.proof.export.terms import premises_in_short
 
 
 @dataclass(frozen=True)

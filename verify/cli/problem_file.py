@@ -26,12 +26,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from derive.algebra.exact_numbers import shown
-from derive.algebra.formula_text import FormulaError
-from derive.user_files import file_stem, read_toml, shown_path
-from verify.proof.statement_text import read_statement
-from verify.proof.typed_statement import Statement
-from verify.verdict import Outcome
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.derive.user_files import file_stem, read_toml, shown_path
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
 
 FILE_BYTES, PROBLEMS = 5_000_000, 10_000
 

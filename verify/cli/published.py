@@ -10,11 +10,11 @@ from importlib.resources import as_file, files
 
 from rich.table import Table
 
-from derive.algebra.exact_numbers import shown
-from verify.cli.console import table_console
-from verify.cli.problem_file import ProblemText, problem_texts
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.verify.cli.console import table_console
+from longwave.verify.cli.problem_file import ProblemText, problem_texts
 
-FOLDER = files("solutions.library")
+FOLDER = files("longwave.solutions.library")
 
 FROM_MEMORY = "not looked up"
 """Said behind a source of which no text was at hand."""

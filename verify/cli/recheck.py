@@ -17,14 +17,14 @@ from typing import Any
 from rich.markup import escape
 from rich.table import Table
 
-from derive.command_line import check_and_announce, fail, interrupted
-from verify.cli.console import finished, print_lines, table_console, tracked
-from verify.cli.published import chosen
-from verify.cli.statements import decided
-from verify.proof import CertificateError
-from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.proof.export.derivation import written_out
-from verify.proof.export.systems import (
+from longwave.derive.command_line import check_and_announce, fail, interrupted
+from longwave.verify.cli.console import finished, print_lines, table_console, tracked
+from longwave.verify.cli.published import chosen
+from longwave.verify.cli.statements import decided
+from longwave.verify.proof import CertificateError
+from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
+from longwave.verify.proof.export.derivation import written_out
+from longwave.verify.proof.export.systems import (
     ACCEPTED,
     NO_ANSWER,
     REJECTED,
@@ -32,8 +32,8 @@ from verify.proof.export.systems import (
     answer,
     stop_answers,
 )
-from verify.proof.export.terms import WrittenProof, premises_in_short
-from verify.verdict import Outcome
+from longwave.verify.proof.export.terms import WrittenProof, premises_in_short
+from longwave.verify.verdict import Outcome
 
 LIMIT = 120.0
 """Seconds for a system and a proof unless told. Most proofs take Coq 2 s of processor time, most of

@@ -21,27 +21,27 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from derive.algebra.formula_text import FormulaError
-from derive.command_line import duration, fail, interrupted
-from derive.open_end import say_open_end, spoke
-from verify.cli.console import check_output, finished, print_lines, table_console, tracked
-from verify.cli.exporting import Scripts, write_text
-from verify.cli.problem_file import StatedProblem, problem_texts
-from verify.cli.published import chosen
-from verify.cli.verdicts import STYLES, summary
-from verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
-from verify.proof.conditions import ConditionalVerdict, conditional_sentence
-from verify.proof.near_misses import SECONDS as HINT_SECONDS
-from verify.proof.near_misses import with_hint
-from verify.proof.statement_text import read_statement
-from verify.proof.statement_verdict import (
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.derive.command_line import duration, fail, interrupted
+from longwave.derive.open_end import say_open_end, spoke
+from longwave.verify.cli.console import check_output, finished, print_lines, table_console, tracked
+from longwave.verify.cli.exporting import Scripts, write_text
+from longwave.verify.cli.problem_file import StatedProblem, problem_texts
+from longwave.verify.cli.published import chosen
+from longwave.verify.cli.verdicts import STYLES, summary
+from longwave.verify.processes import OutOfTime, ignore_interrupt, limit_memory, time_limit
+from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
+from longwave.verify.proof.near_misses import SECONDS as HINT_SECONDS
+from longwave.verify.proof.near_misses import with_hint
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import (
     StatementVerdict,
     undecided,
     verified_sentence,
 )
-from verify.proof.text_prover import answer
-from verify.proof.typed_statement import Statement
-from verify.verdict import Outcome
+from longwave.verify.proof.text_prover import answer
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
 
 LIMIT = 60.0
 """Seconds for a statement unless told."""
@@ -136,7 +136,7 @@ def _decided(
     """The verdicts by processes of this machine, or of a cluster."""
     if scheduler is None:
         return decided(problems, limit, hinting=hinting, late=_say_late)
-    from verify.cli.cluster_verdicts import decided_on_cluster
+    from longwave.verify.cli.cluster_verdicts import decided_on_cluster
 
     return decided_on_cluster(problems, limit, hinting, scheduler)
 

@@ -15,15 +15,15 @@ from typing import Any
 
 from rich.table import Table
 
-from derive.command_line import check_and_announce, fail, interrupted
-from solutions.catalogue import CATALOGUE
-from verify.cli.console import check_output, finished, print_lines, table_console, tracked
-from verify.cli.exporting import Scripts, write_text
-from verify.evidence.mutations import MutationCount, count_mutants
-from verify.evidence.residual import Sampling, check_residual, scientific
-from verify.proof import ProofVerdict, prove_stable
-from verify.proof.catalogue_proofs import NAMES, higher_order, named_form, prove_all
-from verify.verdict import Outcome, Verdict
+from longwave.derive.command_line import check_and_announce, fail, interrupted
+from longwave.solutions.catalogue import CATALOGUE
+from longwave.verify.cli.console import check_output, finished, print_lines, table_console, tracked
+from longwave.verify.cli.exporting import Scripts, write_text
+from longwave.verify.evidence.mutations import MutationCount, count_mutants
+from longwave.verify.evidence.residual import Sampling, check_residual, scientific
+from longwave.verify.proof import ProofVerdict, prove_stable
+from longwave.verify.proof.catalogue_proofs import NAMES, higher_order, named_form, prove_all
+from longwave.verify.verdict import Outcome, Verdict
 
 RESIDUAL_OPTIONS = ("digits", "points", "seed")
 PROOF_OPTIONS = ("certificate", "stable")

@@ -1,6 +1,6 @@
 """The strain FPUT lattice run from a closed-form wave, and compared with it.
 
->>> from verify.comparison import load_scene, run
+>>> from longwave.verify.comparison import load_scene, run
 >>> scene = load_scene("breather_sn_k_0.7")
 >>> scene.wave, scene.eps, scene.snapshots
 ('breather_sn', 0.05, (-100.0, 0.0, 100.0))
@@ -8,11 +8,11 @@
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from lattice.model import BlowUp, Model
-    from lattice.schemes import (
+    from longwave.lattice.model import BlowUp, Model
+    from longwave.lattice.schemes import (
         SCHEMES,
         Composition,
         RungeKutta,
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
         scheme_named,
         stability_limit,
     )
-    from verify.comparison.observables import OBSERVABLES
-    from verify.comparison.scene import (
+    from longwave.verify.comparison.observables import OBSERVABLES
+    from longwave.verify.comparison.scene import (
         ENGINES,
         Discretisation,
         Scene,
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
         shipped_scenes,
         with_tolerance,
     )
-    from verify.comparison.scene_run import resume, run
-    from verify.comparison.view import relative_sup_error
+    from longwave.verify.comparison.scene_run import resume, run
+    from longwave.verify.comparison.view import relative_sup_error
 
 __all__ = [
     "ENGINES",
@@ -62,12 +62,13 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "lattice.model": "BlowUp Model",
-        "lattice.schemes": "SCHEMES Composition RungeKutta Scheme scheme_named stability_limit",
-        "verify.comparison.observables": "OBSERVABLES",
-        "verify.comparison.scene_run": "resume run",
-        "verify.comparison.scene": "ENGINES Discretisation Scene Tolerance further_scenes "
+        "longwave.lattice.model": "BlowUp Model",
+        "longwave.lattice.schemes": "SCHEMES Composition RungeKutta Scheme scheme_named "
+        "stability_limit",
+        "longwave.verify.comparison.observables": "OBSERVABLES",
+        "longwave.verify.comparison.scene_run": "resume run",
+        "longwave.verify.comparison.scene": "ENGINES Discretisation Scene Tolerance further_scenes "
         "load_scene rational_family_scenes shipped_scenes with_tolerance",
-        "verify.comparison.view": "relative_sup_error",
+        "longwave.verify.comparison.view": "relative_sup_error",
     },
 )

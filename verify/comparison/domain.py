@@ -16,11 +16,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from lattice.checkpoint import Memory
-from lattice.model import WATCHED, BlowUp, Domain, InflowCheck, Sites, State, empty_state
-from lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
-from solutions.run.jit import njit
-from verify.comparison.moving_wave import MovingWave
+from longwave.lattice.checkpoint import Memory
+from longwave.lattice.model import WATCHED, BlowUp, Domain, InflowCheck, Sites, State, empty_state
+from longwave.lattice.seam import FADING_DEPTH, Fading, fade_at_seam, negate_at_seam
+from longwave.solutions.run.jit import njit
+from longwave.verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 

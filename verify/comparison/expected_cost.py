@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from derive.request_limits import ExpectedCost, check_request
-from verify.comparison.observables import MAP_CELLS, Observable, observable_named
-from verify.comparison.scene import Scene
-from verify.comparison.stated_run import SECONDS_PER_UPDATE, refinements, stated_seconds
+from longwave.derive.request_limits import ExpectedCost, check_request
+from longwave.verify.comparison.observables import MAP_CELLS, Observable, observable_named
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.comparison.stated_run import SECONDS_PER_UPDATE, refinements, stated_seconds
 
 PROCESS_BYTES = 2.8e8
 """Of a process that has run something small and made its data set."""
@@ -72,8 +72,8 @@ def expected_cost(scene: Scene) -> ExpectedCost:
     least = least_cost(scene)
     if scene.tolerance is None:
         return least
-    from verify.comparison.spectral_run import spectral_points, spectral_seconds
-    from verify.comparison.stencil_search import most_stencil_sites, stencil_seconds
+    from longwave.verify.comparison.spectral_run import spectral_points, spectral_seconds
+    from longwave.verify.comparison.stencil_search import most_stencil_sites, stencil_seconds
 
     engine = scene.target.engine
     found = []

@@ -15,9 +15,9 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.refine import refine
-from lattice.spectral.exponential import ORDER, ExponentialAdams
-from lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
+from longwave.lattice.refine import refine
+from longwave.lattice.spectral.exponential import ORDER, ExponentialAdams
+from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

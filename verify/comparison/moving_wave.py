@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.model import Model, Sites
-from solutions import NumericWave, WaveValues, kept_data, kept_wave
+from longwave.lattice.model import Model, Sites
+from longwave.solutions import NumericWave, WaveValues, kept_data, kept_wave
 
 if TYPE_CHECKING:
     import sympy as sp
 
-    from solutions import ClosedForm, Wave
+    from longwave.solutions import ClosedForm, Wave
 
 Array = NDArray[np.float64]
 
@@ -82,15 +82,15 @@ def build_wave(
 
 
 def _make_named_wave(name: str, constants: Model, values: Mapping[str, float | str]) -> "Wave":
-    from solutions import closed_form
+    from longwave.solutions import closed_form
 
     return _make_wave(closed_form(name, values), constants, values)
 
 
 def _make_wave(form: "ClosedForm", constants: Model, values: Mapping[str, float | str]) -> "Wave":
-    import derive
-    from derive.algebra.exact_numbers import exact_number
-    from solutions import Wave
+    from longwave import derive
+    from longwave.derive.algebra.exact_numbers import exact_number
+    from longwave.solutions import Wave
 
     if constants.K3 != 0:
         raise ValueError(
@@ -119,7 +119,7 @@ def _initial_velocity() -> Polynomial:
 
 
 def _derived_velocity() -> Polynomial:
-    import derive
+    from longwave import derive
 
     found = []
     for term in derive.initial_velocity().as_ordered_terms():

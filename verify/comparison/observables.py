@@ -3,7 +3,7 @@
 Adding one is one function here, of a view of the run: what it computes, when it looks and what it
 adds stand above it.
 
->>> from verify.comparison.observables import observable_named
+>>> from longwave.verify.comparison.observables import observable_named
 >>> [variable.name for variable in observable_named("momentum").variables]
 ['mean_strain', 'mean_velocity']
 
@@ -33,9 +33,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import ring_energy
-from lattice.trial import SAFETY
-from verify.comparison.view import Array, View
+from longwave.lattice.model import ring_energy
+from longwave.lattice.trial import SAFETY
+from longwave.verify.comparison.view import Array, View
 
 if TYPE_CHECKING:
     import xarray as xr

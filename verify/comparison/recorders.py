@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.comparison.observables import (
+from longwave.verify.comparison.observables import (
     TIME,
     TIME_DIMENSION,
     Moment,
@@ -18,9 +18,9 @@ from verify.comparison.observables import (
 )
 
 if TYPE_CHECKING:
-    from lattice.checkpoint import Memory
-    from verify.comparison.scene import Scene
-    from verify.comparison.view import View
+    from longwave.lattice.checkpoint import Memory
+    from longwave.verify.comparison.scene import Scene
+    from longwave.verify.comparison.view import View
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.checkpoint import Loop, Memory
-from lattice.trial import Progress
-from verify.comparison.moving_wave import MovingWave
+from longwave.lattice.checkpoint import Loop, Memory
+from longwave.lattice.trial import Progress
+from longwave.verify.comparison.moving_wave import MovingWave
 
 if TYPE_CHECKING:
-    from lattice.spectral.evolution import SpectralRing
-    from lattice.spectral.ring import RingState
+    from longwave.lattice.spectral.evolution import SpectralRing
+    from longwave.lattice.spectral.ring import RingState
 
 Array = NDArray[np.float64]
 MakeRing: TypeAlias = "Callable[[RingState, float], SpectralRing]"

@@ -12,19 +12,24 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.user_files import STANDARD_INPUT, file_stem, shown_path
-from lattice.model import Model
-from lattice.schemes import Scheme, scheme_named
-from verify.comparison import scene_fields as check
-from verify.comparison.observables import OBSERVABLES, observable_named
-from verify.comparison.scene_fields import document_of, parse_document, read_document, scene_fields
-from verify.comparison.toml_text import toml_text
+from longwave.derive.user_files import STANDARD_INPUT, file_stem, shown_path
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import Scheme, scheme_named
+from longwave.verify.comparison import scene_fields as check
+from longwave.verify.comparison.observables import OBSERVABLES, observable_named
+from longwave.verify.comparison.scene_fields import (
+    document_of,
+    parse_document,
+    read_document,
+    scene_fields,
+)
+from longwave.verify.comparison.toml_text import toml_text
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from solutions import ClosedForm
-    from verify.comparison.moving_wave import MovingWave
+    from longwave.solutions import ClosedForm
+    from longwave.verify.comparison.moving_wave import MovingWave
 
 DOMAINS = ("window", "ring", "closed_ring")
 ENGINES = ("stencil", "spectral")
@@ -258,7 +263,9 @@ class Scene:
     @property
     def form(self) -> "ClosedForm":
         """The closed form that is named or given; a ValueError lists the known names."""
-        from solutions import closed_form  # scenes are read, listed and shown without formulas
+        from longwave.solutions import (
+            closed_form,  # scenes are read, listed and shown without formulas
+        )
 
         if isinstance(self.wave, str):
             return closed_form(self.wave, dict(self.parameters))
@@ -270,7 +277,7 @@ class Scene:
 
         What asks for the wave alone finds it in ``moving_wave.wave``.
         """
-        from verify.comparison.moving_wave import MovingWave, build_wave
+        from longwave.verify.comparison.moving_wave import MovingWave, build_wave
 
         wave = build_wave(self.wave, self.constants, dict(self.parameters))
         times = (self.t0, *self.snapshots)
@@ -345,8 +352,8 @@ def with_tolerance(scene: Scene, tolerance: float) -> Scene:
     return replace(scene, numerics=to, observables=tuple(kept))
 
 
-FOLDER = files("verify.comparison.scenes")
-FURTHER = files("verify.comparison.scenes.further")
+FOLDER = files("longwave.verify.comparison.scenes")
+FURTHER = files("longwave.verify.comparison.scenes.further")
 
 
 def shipped_scenes() -> tuple[str, ...]:

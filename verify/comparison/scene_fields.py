@@ -130,7 +130,7 @@ def known_fields(given: Iterable[str], known: Iterable[str]) -> None:
 
 def closed_form(value: object) -> None:
     """Refuse what is no closed form."""
-    from solutions import ClosedForm  # only a wave that is not named needs formulas
+    from longwave.solutions import ClosedForm  # only a wave that is not named needs formulas
 
     if not isinstance(value, ClosedForm):
         raise ValueError(
@@ -261,7 +261,7 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
 
     Raises ValueError, in one line, for what is none.
     """
-    from derive.user_files import read_toml, shown_path
+    from longwave.derive.user_files import read_toml, shown_path
 
     try:
         return read_toml(path, what, LARGEST_FILE)
@@ -274,7 +274,7 @@ def read_document(path: str | Path, what: str = "scene") -> Mapping[str, Any]:
 
 def parse_document(content: bytes, source: str) -> Mapping[str, Any]:
     """The tables of TOML from ``source``; ValueError, in one line, for what is none."""
-    from derive.user_files import parse_toml
+    from longwave.derive.user_files import parse_toml
 
     return parse_toml(content, source, "scene")
 

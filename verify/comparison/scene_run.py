@@ -13,26 +13,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from derive.request_limits import Announcer
-from lattice.checkpoint import spared_seconds
-from lattice.model import State
-from lattice.refine import Announce
-from lattice.trial import Progress
-from verify.comparison.scene import Scene, scene_of
-from verify.comparison.scene_fields import shown
-from verify.comparison.spectral_run import run_spectral, spectral_seconds
-from verify.comparison.stated_run import (
+from longwave.derive.request_limits import Announcer
+from longwave.lattice.checkpoint import spared_seconds
+from longwave.lattice.model import State
+from longwave.lattice.refine import Announce
+from longwave.lattice.trial import Progress
+from longwave.verify.comparison.scene import Scene, scene_of
+from longwave.verify.comparison.scene_fields import shown
+from longwave.verify.comparison.spectral_run import run_spectral, spectral_seconds
+from longwave.verify.comparison.stated_run import (
     RunRecord,
     UnfinishedRun,
     run_from,
 )
-from verify.comparison.stencil_search import run_stencil, stencil_seconds
-from verify.comparison.trust import check_trust
+from longwave.verify.comparison.stencil_search import run_stencil, stencil_seconds
+from longwave.verify.comparison.trust import check_trust
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from solutions import ClosedForm
+    from longwave.solutions import ClosedForm
 
 
 SITE_BY_SITE = ("energy", "momentum", "state")
@@ -128,7 +128,7 @@ def record_scene(
         raise ValueError(
             f"scene must be a Scene, got {shown(scene)} (load_scene and Scene.from_toml make one)"
         )
-    from verify.comparison.expected_cost import check_cost
+    from longwave.verify.comparison.expected_cost import check_cost
 
     expected = check_cost(scene)
     if scene.tolerance is None:

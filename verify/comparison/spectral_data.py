@@ -8,11 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Model
-from lattice.seam import BLEND_REACH, blend_seam, close_circumference, negate_at_seam, rest_at_seam
-from lattice.spectral.ring import RingState, backward, forward
-from verify.comparison.domain import front, seam_room
-from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
+from longwave.lattice.model import Model
+from longwave.lattice.seam import (
+    BLEND_REACH,
+    blend_seam,
+    close_circumference,
+    negate_at_seam,
+    rest_at_seam,
+)
+from longwave.lattice.spectral.ring import RingState, backward, forward
+from longwave.verify.comparison.domain import front, seam_room
+from longwave.verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
 
 Array = NDArray[np.float64]
 

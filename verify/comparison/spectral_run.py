@@ -11,26 +11,31 @@ from functools import lru_cache
 
 import numpy as np
 
-from lattice.model import empty_state, find_blow_up
-from lattice.refine import Announce, Refined, StoppedSearch, TooDearError
-from lattice.spectral.exponential import ORDER
-from lattice.spectral.ring import ALIKE, telling_step
-from lattice.trial import Progress, Trial
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.recorders import Recorder, build_recorders
-from verify.comparison.scene import Scene
-from verify.comparison.spectral_data import RingData, SpectralCost, first_density, ring_data
-from verify.comparison.spectral_search import (
+from longwave.lattice.model import empty_state, find_blow_up
+from longwave.lattice.refine import Announce, Refined, StoppedSearch, TooDearError
+from longwave.lattice.spectral.exponential import ORDER
+from longwave.lattice.spectral.ring import ALIKE, telling_step
+from longwave.lattice.trial import Progress, Trial
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.recorders import Recorder, build_recorders
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.comparison.spectral_data import (
+    RingData,
+    SpectralCost,
+    first_density,
+    ring_data,
+)
+from longwave.verify.comparison.spectral_search import (
     MOST_POINTS,
     RingTooLargeError,
     StepTooShortError,
     solve_on_rings,
 )
-from verify.comparison.stated_run import (
+from longwave.verify.comparison.stated_run import (
     RunRecord,
     unfinished,
 )
-from verify.comparison.view import View
+from longwave.verify.comparison.view import View
 
 START_SECONDS = 0.08
 """Before the first step, measured with the planning."""

@@ -16,13 +16,18 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.checkpoint import begin_loop
-from lattice.refine import Announce, Refined, refine
-from lattice.spectral.absorber import ABSORBER_STRENGTH
-from lattice.spectral.evolution import WATCH, NotHyperbolicError, SamplingError, SpectralRing
-from lattice.spectral.exponential import ORDER
-from lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
-from lattice.trial import (
+from longwave.lattice.checkpoint import begin_loop
+from longwave.lattice.refine import Announce, Refined, refine
+from longwave.lattice.spectral.absorber import ABSORBER_STRENGTH
+from longwave.lattice.spectral.evolution import (
+    WATCH,
+    NotHyperbolicError,
+    SamplingError,
+    SpectralRing,
+)
+from longwave.lattice.spectral.exponential import ORDER
+from longwave.lattice.spectral.ring import ALIKE, DENSITY, RingState, energy_spread, telling_step
+from longwave.lattice.trial import (
     NUDGE,
     Choices,
     Engine,
@@ -33,9 +38,9 @@ from lattice.trial import (
     clock_error,
     rounding_error,
 )
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.ring_march import MakeRing, MarchPhase, RingMarch
-from verify.comparison.spectral_data import (
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.ring_march import MakeRing, MarchPhase, RingMarch
+from longwave.verify.comparison.spectral_data import (
     RingPlace,
     SpectralCost,
     first_density,

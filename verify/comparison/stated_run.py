@@ -15,28 +15,28 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.checkpoint import Memory, begin_loop
-from lattice.model import Domain, State
-from lattice.schemes import check_step
-from lattice.stepper import Stepper, advance
-from lattice.trial import Progress
-from verify.comparison.domain import Array, SiteRing, Window
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.observables import (
+from longwave.lattice.checkpoint import Memory, begin_loop
+from longwave.lattice.model import Domain, State
+from longwave.lattice.schemes import check_step
+from longwave.lattice.stepper import Stepper, advance
+from longwave.lattice.trial import Progress
+from longwave.verify.comparison.domain import Array, SiteRing, Window
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.observables import (
     TIME,
     axis_values,
     observable_named,
 )
-from verify.comparison.recorders import (
+from longwave.verify.comparison.recorders import (
     Observer,
     Recorder,
     StrainSamples,
     Variables,
     build_recorders,
 )
-from verify.comparison.scene import Scene
-from verify.comparison.view import View
-from verify.provenance import provenance
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.comparison.view import View
+from longwave.verify.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from lattice.model import Model
-from lattice.refine import Announce, Refined, StoppedSearch, refine
-from lattice.schemes import Scheme, scheme_named, stability_limit
-from lattice.trial import (
+from longwave.lattice.model import Model
+from longwave.lattice.refine import Announce, Refined, StoppedSearch, refine
+from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
+from longwave.lattice.trial import (
     NUDGE,
     SAFETY,
     Choices,
@@ -26,7 +26,7 @@ from lattice.trial import (
     shorter_step,
     step_between,
 )
-from verify.comparison.domain import (
+from longwave.verify.comparison.domain import (
     Array,
     creeping,
     least_ring,
@@ -34,11 +34,11 @@ from verify.comparison.domain import (
     seam_room,
     window_moves,
 )
-from verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
-from verify.comparison.observables import observable_named
-from verify.comparison.recorders import StrainSamples, moments_of
-from verify.comparison.scene import Discretisation, Scene
-from verify.comparison.stated_run import (
+from longwave.verify.comparison.moving_wave import MovingWave, WaveBounds, find_bounds
+from longwave.verify.comparison.observables import observable_named
+from longwave.verify.comparison.recorders import StrainSamples, moments_of
+from longwave.verify.comparison.scene import Discretisation, Scene
+from longwave.verify.comparison.stated_run import (
     SECONDS_PER_UPDATE,
     START_SECONDS,
     RunRecord,

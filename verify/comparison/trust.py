@@ -15,8 +15,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from solutions import NumericWave, WaveValues
-from verify.comparison.scene import Scene
+from longwave.solutions import NumericWave, WaveValues
+from longwave.verify.comparison.scene import Scene
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Sites, State
-from verify.comparison.scene_fields import shown
+from longwave.lattice.model import Sites, State
+from longwave.verify.comparison.scene_fields import shown
 
 if TYPE_CHECKING:
-    from solutions import WaveValues
-    from verify.comparison.moving_wave import MovingWave
+    from longwave.solutions import WaveValues
+    from longwave.verify.comparison.moving_wave import MovingWave
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from typing import Any
 
 import sympy as sp
 
-from solutions.record import ClosedForm
-from solutions.symbols import k
-from verify.proof import form_domains, prove_equal
-from verify.proof.catalogue_proofs import own_problem
-from verify.proof.prover import decide
-from verify.subexpressions import abbreviated, distinct_nodes, replaced
-from verify.verdict import Outcome
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.symbols import k
+from longwave.verify.proof import form_domains, prove_equal
+from longwave.verify.proof.catalogue_proofs import own_problem
+from longwave.verify.proof.prover import decide
+from longwave.verify.subexpressions import abbreviated, distinct_nodes, replaced
+from longwave.verify.verdict import Outcome
 
 COEFFICIENT_CHANGE = sp.Rational(101, 100)
 
@@ -160,7 +160,7 @@ class MutationCount:
 def count_mutants(form: ClosedForm) -> MutationCount:
     """Decide every mutant of ``form`` (`verify.evidence.mutations`) in the form's own variables.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> count = count_mutants(closed_form("kink"))
     >>> count.mutants, count.refuted, count.undecided, count.survivors[0].reason
     (8, 7, 0, 'symmetry U to -U')
@@ -188,7 +188,7 @@ def _survivor(form: ClosedForm, mutant: Mutant) -> Survivor | None:
 def solution_reason(form: ClosedForm, expression: sp.Expr) -> str:
     """Why a solution made from ``form`` by one change is one.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> form = closed_form("rational_1")
     >>> solution_reason(form, sp.Integer(3))
     'constant'

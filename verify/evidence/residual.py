@@ -20,9 +20,9 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.compile.tape import Tape, UnknownDerivativeError
-from solutions.record import Bound, ClosedForm, Equation, Parameter
-from verify.verdict import Outcome, Verdict
+from longwave.solutions.compile.tape import Tape, UnknownDerivativeError
+from longwave.solutions.record import Bound, ClosedForm, Equation, Parameter
+from longwave.verify.verdict import Outcome, Verdict
 
 SLACK_DIGITS = 4
 """Digits by which a fall may miss d2 - d1, for the luck of rounding at the worst point."""

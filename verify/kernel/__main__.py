@@ -1,4 +1,4 @@
-"""``python -m verify.kernel FILE``: repeat the proofs in a file; the folder alone is enough."""
+"""``python -m longwave.verify.kernel FILE``: repeat the proofs in a file, by this folder alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .limits import FILE_BYTES, CertificateError
 def main(arguments: list[str]) -> int:
     """Print what every certificate of a file states, and "accepted"; 1 at the first that fails."""
     if len(arguments) != 1:
-        print("usage: python -m verify.kernel FILE", file=sys.stderr)
+        print("usage: python -m longwave.verify.kernel FILE", file=sys.stderr)
         return 2
     try:
         for certificate in certificates(arguments[0]):

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive import Reduction
-from verify.lattices.fourier_interval import FourierInterval
-from verify.lattices.jet_polynomial import with_numbers
+from longwave.derive import Reduction
+from longwave.verify.lattices.fourier_interval import FourierInterval
+from longwave.verify.lattices.jet_polynomial import with_numbers
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.lattices.lattice_wave import CellRing, LatticeWave
-from verify.lattices.ring_run import advanced
+from longwave.verify.lattices.lattice_wave import CellRing, LatticeWave
+from longwave.verify.lattices.ring_run import advanced
 
 Array = NDArray[np.float64]
 

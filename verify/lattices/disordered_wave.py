@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr
 
-from lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
-from lattice.force_program import ForceProgram, force_program
-from lattice.random_sites import mean_inverse
-from verify.comparison.scene_fields import shown
-from verify.lattices.lattice_wave import CellRing, LatticeWave
-from verify.lattices.pulse_meter import PulseMeter
-from verify.lattices.scene_disorder import MASS, Disorder
+from longwave.lattice.disordered_lattice import DisorderedLattice, Variation, disordered, mass_kind
+from longwave.lattice.force_program import ForceProgram, force_program
+from longwave.lattice.random_sites import mean_inverse
+from longwave.verify.comparison.scene_fields import shown
+from longwave.verify.lattices.lattice_wave import CellRing, LatticeWave
+from longwave.verify.lattices.pulse_meter import PulseMeter
+from longwave.verify.lattices.scene_disorder import MASS, Disorder
 
 if TYPE_CHECKING:
-    from derive.lattice import Lattice
-    from lattice.numeric_lattice import NumericBond, NumericLattice
+    from longwave.derive.lattice import Lattice
+    from longwave.lattice.numeric_lattice import NumericBond, NumericLattice
 
 Array = NDArray[np.float64]
 

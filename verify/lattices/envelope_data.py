@@ -13,11 +13,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive import CarrierTerms, Envelope, Lattice, carrier_fields
-from derive.algebra.exact_numbers import Number
-from lattice.numeric_lattice import NumericLattice, numeric_lattice
-from verify.lattices.envelope_flow import EnvelopeFlow
-from verify.lattices.lattice_wave import ORDERS, CellRing, LatticeWave
+from longwave.derive import CarrierTerms, Envelope, Lattice, carrier_fields
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.verify.lattices.envelope_flow import EnvelopeFlow
+from longwave.verify.lattices.lattice_wave import ORDERS, CellRing, LatticeWave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

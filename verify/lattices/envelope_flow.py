@@ -14,8 +14,8 @@ import ducc0  # type: ignore[import-not-found]
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive import CarrierFields, CarrierTerm
-from lattice.spectral.exponential import ExponentialAdams
+from longwave.derive import CarrierFields, CarrierTerm
+from longwave.lattice.spectral.exponential import ExponentialAdams
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -39,8 +39,8 @@ class EnvelopeFlow:
     ``length`` long, has that many ``points``, and ``A(X + length) = A(X) exp(i turn)``.  ``share``
     makes all steps shorter.
 
-    >>> from derive import LATTICES, envelope
-    >>> from derive.carrier_numbers import carrier_fields
+    >>> from longwave.derive import LATTICES, envelope
+    >>> from longwave.derive.carrier_numbers import carrier_fields
     >>> form = carrier_fields(envelope(LATTICES["fput_strain"]), 1, K2=1, K3=0, K4=1)
     >>> flow = EnvelopeFlow(form, 0.1, np.ones_like, first=0.0, length=1.0, points=8, T0=0.0)
     >>> turned = flow.jets(0.25, 2.0, 0)[0]        # a plane wave: A_T = i q |A|^2 A

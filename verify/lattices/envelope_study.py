@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Rational, pi
 
-from derive import Envelope, Lattice, envelope
-from derive.algebra.exact_numbers import Number
-from derive.models.lattices import LATTICES, cell, m1, m2
-from derive.symbols import x
-from lattice import FieldState, integrate
-from solutions import Wave, closed_form
-from verify.lattices.convergence import ConvergenceStudy, ErrorAt, fitted_rate
-from verify.lattices.envelope_data import POWERS, EnvelopeData
+from longwave.derive import Envelope, Lattice, envelope
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.derive.models.lattices import LATTICES, cell, m1, m2
+from longwave.derive.symbols import x
+from longwave.lattice import FieldState, integrate
+from longwave.solutions import Wave, closed_form
+from longwave.verify.lattices.convergence import ConvergenceStudy, ErrorAt, fitted_rate
+from longwave.verify.lattices.envelope_data import POWERS, EnvelopeData
 
 Array = NDArray[np.float64]
 

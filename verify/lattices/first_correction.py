@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from verify.lattices.fourier_interval import FourierInterval
-from verify.lattices.jet_polynomial import JetPolynomial
+from longwave.verify.lattices.fourier_interval import FourierInterval
+from longwave.verify.lattices.jet_polynomial import JetPolynomial
 
 if TYPE_CHECKING:
-    from verify.lattices.long_wave_data import JetWave
+    from longwave.verify.lattices.long_wave_data import JetWave
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Symbol
 
-from derive.algebra.jets import DifferentialPolynomial
-from derive.algebra.rational_functions import RationalFunction
-from derive.algebra.series import EpsSeries
+from longwave.derive.algebra.jets import DifferentialPolynomial
+from longwave.derive.algebra.rational_functions import RationalFunction
+from longwave.derive.algebra.series import EpsSeries
 
 Array = NDArray[np.float64]
 

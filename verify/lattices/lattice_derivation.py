@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 import numpy as np
 from sympy import Expr, pi, sqrt
 
-from derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
-from derive.algebra.exact_numbers import exact
-from derive.algebra.formula_expression import read_formula
-from derive.algebra.formula_text import Vocabulary
-from derive.lattice_file import lattice_of
-from derive.symbols import eps
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form
-from verify.comparison.scene_fields import shown
-from verify.lattices.lattice_scene import LatticeScene, Value
-from verify.lattices.lattice_wave import LatticeWave
-from verify.lattices.long_wave_data import LongWaveData
-from verify.lattices.scene_disorder import Disorder
+from longwave.derive import LATTICES, Lattice, NormalForm, Reduction, Scaling, find_scaling, reduce
+from longwave.derive.algebra.exact_numbers import exact
+from longwave.derive.algebra.formula_expression import read_formula
+from longwave.derive.algebra.formula_text import Vocabulary
+from longwave.derive.lattice_file import lattice_of
+from longwave.derive.symbols import eps
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form
+from longwave.verify.comparison.scene_fields import shown
+from longwave.verify.lattices.lattice_scene import LatticeScene, Value
+from longwave.verify.lattices.lattice_wave import LatticeWave
+from longwave.verify.lattices.long_wave_data import LongWaveData
+from longwave.verify.lattices.scene_disorder import Disorder
 
 if TYPE_CHECKING:
-    from derive import Envelope
+    from longwave.derive import Envelope
 
 Sign: TypeAlias = "Expr | int"
 
@@ -218,7 +218,7 @@ def _constant_values(scene: LatticeScene, lattice: Lattice) -> dict[str, Expr]:
 def _envelope(
     scene: LatticeScene, lattice: Lattice, numbers: Mapping[str, Expr], k: Expr | None
 ) -> tuple[Envelope, Mapping[str, Expr]]:
-    from derive import envelope
+    from longwave.derive import envelope
 
     if not lattice.is_polynomial:
         in_masses = {str(s) for mass in lattice.masses for s in mass.free_symbols}
@@ -291,7 +291,7 @@ def lattice_wave(scene: LatticeScene) -> LatticeWave:
     wave = _ordered_wave(scene)
     if not scene.disorder:
         return wave
-    from verify.lattices.disordered_wave import DisorderedWave
+    from longwave.verify.lattices.disordered_wave import DisorderedWave
 
     values = dict(_formulas(scene.constants, {"eps": exact("eps", scene.eps)}))
     disorder = Disorder.of_pairs(scene.disorder)
@@ -305,7 +305,7 @@ def _ordered_wave(scene: LatticeScene) -> LatticeWave:
     interval = correction_interval(scene, wave)
     if isinstance(found.source, Reduction):
         return LongWaveData(found.source, {}, wave, scene.eps, scene.order, found.lattice, interval)
-    from verify.lattices.envelope_data import EnvelopeData, EnvelopeWave
+    from longwave.verify.lattices.envelope_data import EnvelopeData, EnvelopeWave
 
     far = mean_square_far(wave) if scene.order == "leading" else 0.0
     A = cast(EnvelopeWave, wave)

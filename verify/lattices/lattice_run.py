@@ -11,17 +11,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.request_limits import ExpectedCost
-from lattice.checkpoint import spared_seconds
-from lattice.refine import Announce, refine
-from lattice.trial import Progress
-from verify.comparison.observables import RATIO, SITES, STRAIN, TIME
-from verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.lattice_wave import LatticeWave
-from verify.lattices.pulse_meter import PULSE_VARIABLES, PulseTrack, crest, pulse_track
-from verify.lattices.ring_runs import SCHEME, ComparedCells, RingRecord, RingRuns, expected_rings
-from verify.provenance import provenance
+from longwave.derive.request_limits import ExpectedCost
+from longwave.lattice.checkpoint import spared_seconds
+from longwave.lattice.refine import Announce, refine
+from longwave.lattice.trial import Progress
+from longwave.verify.comparison.observables import RATIO, SITES, STRAIN, TIME
+from longwave.verify.lattices.lattice_derivation import LatticeDerivation, derivation, lattice_wave
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.lattice_wave import LatticeWave
+from longwave.verify.lattices.pulse_meter import PULSE_VARIABLES, PulseTrack, crest, pulse_track
+from longwave.verify.lattices.ring_runs import (
+    SCHEME,
+    ComparedCells,
+    RingRecord,
+    RingRuns,
+    expected_rings,
+)
+from longwave.verify.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -180,7 +186,7 @@ def lattice_scene_dataset(
     Arguments and errors are as of `run_lattice_scene`.
     """
     if scene.is_growth:
-        from verify.lattices.sideband_growth import measure_growth
+        from longwave.verify.lattices.sideband_growth import measure_growth
 
         return measure_growth(scene, progress, announce).dataset
     return run_lattice_scene(scene, progress, announce).dataset
@@ -192,7 +198,7 @@ def expected_lattice_cost(scene: LatticeScene) -> ExpectedCost:
     Raises ValueError as `run_lattice_scene` does for what is wrong before anything is run.
     """
     if scene.is_growth:
-        from verify.lattices.sideband_growth import expected_growth_cost, growth_plan
+        from longwave.verify.lattices.sideband_growth import expected_growth_cost, growth_plan
 
         return expected_growth_cost(growth_plan(scene))
     wave = lattice_wave(scene)

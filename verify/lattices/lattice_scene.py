@@ -14,16 +14,16 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from derive.user_files import STANDARD_INPUT, file_stem, shown_path
-from verify.comparison import scene_fields as check
-from verify.comparison.scene import (
+from longwave.derive.user_files import STANDARD_INPUT, file_stem, shown_path
+from longwave.verify.comparison import scene_fields as check
+from longwave.verify.comparison.scene import (
     Scene,
     find_scene,
     further_scenes,
     rational_family_scenes,
     shipped_scenes,
 )
-from verify.comparison.scene_fields import (
+from longwave.verify.comparison.scene_fields import (
     finite,
     parse_document,
     positive,
@@ -31,9 +31,13 @@ from verify.comparison.scene_fields import (
     shown,
     whole,
 )
-from verify.comparison.toml_text import toml_text
-from verify.lattices.lattice_scene_file import document_of, lattice_scene_fields, names_a_lattice
-from verify.lattices.scene_disorder import Stated, disorder_pairs
+from longwave.verify.comparison.toml_text import toml_text
+from longwave.verify.lattices.lattice_scene_file import (
+    document_of,
+    lattice_scene_fields,
+    names_a_lattice,
+)
+from longwave.verify.lattices.scene_disorder import Stated, disorder_pairs
 
 ORDERS = ("leading", "slaved", "corrected")
 """What the data hold: the wave alone; the fields that follow it too; the next order as well."""
@@ -345,7 +349,7 @@ def _pairs(name: str, given: object) -> Pairs:
     return found
 
 
-FOLDER = files("verify.lattices.scenes")
+FOLDER = files("longwave.verify.lattices.scenes")
 
 
 def shipped_lattice_scenes() -> tuple[str, ...]:

@@ -19,8 +19,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from verify.comparison.scene_fields import read_document, refuse_unknown, shown, table, text
-from verify.lattices.scene_disorder import Disorder
+from longwave.verify.comparison.scene_fields import (
+    read_document,
+    refuse_unknown,
+    shown,
+    table,
+    text,
+)
+from longwave.verify.lattices.scene_disorder import Disorder
 
 TOP = (
     *("name", "title", "wave", "eps", "order", "slow_times", "times", "half_width", "compared"),

@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.numeric_lattice import NumericLattice
-from lattice.trial import nudged
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.trial import nudged
 
 Array = NDArray[np.float64]
 

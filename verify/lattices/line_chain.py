@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive.lattice import Lattice, Stencil
-from lattice.numeric_lattice import Entry, NumericLattice
-from verify.lattices.lattice_wave import LatticeWave
-from verify.lattices.long_wave_data import LongWaveData
+from longwave.derive.lattice import Lattice, Stencil
+from longwave.lattice.numeric_lattice import Entry, NumericLattice
+from longwave.verify.lattices.lattice_wave import LatticeWave
+from longwave.verify.lattices.long_wave_data import LongWaveData
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 def lattice_along(lattice: Lattice, steps: tuple[int, ...]) -> Lattice:
     """The chain in k of a declared lattice, for waves constant along lines.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> lattice_along(LATTICES["square"], (3, 4)).bonds[1].stretch[0]
     Stencil(shift=(4,), weight=1, field=0)
     """

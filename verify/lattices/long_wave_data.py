@@ -15,19 +15,19 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from derive import Reduction
-from derive.algebra.elimination import TimeElimination
-from derive.algebra.exact_numbers import Number, exact
-from derive.algebra.jets import DifferentialPolynomial, raised
-from derive.algebra.series import EpsSeries
-from derive.expansion import Expansion
-from derive.lattice import Lattice
-from derive.symbols import eps as EPS
-from lattice.numeric_lattice import NumericLattice, numeric_lattice
-from verify.lattices.first_correction import FirstCorrection
-from verify.lattices.jet_polynomial import with_numbers
-from verify.lattices.lattice_wave import ORDERS, LatticeWave
-from verify.lattices.planar_fields import PlanarFields, PlanarWave
+from longwave.derive import Reduction
+from longwave.derive.algebra.elimination import TimeElimination
+from longwave.derive.algebra.exact_numbers import Number, exact
+from longwave.derive.algebra.jets import DifferentialPolynomial, raised
+from longwave.derive.algebra.series import EpsSeries
+from longwave.derive.expansion import Expansion
+from longwave.derive.lattice import Lattice
+from longwave.derive.symbols import eps as EPS
+from longwave.lattice.numeric_lattice import NumericLattice, numeric_lattice
+from longwave.verify.lattices.first_correction import FirstCorrection
+from longwave.verify.lattices.jet_polynomial import with_numbers
+from longwave.verify.lattices.lattice_wave import ORDERS, LatticeWave
+from longwave.verify.lattices.planar_fields import PlanarFields, PlanarWave
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

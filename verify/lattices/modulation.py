@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr
 
-from derive import Envelope, Lattice, envelope
-from derive.algebra.exact_numbers import exact
-from derive.algebra.rational_functions import RationalFunction
+from longwave.derive import Envelope, Lattice, envelope
+from longwave.derive.algebra.exact_numbers import exact
+from longwave.derive.algebra.rational_functions import RationalFunction
 
 if TYPE_CHECKING:
-    from verify.lattices.lattice_scene import LatticeScene
+    from longwave.verify.lattices.lattice_scene import LatticeScene
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def modulation_grid(
     ``amplitude``: |A| of the plane wave.  The wavenumbers are in 0 < k <= pi.  Raises ValueError
     for constants that are missing or unknown, and where there is no NLS equation at all.
 
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> K3 = np.array([[0.0], [0.6], [1.0]])
     >>> found = modulation_grid(LATTICES["fput"], [1.0, 2.0, 3.0], K2=1, K3=K3, K4=1)
     >>> np.where(found.product > 0, "+", "-").tolist()
@@ -79,7 +79,7 @@ def scene_modulation(scene: LatticeScene, k: Array, amplitude: float) -> Modulat
 
     Raises ValueError as the scene's derivation does.
     """
-    from verify.lattices.lattice_derivation import scene_envelope
+    from longwave.verify.lattices.lattice_derivation import scene_envelope
 
     found, numbers = scene_envelope(scene.changed(carrier=1))
     fixed = {str(symbol): value for symbol, value in found.constants.items()} | {**numbers}

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from derive.reduction import Reduction
-    from solutions.numeric_wave import PlanarValues
+    from longwave.derive.reduction import Reduction
+    from longwave.solutions.numeric_wave import PlanarValues
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.disordered_lattice import DisorderedLattice
-from lattice.trial import SAFETY
-from verify.lattices.lattice_wave import CellRing
+from longwave.lattice.disordered_lattice import DisorderedLattice
+from longwave.lattice.trial import SAFETY
+from longwave.verify.lattices.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
 

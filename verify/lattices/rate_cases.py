@@ -12,16 +12,16 @@ from typing import TypeAlias
 
 from sympy import Expr, Rational
 
-from derive import LATTICES, Reduction, Scaling, SlowVariable, reduce
-from derive.lattice import Lattice
-from derive.symbols import c, eps
-from solutions import Wave, closed_form
-from verify.lattices.computed_soliton import ComputedSoliton
-from verify.lattices.convergence import ConvergenceStudy, convergence_study
-from verify.lattices.lattice_wave import ORDERS
-from verify.lattices.line_chain import lattice_along
-from verify.lattices.long_wave_data import JetWave, LongWaveData
-from verify.lattices.theory_rate import long_wave_rate
+from longwave.derive import LATTICES, Reduction, Scaling, SlowVariable, reduce
+from longwave.derive.lattice import Lattice
+from longwave.derive.symbols import c, eps
+from longwave.solutions import Wave, closed_form
+from longwave.verify.lattices.computed_soliton import ComputedSoliton
+from longwave.verify.lattices.convergence import ConvergenceStudy, convergence_study
+from longwave.verify.lattices.lattice_wave import ORDERS
+from longwave.verify.lattices.line_chain import lattice_along
+from longwave.verify.lattices.long_wave_data import JetWave, LongWaveData
+from longwave.verify.lattices.theory_rate import long_wave_rate
 
 Value: TypeAlias = int | str | Expr
 

@@ -7,9 +7,9 @@ is known only when its search has ended.
 
 from __future__ import annotations
 
-from derive.request_limits import ExpectedCost
-from lattice.force_program import UNARY, ForceProgram
-from lattice.numeric_lattice import NumericLattice
+from longwave.derive.request_limits import ExpectedCost
+from longwave.lattice.force_program import UNARY, ForceProgram
+from longwave.lattice.numeric_lattice import NumericLattice
 
 USUAL_RUNS = 4.0
 """Runs of a search, in units of the first: 2.3 where its step is short enough, else 7 to 9."""
@@ -45,8 +45,8 @@ BYTES_PER_CELL = 160.0
 def cell_seconds(lattice: NumericLattice) -> float:
     """Seconds to advance all fields of a cell by a stage.
 
-    >>> from derive import LATTICES
-    >>> from lattice.numeric_lattice import numeric_lattice
+    >>> from longwave.derive import LATTICES
+    >>> from longwave.lattice.numeric_lattice import numeric_lattice
     >>> cell_seconds(numeric_lattice(LATTICES["fput"], {"K2": 1, "K3": 0, "K4": 1}))
     2e-10
     >>> cell_seconds(numeric_lattice(LATTICES["toda"], {"a": 1, "b": 1}))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice import FieldState, integrate
-from lattice.schemes import REDUCED_PHASE_6, stability_limit
-from verify.lattices.lattice_wave import CellRing
+from longwave.lattice import FieldState, integrate
+from longwave.lattice.schemes import REDUCED_PHASE_6, stability_limit
+from longwave.verify.lattices.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.request_limits import ExpectedCost, check_request
-from lattice.checkpoint import Loop, Memory, begin_loop
-from lattice.dynamics import dynamics_of
-from lattice.model import GROWTH
-from lattice.numeric_lattice import NumericLattice
-from lattice.schemes import REDUCED_PHASE_6, stability_limit
-from lattice.trial import (
+from longwave.derive.request_limits import ExpectedCost, check_request
+from longwave.lattice.checkpoint import Loop, Memory, begin_loop
+from longwave.lattice.dynamics import dynamics_of
+from longwave.lattice.model import GROWTH
+from longwave.lattice.numeric_lattice import NumericLattice
+from longwave.lattice.schemes import REDUCED_PHASE_6, stability_limit
+from longwave.lattice.trial import (
     Choices,
     Kind,
     Progress,
@@ -31,9 +31,9 @@ from lattice.trial import (
     rounding_error,
     shorter_step,
 )
-from verify.comparison.domain import front
-from verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
-from verify.lattices.ring_cost import cell_seconds, search_cost
+from longwave.verify.comparison.domain import front
+from longwave.verify.lattices.lattice_wave import CellRing, LatticeWave, largest_group_velocity
+from longwave.verify.lattices.ring_cost import cell_seconds, search_cost
 
 Array = NDArray[np.float64]
 

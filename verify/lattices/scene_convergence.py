@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lattice.refine import Announce
-from verify.comparison.scene_fields import finite, positive, shown
-from verify.lattices.convergence import FEWEST, FittedRate, fitted_rate
-from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.theory_rate import scene_rate
+from longwave.lattice.refine import Announce
+from longwave.verify.comparison.scene_fields import finite, positive, shown
+from longwave.verify.lattices.convergence import FEWEST, FittedRate, fitted_rate
+from longwave.verify.lattices.lattice_derivation import derivation
+from longwave.verify.lattices.lattice_run import LatticeRun, run_lattice_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.theory_rate import scene_rate
 
 MOST = 20
 """Values of eps."""

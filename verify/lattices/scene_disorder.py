@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lattice.random_sites import DISTRIBUTIONS, site_deviations
-from verify.comparison.scene_fields import finite, known_fields, one_of, shown, text
+from longwave.lattice.random_sites import DISTRIBUTIONS, site_deviations
+from longwave.verify.comparison.scene_fields import finite, known_fields, one_of, shown, text
 
 Array = NDArray[np.float64]
 

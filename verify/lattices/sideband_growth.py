@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr
 
-from derive.request_limits import ExpectedCost, check_request
-from lattice.checkpoint import begin_loop, spared_seconds
-from lattice.model import GROWTH
-from lattice.refine import Announce, refine
-from lattice.schemes import stability_limit
-from lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
-from verify.comparison.observables import TIME
-from verify.lattices.envelope_data import EnvelopeData
-from verify.lattices.lattice_derivation import formula, scene_envelope
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.perturbed_plane import (
+from longwave.derive.request_limits import ExpectedCost, check_request
+from longwave.lattice.checkpoint import begin_loop, spared_seconds
+from longwave.lattice.model import GROWTH
+from longwave.lattice.refine import Announce, refine
+from longwave.lattice.schemes import stability_limit
+from longwave.lattice.trial import Choices, Progress, StepSearch, Trial, rounding_error
+from longwave.verify.comparison.observables import TIME
+from longwave.verify.lattices.envelope_data import EnvelopeData
+from longwave.verify.lattices.lattice_derivation import formula, scene_envelope
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.perturbed_plane import (
     MOST_WAVES,
     SIZE,
     PerturbedPlane,
@@ -37,8 +37,8 @@ from verify.lattices.perturbed_plane import (
     chosen_kappa,
     wave_ring,
 )
-from verify.lattices.ring_cost import search_cost
-from verify.lattices.ring_runs import (
+from longwave.verify.lattices.ring_cost import search_cost
+from longwave.verify.lattices.ring_runs import (
     LIMIT_SHARE,
     SCHEME,
     March,
@@ -46,13 +46,13 @@ from verify.lattices.ring_runs import (
     longest_step,
     stiffest_slopes,
 )
-from verify.provenance import provenance
+from longwave.verify.provenance import provenance
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from derive import Envelope
-    from verify.lattices.lattice_wave import CellRing
+    from longwave.derive import Envelope
+    from longwave.verify.lattices.lattice_wave import CellRing
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_fields, reduce
-from derive.algebra.exact_numbers import Number
-from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_scene import LatticeScene
+from longwave.derive import CarrierTerms, Envelope, Lattice, Reduction, carrier_fields, reduce
+from longwave.derive.algebra.exact_numbers import Number
+from longwave.verify.lattices.lattice_derivation import derivation
+from longwave.verify.lattices.lattice_scene import LatticeScene
 
 SEEN = 4
 """Orders behind the reduced equation in which the second that does not vanish is looked for: the
@@ -28,7 +28,7 @@ def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | 
     no order behind the equation is found.
 
     >>> from sympy import S
-    >>> from derive import LATTICES
+    >>> from longwave.derive import LATTICES
     >>> chain = LATTICES["fput_strain"].with_values({"K2": S.One, "K3": S.Zero, "K4": S.One})
     >>> found = reduce(chain)
     >>> [long_wave_rate(found, chain, order) for order in ("leading", "corrected")]
@@ -51,7 +51,7 @@ def long_wave_rate(reduction: Reduction, lattice: Lattice, order: str) -> int | 
 def envelope_rate(envelope: Envelope, numbers: Mapping[str, Number], order: str) -> int:
     """The power of the error of a carrier wave with data of that order.
 
-    >>> from derive import LATTICES, envelope
+    >>> from longwave.derive import LATTICES, envelope
     >>> found = envelope(LATTICES["fput_strain"], 1)
     >>> envelope_rate(found, {"K2": 1, "K3": 0, "K4": 1}, "slaved")
     2

@@ -9,25 +9,25 @@ constants symbolic, `prove_stable` its evaluation form; `prove_rational`, `prove
 
 from typing import TYPE_CHECKING
 
-from derive.lazy_face import lazy_face
+from longwave.derive.lazy_face import lazy_face
 
 if TYPE_CHECKING:
-    from verify.kernel import CertificateError
-    from verify.proof.catalogue_proofs import (
+    from longwave.verify.kernel import CertificateError
+    from longwave.verify.proof.catalogue_proofs import (
         check_certificate,
         form_domains,
         prove_form,
         prove_stable,
     )
-    from verify.proof.domains import Domain
-    from verify.proof.prover import prove, prove_equal
-    from verify.proof.rational_proofs import (
+    from longwave.verify.proof.domains import Domain
+    from longwave.verify.proof.prover import prove, prove_equal
+    from longwave.verify.proof.rational_proofs import (
         RationalFacts,
         prove_bilinear,
         prove_rational,
         rational_facts,
     )
-    from verify.verdict import ProofVerdict
+    from longwave.verify.verdict import ProofVerdict
 
 __all__ = [
     "CertificateError",
@@ -48,12 +48,13 @@ __all__ = [
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "verify.proof.catalogue_proofs": "check_certificate form_domains prove_form prove_stable",
-        "verify.kernel": "CertificateError",
-        "verify.proof.domains": "Domain",
-        "verify.proof.prover": "prove prove_equal",
-        "verify.proof.rational_proofs": "RationalFacts prove_bilinear prove_rational "
+        "longwave.verify.proof.catalogue_proofs": "check_certificate form_domains "
+        "prove_form prove_stable",
+        "longwave.verify.kernel": "CertificateError",
+        "longwave.verify.proof.domains": "Domain",
+        "longwave.verify.proof.prover": "prove prove_equal",
+        "longwave.verify.proof.rational_proofs": "RationalFacts prove_bilinear prove_rational "
         "rational_facts",
-        "verify.verdict": "ProofVerdict",
+        "longwave.verify.verdict": "ProofVerdict",
     },
 )

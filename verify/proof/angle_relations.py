@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import sympy as sp
 from flint import acb, ctx, fmpz_mat
 
-from verify.subexpressions import distinct_nodes
+from longwave.verify.subexpressions import distinct_nodes
 
 from .balls import ball_value
 from .domains import Point

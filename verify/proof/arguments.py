@@ -13,8 +13,8 @@ from math import lcm
 import sympy as sp
 from flint import fmpz_mat
 
-from solutions.functions import jacobi_eta, jacobi_theta
-from solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions import jacobi_eta, jacobi_theta
+from longwave.solutions.functions.jacobi import JacobiFunction
 
 
 class Dependence:

@@ -18,9 +18,9 @@ from operator import add, mul
 import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
-from solutions.functions.jacobi import JacobiFunction
-from solutions.functions.jet_functions import JetFunction
-from solutions.functions.weierstrass import WeierstrassFunction, weierstrass_p_prime
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions.jet_functions import JetFunction
+from longwave.solutions.functions.weierstrass import WeierstrassFunction, weierstrass_p_prime
 
 from . import taylor as functions
 from .domain_signs import DomainSigns

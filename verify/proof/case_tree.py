@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.formula_printing import formula_as_text
 
 from .balls import ball_value
 from .constant_terms import Relations, Terms, terms_of

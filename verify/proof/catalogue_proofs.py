@@ -20,15 +20,15 @@ from typing import Any
 
 import sympy as sp
 
-from derive import mkdv_normal_form, mkdv_reduction
-from derive.algebra.exact_numbers import shown
-from derive.symbols import K2, K4, T, X, c
-from solutions.catalogue import CATALOGUE, closed_form
-from solutions.forms.rational import rational, rational_tau
-from solutions.record import ClosedForm
-from verify.kernel import CertificateError
-from verify.kernel import check_certificate as check_content
-from verify.verdict import ProofVerdict
+from longwave.derive import mkdv_normal_form, mkdv_reduction
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.derive.symbols import K2, K4, T, X, c
+from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.solutions.forms.rational import rational, rational_tau
+from longwave.solutions.record import ClosedForm
+from longwave.verify.kernel import CertificateError
+from longwave.verify.kernel import check_certificate as check_content
+from longwave.verify.verdict import ProofVerdict
 
 from .certificate import statement_texts
 from .certificate_writer import as_data
@@ -46,7 +46,7 @@ def prove_form(form: ClosedForm) -> ProofVerdict:
     Of mKdV the canonical expression is taken at ``xi = a X``, ``tau = b T``; K2 and K4 are given by
     the generators of `lab_frame`, one to one.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> prove_form(closed_form("kink")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
@@ -92,7 +92,7 @@ def own_problem(form: ClosedForm) -> Problem:
 def prove_stable(form: ClosedForm) -> ProofVerdict:
     """Decide whether the evaluation form of ``form`` is the same function as its canonical one.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> prove_stable(closed_form("rational_2")).outcome
     <Outcome.PROVED: 'PROVED'>
     """
@@ -125,7 +125,7 @@ def form_domains(form: ClosedForm) -> dict[sp.Symbol, Domain]:
 
     Raises TypeError for what is no closed form.
 
-    >>> from solutions import closed_form
+    >>> from longwave.solutions import closed_form
     >>> {str(s): d.text(s) for s, d in form_domains(closed_form("wave_cn")).items()}
     {'k': '0 < k < 1'}
     """

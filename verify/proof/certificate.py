@@ -19,12 +19,12 @@ from itertools import product
 import sympy as sp
 from flint import acb, ctx, fmpq_mpoly
 
-from solutions.functions.jet_functions import THETA, JetFunction
-from verify.kernel.check import opened, registered
-from verify.kernel.field import Field
-from verify.kernel.limits import NAME
-from verify.kernel.ring import Element
-from verify.subexpressions import distinct_nodes, replaced
+from longwave.solutions.functions.jet_functions import THETA, JetFunction
+from longwave.verify.kernel.check import opened, registered
+from longwave.verify.kernel.field import Field
+from longwave.verify.kernel.limits import NAME
+from longwave.verify.kernel.ring import Element
+from longwave.verify.subexpressions import distinct_nodes, replaced
 
 from .angle_relations import angle_values
 from .arguments import Dependence, with_definitions

@@ -16,10 +16,10 @@ import sympy as sp
 from flint import fmpq_mpoly
 from sympy.core.function import AppliedUndef
 
-from solutions import functions
-from solutions.functions.jet_functions import JetFunction
-from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
-from verify.kernel.limits import FORMAT, digest
+from longwave.solutions import functions
+from longwave.solutions.functions.jet_functions import JetFunction
+from longwave.solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
+from longwave.verify.kernel.limits import FORMAT, digest
 
 from .arguments import HYPERBOLIC, INVERSE, TRIGONOMETRIC
 from .domains import Point

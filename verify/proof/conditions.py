@@ -15,8 +15,8 @@ from typing import Any
 
 import sympy as sp
 
-from derive.algebra.formula_printing import formula_as_text
-from verify.verdict import Outcome
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.verify.verdict import Outcome
 
 from . import prover
 from .case_tree import CaseTree, Constants
@@ -107,7 +107,7 @@ def solve_statement(
 ) -> ConditionalVerdict:
     """The cases in which a statement holds, solved for what is wanted of it.
 
-    >>> from verify.proof.statement_text import read_statement
+    >>> from longwave.verify.proof.statement_text import read_statement
     >>> kdv = read_statement("u_t + 6*u*u_x + u_xxx", "u = a*sech(x - c*t)**2", solve="a, c")
     >>> print(solve_statement(kdv).detail)
     holds if and only if a = 2, c = 4; or a = 0 (trivial)

@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from derive.algebra.formula_printing import formula_as_text
-from verify.verdict import Outcome
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.verify.verdict import Outcome
 
 from .certificate import domain_text
 from .domain_signs import DomainSigns

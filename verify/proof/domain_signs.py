@@ -17,7 +17,7 @@ from fractions import Fraction
 import sympy as sp
 from sympy.functions.special.bessel import BesselBase
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -25,10 +25,10 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.functions.jacobi import JacobiFunction
-from solutions.functions.jet_functions import JetFunction
-from solutions.functions.weierstrass import WeierstrassFunction
-from verify.subexpressions import abbreviated, distinct_nodes
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions.jet_functions import JetFunction
+from longwave.solutions.functions.weierstrass import WeierstrassFunction
+from longwave.verify.subexpressions import abbreviated, distinct_nodes
 
 from .domains import INFINITY, Domain, Domains, Number, ValueRange
 

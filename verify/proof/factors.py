@@ -10,7 +10,7 @@ from math import lcm
 import sympy as sp
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
-from verify.subexpressions import outer_nodes
+from longwave.verify.subexpressions import outer_nodes
 
 TERMS, DEGREE = 200, 40
 """A polynomial with more terms, or of a higher degree, is not factored."""

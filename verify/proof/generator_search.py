@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 from sympy.functions.special.bessel import BesselBase
 
-from solutions.functions import jacobi_epsilon
-from solutions.functions.jacobi import JacobiFunction
-from solutions.functions.jet_functions import JetFunction, jet_function
-from solutions.functions.weierstrass import (
+from longwave.solutions.functions import jacobi_epsilon
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions.jet_functions import JetFunction, jet_function
+from longwave.solutions.functions.weierstrass import (
     WeierstrassFunction,
     weierstrass_p,
     weierstrass_p_prime,
 )
-from verify.subexpressions import distinct_nodes
+from longwave.verify.subexpressions import distinct_nodes
 
 from .arguments import (
     HYPERBOLIC,

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Sequence
 import sympy as sp
 from flint import acb, ctx
 
-from solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
-from verify.kernel.limits import FORMS
-from verify.subexpressions import distinct_nodes, replaced
+from longwave.solutions.functions import jacobi_epsilon, jacobi_sn, jacobi_zeta
+from longwave.verify.kernel.limits import FORMS
+from longwave.verify.subexpressions import distinct_nodes, replaced
 
 from .arguments import Arguments, Dependence
 from .balls import ball_value

@@ -10,14 +10,14 @@ import itertools
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from derive.algebra.foreign_characters import ascii_text
-from derive.algebra.formula_text import FormulaError
-from derive.algebra.typing_mistakes import (
+from longwave.derive.algebra.foreign_characters import ascii_text
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.derive.algebra.typing_mistakes import (
     LONGEST_CORRECTED,
     Spelling,
     corrected,
 )
-from derive.algebra.typing_rules import SITE, VARIABLES
+from longwave.derive.algebra.typing_rules import SITE, VARIABLES
 
 from .text_domains import WORDS
 

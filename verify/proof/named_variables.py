@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from derive.algebra.formula_text import CONSTANTS, FormulaError, Token, tokens
+from longwave.derive.algebra.formula_text import CONSTANTS, FormulaError, Token, tokens
 
 from .text_domains import TextPart
 from .text_names import CONTINUOUS, FUNCTIONS, SITE

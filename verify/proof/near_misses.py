@@ -13,10 +13,10 @@ from itertools import chain, islice
 
 import sympy as sp
 
-from derive.algebra.formula_printing import formula_as_text
-from solutions.functions.jacobi import JacobiFunction
-from verify.subexpressions import distinct_nodes, replaced
-from verify.verdict import Outcome
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.verify.subexpressions import distinct_nodes, replaced
+from longwave.verify.verdict import Outcome
 
 from .statement_verdict import StatementVerdict, decide_statement
 from .typed_statement import Statement
@@ -52,7 +52,7 @@ def with_hint(
 ) -> StatementVerdict:
     """The verdict; a refuted one with what holds instead, if it is found in ``seconds``.
 
-    >>> from verify.proof.statement_text import read_statement
+    >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_t + u_x", "u = exp(x + t)")
     >>> with_hint(wrong, decide_statement(wrong)).hint
     'it holds with -t in the place of t'
@@ -71,7 +71,7 @@ def with_hint(
 def near_misses(statement: Statement) -> Iterator[NearMiss]:
     """Statements with one change, each once; what is no longer a function of all variables apart.
 
-    >>> from verify.proof.statement_text import read_statement
+    >>> from longwave.verify.proof.statement_text import read_statement
     >>> wrong = read_statement("u_x - 1", "u = jacobi_sn(x, m)")
     >>> next(near_misses(wrong)).words
     'm**2 in the place of m as the parameter of elliptic functions'

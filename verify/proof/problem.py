@@ -10,9 +10,9 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.exact_numbers import shown
-from solutions.record import Equation
-from verify.subexpressions import abbreviated
+from longwave.derive.algebra.exact_numbers import shown
+from longwave.solutions.record import Equation
+from longwave.verify.subexpressions import abbreviated
 
 from .balls import ball_value, residual_ball
 from .domain_signs import DomainSigns

@@ -12,9 +12,9 @@ from typing import Any
 
 import sympy as sp
 
-from solutions.record import Equation
-from verify.kernel import check_certificate
-from verify.verdict import Outcome, ProofVerdict
+from longwave.solutions.record import Equation
+from longwave.verify.kernel import check_certificate
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 from .certificate import equal_parts, make_certificate
 from .certificate_writer import Certificate

@@ -33,12 +33,12 @@ from math import prod
 import sympy as sp
 from flint import fmpq, fmpq_mpoly, fmpz
 
-from solutions.forms.rational import rational_tau
-from solutions.forms.tau_polynomials import RationalTau
-from solutions.record import FOCUSING_MKDV
-from solutions.symbols import tau, xi
-from verify.kernel import CertificateError, check_certificate
-from verify.verdict import Outcome, ProofVerdict
+from longwave.solutions.forms.rational import rational_tau
+from longwave.solutions.forms.tau_polynomials import RationalTau
+from longwave.solutions.record import FOCUSING_MKDV
+from longwave.solutions.symbols import tau, xi
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 from .certificate_writer import Certificate, NodeTable, ProofWriter
 from .text_writer import Written

@@ -21,11 +21,11 @@ from math import gcd
 import sympy as sp
 from flint import fmpq, fmpq_mpoly
 
-from solutions.functions.jacobi import JacobiFunction
-from solutions.functions.jet_functions import jet_function
-from verify.kernel.check import opened, registered
-from verify.kernel.field import Field, Generator
-from verify.kernel.ring import Element
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions.jet_functions import jet_function
+from longwave.verify.kernel.check import opened, registered
+from longwave.verify.kernel.field import Field, Generator
+from longwave.verify.kernel.ring import Element
 
 from .arguments import Dependence, expanded_terms
 from .certificate import make_certificate

@@ -19,7 +19,7 @@ from typing import Any
 
 import sympy as sp
 
-from solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
+from longwave.solutions.functions import jacobi_cn, jacobi_dn, jacobi_sn
 
 from .arguments import HYPERBOLIC, TRIGONOMETRIC
 from .domain_signs import BELOW_PI, DomainSigns

@@ -16,8 +16,8 @@ import sympy as sp
 from flint import acb
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.bounded_building import without_sizes
-from derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.bounded_building import without_sizes
+from longwave.derive.algebra.formula_printing import formula_as_text
 
 from . import typed_statement
 from .balls import ball_value, residual_ball
@@ -169,7 +169,7 @@ def _is_symbolic(power: sp.Pow) -> bool:
 def residual_of(statement: Statement, equation: sp.Expr) -> sp.Expr:
     """The left-hand side with the formulas in the places of the unknowns.
 
-    >>> from verify.proof.statement_text import read_statement
+    >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("diff(q[n], t) - q[n+1] + q[n]", "q = n + t")
     >>> residual_of(statement, statement.equations[0])
     0

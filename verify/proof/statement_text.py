@@ -19,17 +19,17 @@ from functools import partial
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.formula_expression import ExpressionBuilder
-from derive.algebra.formula_text import (
+from longwave.derive.algebra.formula_expression import ExpressionBuilder
+from longwave.derive.algebra.formula_text import (
     CONSTANTS,
     FormulaError,
     Parser,
     Token,
     Vocabulary,
 )
-from derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum, Unknown
-from derive.algebra.typing_mistakes import Spelling, misread
-from solutions.functions.jet_functions import jet_function
+from longwave.derive.algebra.formula_tree import MINUS_ONE, FormulaTree, Product, Sum, Unknown
+from longwave.derive.algebra.typing_mistakes import Spelling, misread
+from longwave.solutions.functions.jet_functions import jet_function
 
 from .domains import REAL, Domain, settled_domains
 from .mistyped_statements import Parts, corrected_error

@@ -17,11 +17,11 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.formula_printing import formula_as_text
-from verify.kernel.check import check_certificate
-from verify.kernel.further.free_functions import generic_shift
-from verify.subexpressions import abbreviated, distinct_nodes
-from verify.verdict import Outcome, ProofVerdict
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.verify.kernel.check import check_certificate
+from longwave.verify.kernel.further.free_functions import generic_shift
+from longwave.verify.subexpressions import abbreviated, distinct_nodes
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 from . import prover
 from .balls import ball_value
@@ -353,7 +353,7 @@ def _check_defined_at(witness: Mapping[str, str], parts: Sequence[sp.Expr]) -> N
 def verified_sentence(statement: Statement, verdict: StatementVerdict) -> str:
     r"""The verdict as a sentence in LaTeX, a proof with the digests of its certificates.
 
-    >>> from verify.proof.statement_text import read_statement
+    >>> from longwave.verify.proof.statement_text import read_statement
     >>> statement = read_statement("u_x - 1", "u = x")
     >>> print(verified_sentence(statement, decide_statement(statement)))
     We verified (certificate \texttt{...}) that

@@ -8,9 +8,9 @@ from math import factorial
 
 from flint import acb, acb_series, fmpq
 
-from verify.kernel.further.special import CYLINDER
-from verify.kernel.jacobi_values import Jacobi
-from verify.kernel.node_balls import BALLS
+from longwave.verify.kernel.further.special import CYLINDER
+from longwave.verify.kernel.jacobi_values import Jacobi
+from longwave.verify.kernel.node_balls import BALLS
 
 Series = list[acb]
 

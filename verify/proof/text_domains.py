@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.algebra.formula_expression import ExpressionBuilder
-from derive.algebra.formula_text import FormulaError, Parser, Token, Vocabulary, tokens
+from longwave.derive.algebra.formula_expression import ExpressionBuilder
+from longwave.derive.algebra.formula_text import FormulaError, Parser, Token, Vocabulary, tokens
 
 from .domains import REAL, Domain
 from .text_names import SITE

@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from solutions import functions
-from solutions.functions.jet_functions import THETA, jet_function
-from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
+from longwave.solutions import functions
+from longwave.solutions.functions.jet_functions import THETA, jet_function
+from longwave.solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 
 CONTINUOUS, SITE = "xyzt", "n"
 

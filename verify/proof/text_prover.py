@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from verify.verdict import ProofVerdict
+from longwave.verify.verdict import ProofVerdict
 
 from . import prover
 from .conditions import solve_statement

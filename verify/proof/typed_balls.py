@@ -16,8 +16,8 @@ from operator import add, mul
 import sympy as sp
 from flint import acb, arb, ctx, fmpq
 
-from derive.algebra.formula_text import CONSTANTS
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.formula_text import CONSTANTS
+from longwave.derive.algebra.formula_tree import (
     Call,
     Derivative,
     FormulaTree,

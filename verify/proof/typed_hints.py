@@ -20,9 +20,9 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.formula_expression import ExpressionBuilder
-from derive.algebra.formula_text import Vocabulary
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.formula_expression import ExpressionBuilder
+from longwave.derive.algebra.formula_text import Vocabulary
+from longwave.derive.algebra.formula_tree import (
     MINUS_ONE,
     Call,
     Derivative,
@@ -36,8 +36,8 @@ from derive.algebra.formula_tree import (
     formula_text,
     mapped,
 )
-from verify.kernel.limits import digest
-from verify.verdict import ProofVerdict
+from longwave.verify.kernel.limits import digest
+from longwave.verify.verdict import ProofVerdict
 
 from .balls import ball_value
 from .certificate import make_certificate

@@ -9,8 +9,8 @@ from fractions import Fraction
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
-from derive.algebra.formula_tree import (
+from longwave.derive.algebra.formula_text import CONSTANTS, Parser, Vocabulary, tokens
+from longwave.derive.algebra.formula_tree import (
     Call,
     FormulaTree,
     Name,

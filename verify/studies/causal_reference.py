@@ -19,9 +19,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.schemes import Scheme, scheme_named, stability_limit
-from lattice.stepper import advance
-from verify.comparison.scene import Scene
+from longwave.lattice.schemes import Scheme, scheme_named, stability_limit
+from longwave.lattice.stepper import advance
+from longwave.verify.comparison.scene import Scene
 
 __all__ = ["CausalReference", "CausalRun", "SoftenedError"]
 

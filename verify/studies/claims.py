@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 
-from derive import mkdv_normal_form
-from solutions import Wave, closed_form, rational
-from verify.comparison.trust import USUAL_TOLERANCE, trust_in
-from verify.proof.rational_proofs import RationalFacts, rational_facts
-from verify.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
+from longwave.derive import mkdv_normal_form
+from longwave.solutions import Wave, closed_form, rational
+from longwave.verify.comparison.trust import USUAL_TOLERANCE, trust_in
+from longwave.verify.proof.rational_proofs import RationalFacts, rational_facts
+from longwave.verify.studies.measured_runs import PARTS, RK4_STEP, SPLIT, MeasuredRuns, rk4_name
 
 
 class Ruling(enum.StrEnum):

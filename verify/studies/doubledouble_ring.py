@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Model
-from lattice.schemes import Composition
-from solutions.run.doubledouble import add, multiply, scale, split, subtract
-from solutions.run.jit import njit
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import Composition
+from longwave.solutions.run.doubledouble import add, multiply, scale, split, subtract
+from longwave.solutions.run.jit import njit
 
 Array = NDArray[np.float64]
 

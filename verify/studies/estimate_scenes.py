@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from scipy.special import ellipkm1
 
-from verify.comparison.scene import ENGINES, Scene
+from longwave.verify.comparison.scene import ENGINES, Scene
 
 __all__ = ["BUDGET", "WAVES", "RandomScene", "predicted_seconds", "random_scene"]
 

@@ -18,10 +18,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from verify.comparison import ENGINES, Scene, run
-from verify.processes import Job, Key, OutOfTime, time_limit
-from verify.studies.causal_reference import CausalReference, SoftenedError
-from verify.studies.estimate_scenes import RandomScene, random_scene
+from longwave.verify.comparison import ENGINES, Scene, run
+from longwave.verify.processes import Job, Key, OutOfTime, time_limit
+from longwave.verify.studies.causal_reference import CausalReference, SoftenedError
+from longwave.verify.studies.estimate_scenes import RandomScene, random_scene
 
 Array = NDArray[np.float64]
 

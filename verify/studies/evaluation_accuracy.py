@@ -23,9 +23,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive import NormalForm, mkdv_normal_form
-from solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
-from verify.processes import Job, Key
+from longwave.derive import NormalForm, mkdv_normal_form
+from longwave.solutions import CATALOGUE, ClosedForm, Wave, closed_form, rational
+from longwave.verify.processes import Job, Key
 
 Array = NDArray[np.float64]
 

@@ -18,13 +18,13 @@ import numpy as np
 import sympy as sp
 from flint import acb, ctx
 
-from solutions import CATALOGUE
-from solutions.compile.tape import Tape
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import tau, xi
-from verify.processes import Job, Key
-from verify.proof.balls import BallEvaluator, JetShape
-from verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
+from longwave.solutions import CATALOGUE
+from longwave.solutions.compile.tape import Tape
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.symbols import tau, xi
+from longwave.verify.processes import Job, Key
+from longwave.verify.proof.balls import BallEvaluator, JetShape
+from longwave.verify.studies.evaluation_accuracy import SOLITON_VALUES, WaveCase
 
 PLACES: tuple[sp.Rational, ...] = tuple(sp.Rational(7 * i - 24, 16) for i in range(8))
 """X (or xi) of the points: doubles, and so the same in every arithmetic."""

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.model import Model, State, ring_energy
-from lattice.schemes import (
+from longwave.lattice.model import Model, State, ring_energy
+from longwave.lattice.schemes import (
     KAHAN_LI_8,
     SCHEMES,
     STOERMER_VERLET,
@@ -23,13 +23,13 @@ from lattice.schemes import (
     check_step,
     stability_limit,
 )
-from lattice.stepper import Stepper, advance
-from verify.comparison import Scene, load_scene, resume, run
-from verify.comparison.domain import SiteRing, Window
-from verify.comparison.trust import UNIT_ROUNDOFF, horizon
-from verify.processes import Job, Key
-from verify.studies.doubledouble_ring import advance_doubled, doubled
-from verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
+from longwave.lattice.stepper import Stepper, advance
+from longwave.verify.comparison import Scene, load_scene, resume, run
+from longwave.verify.comparison.domain import SiteRing, Window
+from longwave.verify.comparison.trust import UNIT_ROUNDOFF, horizon
+from longwave.verify.processes import Job, Key
+from longwave.verify.studies.doubledouble_ring import advance_doubled, doubled
+from longwave.verify.studies.travelling_waves import TravellingWave, fastest_mode, travelling_wave
 
 Array = NDArray[np.float64]
 

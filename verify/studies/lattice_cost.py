@@ -18,8 +18,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from lattice.spectral.evolution import SpectralRing
-from verify.comparison import (
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.verify.comparison import (
     SCHEMES,
     Scene,
     load_scene,
@@ -28,9 +28,9 @@ from verify.comparison import (
     scheme_named,
     stability_limit,
 )
-from verify.comparison.scene import EPS, ORDERS, Tolerance
-from verify.comparison.spectral_data import RingPlace, ring_data
-from verify.processes import Job, Key
+from longwave.verify.comparison.scene import EPS, ORDERS, Tolerance
+from longwave.verify.comparison.spectral_data import RingPlace, ring_data
+from longwave.verify.processes import Job, Key
 
 Array = NDArray[np.float64]
 

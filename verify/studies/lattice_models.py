@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sympy import Expr, Integer, S, Symbol, pi
 
-from derive import LATTICES, Envelope, Lattice, Reduction, envelope, find_scaling, spring
-from derive.models.lattices import L2, L3, L4, cubic
-from derive.symbols import eps, ybar
-from solutions import CATALOGUE
-from verify.lattices.modulation import ModulationGrid, modulation_grid
+from longwave.derive import LATTICES, Envelope, Lattice, Reduction, envelope, find_scaling, spring
+from longwave.derive.models.lattices import L2, L3, L4, cubic
+from longwave.derive.symbols import eps, ybar
+from longwave.solutions import CATALOGUE
+from longwave.verify.lattices.modulation import ModulationGrid, modulation_grid
 
 C2, D2, SMALL = Symbol("C2", positive=True), Symbol("d2", real=True), Symbol("k3", real=True)
 
@@ -74,7 +74,7 @@ def lattice_models() -> Iterator[LatticeModel]:
 def closed_waves(reduction: Reduction) -> tuple[str, ...]:
     """The names of the closed forms that solve the reduced equation, with signs where it has any.
 
-    >>> from derive import LATTICES, find_scaling
+    >>> from longwave.derive import LATTICES, find_scaling
     >>> closed_waves(find_scaling(LATTICES["toda"])[0])
     ('kdv_soliton', 'kdv_two_soliton', 'kdv_cnoidal')
     """

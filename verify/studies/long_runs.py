@@ -11,12 +11,12 @@ from typing import Any
 
 import xarray as xr
 
-from lattice.trial import Progress
-from verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
-from verify.comparison.moving_wave import find_bounds
-from verify.comparison.scene import scene_of
-from verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
-from verify.processes import Job, Key
+from longwave.lattice.trial import Progress
+from longwave.verify.comparison import Discretisation, Scene, load_scene, run, scheme_named
+from longwave.verify.comparison.moving_wave import find_bounds
+from longwave.verify.comparison.scene import scene_of
+from longwave.verify.comparison.stencil_search import PREFERRED, least_sites, longest_step
+from longwave.verify.processes import Job, Key
 
 LONG_SCENES = ("breather_sn_k_0.7_long", "rogue_cn_k_0.5_long", "soliton_dn_k_0.7_long")
 

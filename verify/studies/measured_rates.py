@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from sympy import Expr, Rational, S
 
-from derive import LATTICES
-from derive.symbols import eps, ybar
-from solutions import closed_form
-from verify.processes import Job, Key
+from longwave.derive import LATTICES
+from longwave.derive.symbols import eps, ybar
+from longwave.solutions import closed_form
+from longwave.verify.processes import Job, Key
 
 if TYPE_CHECKING:
-    from verify.lattices.convergence import ConvergenceStudy
-    from verify.lattices.rate_cases import RateCase, Value
+    from longwave.verify.lattices.convergence import ConvergenceStudy
+    from longwave.verify.lattices.rate_cases import RateCase, Value
 
 SECONDS = {"leading": 0.5, "slaved": 0.7, "corrected": 15.0}
 """About the processor time of a case by the order of its data."""
@@ -80,7 +80,7 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
     >>> found.kind, found.expected, found.reached
     ('KdV', 4, True)
     """
-    from verify.lattices.rate_cases import RATE_CASES
+    from longwave.verify.lattices.rate_cases import RATE_CASES
 
     case = RATE_CASES[name]
     return MeasuredRate(
@@ -97,8 +97,8 @@ def measured_rate(name: str, order: str) -> MeasuredRate:
 
 def measured_envelope(name: str, order: str) -> MeasuredRate:
     """Measure one of `ENVELOPES`."""
-    from verify.lattices.envelope_study import ENVELOPE_CASES, envelope_study
-    from verify.lattices.theory_rate import envelope_rate
+    from longwave.verify.lattices.envelope_study import ENVELOPE_CASES, envelope_study
+    from longwave.verify.lattices.theory_rate import envelope_rate
 
     case = ENVELOPE_CASES[name]
     lattice = case.runs or LATTICES[case.lattice]
@@ -131,7 +131,7 @@ def rate_jobs(full: bool) -> dict[Key, Job]:
 
     Data of leading and of slaved order are the same with one field in a cell.
     """
-    from verify.lattices.rate_cases import RATE_CASES
+    from longwave.verify.lattices.rate_cases import RATE_CASES
 
     envelopes = ENVELOPES if full else SHORT_ENVELOPES
     waves: dict[Key, Job] = {

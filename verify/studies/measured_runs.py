@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from verify.comparison import Scene, load_scene, run, shipped_scenes
-from verify.comparison.observables import measured_error
-from verify.comparison.stated_run import stated_seconds
-from verify.processes import Job
+from longwave.verify.comparison import Scene, load_scene, run, shipped_scenes
+from longwave.verify.comparison.observables import measured_error
+from longwave.verify.comparison.stated_run import stated_seconds
+from longwave.verify.processes import Job
 
 RK4_STEP = 0.25
 """A time step at which the paper's scheme is stable and yet part of the error shown."""

@@ -6,10 +6,10 @@ import json
 import time
 from dataclasses import dataclass
 
-from verify.processes import Job, Key
-from verify.proof import CertificateError, check_certificate
-from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.verdict import Outcome
+from longwave.verify.processes import Job, Key
+from longwave.verify.proof import CertificateError, check_certificate
+from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
+from longwave.verify.verdict import Outcome
 
 
 @dataclass(frozen=True)

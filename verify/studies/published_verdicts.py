@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from verify.cli.problem_file import ProblemText
-from verify.cli.published import chosen, published
-from verify.processes import Job, Key, OutOfTime, time_limit
-from verify.proof.statement_verdict import decide_statement
-from verify.verdict import Outcome
+from longwave.verify.cli.problem_file import ProblemText
+from longwave.verify.cli.published import chosen, published
+from longwave.verify.processes import Job, Key, OutOfTime, time_limit
+from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.verdict import Outcome
 
 LIMIT = 60.0
 """Seconds of the processor for a statement."""

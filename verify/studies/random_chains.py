@@ -14,10 +14,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lattice.field_state import FieldState
-from lattice.force_program import ForceProgram
-from lattice.integration import Judged, integrate
-from lattice.numeric_lattice import Entry, NumericBond, NumericLattice
+from longwave.lattice.field_state import FieldState
+from longwave.lattice.force_program import ForceProgram
+from longwave.lattice.integration import Judged, integrate
+from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -137,8 +137,8 @@ def _function(kind: str, stiffness: float, scale: float) -> ForceProgram:
     """K/s times exp(s x) - 1, sin(s x), tanh(s x), Hertz' law or Lennard-Jones'."""
     from sympy import Float, Rational, exp, sin, tanh
 
-    from derive.symbols import x
-    from lattice.force_program import force_program
+    from longwave.derive.symbols import x
+    from longwave.lattice.force_program import force_program
 
     s, K = Float(scale), Float(stiffness)
     gap = 10 / s

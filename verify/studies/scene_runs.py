@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from verify.lattices.lattice_scene import LatticeScene, load_lattice_scene, shipped_lattice_scenes
-from verify.processes import Job, Key, Progress
+from longwave.verify.lattices.lattice_scene import (
+    LatticeScene,
+    load_lattice_scene,
+    shipped_lattice_scenes,
+)
+from longwave.verify.processes import Job, Key, Progress
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +39,7 @@ class SceneRun:
 
 def scene_run(name: str, progress: Progress = lambda _: None) -> SceneRun:
     """Run the shipped scene of that name; what it refuses is kept as the fault."""
-    from verify.lattices.lattice_run import run_lattice_scene
+    from longwave.verify.lattices.lattice_run import run_lattice_scene
 
     scene = load_lattice_scene(name)
     try:

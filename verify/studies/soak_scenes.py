@@ -12,11 +12,11 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
-from derive import LATTICES
-from lattice.random_sites import DISTRIBUTIONS
-from solutions import CATALOGUE, closed_form
-from verify.lattices.lattice_derivation import derivation
-from verify.lattices.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
+from longwave.derive import LATTICES
+from longwave.lattice.random_sites import DISTRIBUTIONS
+from longwave.solutions import CATALOGUE, closed_form
+from longwave.verify.lattices.lattice_derivation import derivation
+from longwave.verify.lattices.lattice_scene import ORDERS, PERTURBED_PLANE, LatticeScene
 
 Draw = random.Random
 

@@ -12,15 +12,15 @@ from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.algebra.formula_text import FormulaError
-from verify.proof.text_prover import prove
-from verify.studies.statements.library import statement
-from verify.studies.statements.random_statement import RandomStatement, Truth
-from verify.studies.texts.ball_judge import Judge, Unsaid
-from verify.studies.texts.text_library import TEXT_KINDS, text_statement
-from verify.studies.texts.text_statement import TextStatement
-from verify.studies.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
-from verify.verdict import Outcome, ProofVerdict
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.proof.text_prover import prove
+from longwave.verify.studies.statements.library import statement
+from longwave.verify.studies.statements.random_statement import RandomStatement, Truth
+from longwave.verify.studies.texts.ball_judge import Judge, Unsaid
+from longwave.verify.studies.texts.text_library import TEXT_KINDS, text_statement
+from longwave.verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 SEARCH_KINDS = ("real", *TEXT_KINDS)
 """``real``: one real unknown, equations and formulas as SymPy objects."""

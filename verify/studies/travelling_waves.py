@@ -23,10 +23,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from derive import mkdv_normal_form
-from lattice.model import Model
-from solutions import Wave, closed_form
-from verify.comparison.trust import multiplication
+from longwave.derive import mkdv_normal_form
+from longwave.lattice.model import Model
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.trust import multiplication
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -15,14 +15,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from verify.processes import OutOfTime, time_limit
-from verify.proof import prove, prove_equal
-from verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
-from verify.studies.statements.library import statement
-from verify.studies.statements.random_statement import RandomStatement, Truth
-from verify.studies.statements.values import ValueMissing, fails_at, label_fault
-from verify.subexpressions import distinct_nodes
-from verify.verdict import Outcome, ProofVerdict
+from longwave.verify.processes import OutOfTime, time_limit
+from longwave.verify.proof import prove, prove_equal
+from longwave.verify.proof.certificate_writer import CONSTANTS, FUNCTIONS
+from longwave.verify.studies.statements.library import statement
+from longwave.verify.studies.statements.random_statement import RandomStatement, Truth
+from longwave.verify.studies.statements.values import ValueMissing, fails_at, label_fault
+from longwave.verify.subexpressions import distinct_nodes
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 LIMIT = 10.0
 """Seconds of processor time that a verdict may take."""

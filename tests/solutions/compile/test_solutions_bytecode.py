@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from solutions.compile.assembler import Assembler
-from solutions.run.bytecode import Bytecode, Operation, allocate
-from solutions.run.doubledouble import split
-from solutions.run.machine import run_pairs
+from longwave.solutions.compile.assembler import Assembler
+from longwave.solutions.run.bytecode import Bytecode, Operation, allocate
+from longwave.solutions.run.doubledouble import split
+from longwave.solutions.run.machine import run_pairs
 
 x, y, c = sp.symbols("x y c", positive=True)
 CONSTANT = sp.Rational(-7, 3)

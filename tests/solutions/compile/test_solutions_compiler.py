@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions import Wave, closed_form
-from solutions.compile import compiler
-from solutions.compile.compiler import compile_program, kept_program
-from solutions.run.kernel_folder import read_whole
-from solutions.run.program import Program
-from solutions.symbols import tau, xi
+from longwave.solutions import Wave, closed_form
+from longwave.solutions.compile import compiler
+from longwave.solutions.compile.compiler import compile_program, kept_program
+from longwave.solutions.run.kernel_folder import read_whole
+from longwave.solutions.run.program import Program
+from longwave.solutions.symbols import tau, xi
 
 NAMES = ["rogue_cn", "breather_sn", "two_soliton", "kink"]
 

@@ -3,11 +3,11 @@
 import pytest
 import sympy as sp
 
-from solutions import closed_form
-from solutions.compile.lowering import Lowering
-from solutions.compile.tape import tape_of
-from solutions.functions import jacobi_epsilon, jacobi_sn
-from solutions.symbols import k, tau, xi
+from longwave.solutions import closed_form
+from longwave.solutions.compile.lowering import Lowering
+from longwave.solutions.compile.tape import tape_of
+from longwave.solutions.functions import jacobi_epsilon, jacobi_sn
+from longwave.solutions.symbols import k, tau, xi
 
 
 def test_secular_terms_join_one_phase() -> None:

@@ -4,9 +4,9 @@ import mpmath
 import pytest
 import sympy as sp
 
-from solutions.catalogue import closed_form
-from solutions.compile.tape import Tape
-from solutions.symbols import k, tau, xi
+from longwave.solutions.catalogue import closed_form
+from longwave.solutions.compile.tape import Tape
+from longwave.solutions.symbols import k, tau, xi
 
 x, y = sp.symbols("x y", real=True)
 

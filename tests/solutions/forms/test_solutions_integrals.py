@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions.forms import rogue_cn, soliton_dn
-from solutions.functions.multiprecision import MpmathFormula
-from solutions.symbols import k
+from longwave.solutions.forms import rogue_cn, soliton_dn
+from longwave.solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.symbols import k
 
 u = sp.Symbol("u", real=True)
 UPPER_LIMITS = ["7.3", "-2.6"]

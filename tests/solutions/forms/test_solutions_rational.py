@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions import closed_form, rational, rational_tau
-from solutions.symbols import tau, xi
+from longwave.solutions import closed_form, rational, rational_tau
+from longwave.solutions.symbols import tau, xi
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solutions import Wave, closed_form
+from longwave.solutions import Wave, closed_form
 
 TINY = Fraction(1, 10**8)
 X, T = np.meshgrid(np.linspace(-6.0, 6.0, 61), [-0.7, 0.0, 1.3])

@@ -7,7 +7,7 @@ import mpmath
 import pytest
 import sympy as sp
 
-from solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.functions.multiprecision import MpmathFormula
 
 x, y = sp.symbols("x y", positive=True)
 

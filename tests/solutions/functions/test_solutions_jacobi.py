@@ -23,7 +23,7 @@ from sympy import (
     tanh,
 )
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -32,8 +32,8 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from solutions.functions.jacobi import ParameterDerivativeError
-from solutions.functions.multiprecision import MpmathFormula
+from longwave.solutions.functions.jacobi import ParameterDerivativeError
+from longwave.solutions.functions.multiprecision import MpmathFormula
 
 FUNCTIONS = (
     jacobi_sn,

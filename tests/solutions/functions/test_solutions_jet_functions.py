@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 from sympy.core.function import ArgumentIndexError
 
-from solutions.functions.jet_functions import THETA, jet_function
-from solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
+from longwave.solutions.functions.jet_functions import THETA, jet_function
+from longwave.solutions.functions.weierstrass import weierstrass_p, weierstrass_p_prime
 
 x, t, g, h = sp.symbols("x t g h", real=True)
 q = sp.Symbol("q", positive=True)

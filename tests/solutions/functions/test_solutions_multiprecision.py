@@ -3,7 +3,7 @@
 import pytest
 from mpmath import MPContext
 
-from solutions.functions import multiprecision as mp
+from longwave.solutions.functions import multiprecision as mp
 
 ctx = MPContext()
 ctx.dps = 40

@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 from mpmath import MPContext
 
-from solutions.functions import multiprecision as mp
+from longwave.solutions.functions import multiprecision as mp
 
 Reference = Callable[[float, float, float], tuple[object, ...]]
 

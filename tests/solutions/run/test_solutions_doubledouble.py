@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mpmath import MPContext, mpf
 from sympy import Rational, pi
 
-from solutions.run import doubledouble as dd
+from longwave.solutions.run import doubledouble as dd
 
 Pair = tuple[float, float]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mpmath import MPContext
 
-from solutions.run.bytecode import Code, Operation, Value
-from solutions.run.doubledouble import Array
-from solutions.run.machine import run_pairs
+from longwave.solutions.run.bytecode import Code, Operation, Value
+from longwave.solutions.run.doubledouble import Array
+from longwave.solutions.run.machine import run_pairs
 
 ctx = MPContext()
 ctx.dps = 60

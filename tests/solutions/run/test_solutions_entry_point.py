@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 
-from solutions.run import entry_point
-from solutions.run.jit import njit
-from solutions.run.linear_phase import _fill
+from longwave.solutions.run import entry_point
+from longwave.solutions.run.jit import njit
+from longwave.solutions.run.linear_phase import _fill
 
 HOUSE = Path(__file__).parents[3]
 
@@ -101,8 +101,8 @@ def test_another_interpreter_or_layout_leaves_it_to_numba(monkeypatch: pytest.Mo
 WARM = """
 import sys
 import numpy as np
-from lattice.kernels.plain import advance_plain
-from solutions.run.linear_phase import LinearPhase
+from longwave.lattice.kernels.plain import advance_plain
+from longwave.solutions.run.linear_phase import LinearPhase
 found = LinearPhase(2, -6, 3)(np.array([1.0]), np.array([1.0]))
 assert found[0, 0] == -1.0, found
 print(*sorted({"numba", "sympy", "scipy"} & set(sys.modules)))

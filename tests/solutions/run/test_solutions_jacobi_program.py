@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import MPContext
 
-from solutions import numpy_function as numpy_functions
-from solutions.functions import multiprecision as mp
-from solutions.run.doubledouble import Array
-from solutions.run.program import JacobiProgram, jacobi_program
+from longwave.solutions import numpy_function as numpy_functions
+from longwave.solutions.functions import multiprecision as mp
+from longwave.solutions.run.doubledouble import Array
+from longwave.solutions.run.program import JacobiProgram, jacobi_program
 
 ctx = MPContext()
 ctx.dps = 50

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from solutions.run.jit import njit
+from longwave.solutions.run.jit import njit
 
 HOUSE = Path(__file__).parents[3]
+SOLUTIONS = Path("longwave") / "solutions"
 
 RUN_FILES = (
     *(f"solutions/run/{n}.py" for n in ("jit", "entry_point", "kernel_folder", "source_digest")),
@@ -21,9 +22,9 @@ RUN_FILES = (
 
 FILES = {
     "kernel.py": """
-from solutions.run.jit import njit
-from solutions.helper import SHIFT, cube
-from solutions import tables
+from longwave.solutions.run.jit import njit
+from longwave.solutions.helper import SHIFT, cube
+from longwave.solutions import tables
 
 @njit(cache=True)
 def kernel(x):
@@ -32,9 +33,9 @@ def kernel(x):
     "helper.py": """
 from numba import types
 from numba.extending import intrinsic
-from solutions.run.jit import njit
-from solutions.constant import SHIFT
-from solutions.generate import generate
+from longwave.solutions.run.jit import njit
+from longwave.solutions.constant import SHIFT
+from longwave.solutions.generate import generate
 
 @intrinsic
 def third_power(context, x):
@@ -55,7 +56,7 @@ def generate(context, builder, signature, arguments):
 }
 
 RUN = """
-from solutions.kernel import kernel
+from longwave.solutions.kernel import kernel
 print(kernel(3.0), kernel.found)
 """
 
@@ -63,13 +64,13 @@ print(kernel(3.0), kernel.found)
 @pytest.fixture
 def house(tmp_path: Path) -> Path:
     """A small project whose kernel is built from five files."""
-    room = tmp_path / "house" / "solutions"
+    package = tmp_path / "house" / "longwave"
     for name in RUN_FILES:
-        (room.parent / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(HOUSE / name, room.parent / name)
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HOUSE / name, package / name)
     for name, text in FILES.items():
-        (room / name).write_text(text)
-    return room.parent
+        (package / "solutions" / name).write_text(text)
+    return package.parent
 
 
 def call(house: Path, code: str = RUN, **environment: str) -> list[str]:
@@ -87,7 +88,7 @@ def call(house: Path, code: str = RUN, **environment: str) -> list[str]:
 
 def change(house: Path, name: str, old: str, new: str) -> Callable[[], None]:
     """Change a file and keep its size and times; return what changes it back."""
-    path = house / "solutions" / name
+    path = house / SOLUTIONS / name
     text, state = path.read_text(), path.stat()
     assert old in text
     assert len(old) == len(new)
@@ -120,7 +121,7 @@ def test_numbers_follow_every_source_there_and_back(house: Path) -> None:
         assert call(house, **plain) == [expected, "0"], name
     for back in backwards:
         back()
-    (house / "solutions" / "other.py").write_text("SHIFT = 1.0\n")
+    (house / SOLUTIONS / "other.py").write_text("SHIFT = 1.0\n")
     assert call(house, **plain) == ["27.0", "1"]
 
 
@@ -130,26 +131,26 @@ def test_old_byte_code_spoils_nothing(house: Path) -> None:
     call(house)
     change(house, "helper.py", "1.0 *", "2.0 *")
     assert call(house)[0] == "27.0"
-    for path in (house / "solutions" / "__pycache__").glob("*.pyc"):
+    for path in (house / SOLUTIONS / "__pycache__").glob("*.pyc"):
         path.unlink()
     assert call(house) == ["54.0", "0"]
 
 
 def test_read_only_installation_uses_the_users_cache(house: Path, tmp_path: Path) -> None:
-    (house / "solutions" / "__pycache__").write_text("no folder can be made here")
+    (house / SOLUTIONS / "__pycache__").write_text("no folder can be made here")
     for hits in ("0", "1"):
         assert call(house, XDG_CACHE_HOME=str(tmp_path / "cache")) == ["27.0", hits]
     assert list((tmp_path / "cache").rglob("*.kernel"))
 
 
 def test_without_any_cache_it_runs_and_says_so_once(house: Path, tmp_path: Path) -> None:
-    (house / "solutions" / "__pycache__").write_text("")
+    (house / SOLUTIONS / "__pycache__").write_text("")
     (tmp_path / "file").write_text("")
     code = """
 import warnings
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
-    from solutions.kernel import kernel
+    from longwave.solutions.kernel import kernel
     values = kernel(3.0), kernel(3)
 assert [w.category for w in told] == [RuntimeWarning], told
 print(*values)
@@ -160,9 +161,11 @@ print(*values)
 @pytest.mark.slow
 def test_old_versions_are_removed_and_damage_costs_a_compilation(house: Path) -> None:
     for number in range(12):
-        (house / "solutions" / "__pycache__" / f"solutions.kernel-{number}").mkdir(parents=True)
+        (house / SOLUTIONS / "__pycache__" / f"longwave.solutions.kernel-{number}").mkdir(
+            parents=True
+        )
     call(house)
-    assert len(list((house / "solutions" / "__pycache__").glob("solutions.kernel-*"))) == 8
+    assert len(list((house / SOLUTIONS / "__pycache__").glob("longwave.solutions.kernel-*"))) == 8
     [path] = house.rglob("*.kernel")
     path.write_bytes(path.read_bytes()[:1000])
     assert call(house) == ["27.0", "0"]
@@ -174,13 +177,19 @@ def test_processes_that_compile_at_once_find_their_own_signatures(house: Path) -
     """Numba's own index can hand one of them the other's machine code."""
 
     def told(kind: str) -> list[str]:
-        return call(house, f"from solutions.kernel import kernel\nprint(kernel({kind}(3)))")
+        return call(
+            house, f"from longwave.solutions.kernel import kernel\nprint(kernel({kind}(3)))"
+        )
 
     kinds = ["int", "float"]
     with ThreadPoolExecutor(2) as pool:
         assert list(pool.map(told, kinds)) == [["27.0"], ["27.0"]]
     hits = "print(kernel(3), kernel(3.0), kernel.found)"
-    assert call(house, f"from solutions.kernel import kernel\n{hits}") == ["27.0", "27.0", "2"]
+    assert call(house, f"from longwave.solutions.kernel import kernel\n{hits}") == [
+        "27.0",
+        "27.0",
+        "2",
+    ]
 
 
 @pytest.mark.slow
@@ -192,17 +201,17 @@ def test_vector_code_of_the_lattice_is_compiled_anew(tmp_path: Path) -> None:
         "lattice/kernels/blocked.py",
         "solutions/run/cores.py",
     ):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(HOUSE / name, tmp_path / name)
+        (tmp_path / "longwave" / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(HOUSE / name, tmp_path / "longwave" / name)
     code = """
 import numpy as np
-from lattice.kernels.blocked import advance_blocked
+from longwave.lattice.kernels.blocked import advance_blocked
 y, s = np.linspace(0.0, 1.0, 64), np.zeros(64)
 advance_blocked(y, s, np.array([0.05, 0.05]), np.array([0.1]), 3, 1.0, None, 1.0)
 print(y[30], advance_blocked.found)
 """
     before = call(tmp_path, code, PYTHONDONTWRITEBYTECODE="1")
-    vector = tmp_path / "lattice" / "kernels" / "vector_code.py"
+    vector = tmp_path / "longwave" / "lattice" / "kernels" / "vector_code.py"
     text = vector.read_text()
     changed = text.replace("_fma(builder, y, found, factor)", "builder.fadd(found, factor)")
     assert changed != text
@@ -231,7 +240,7 @@ def test_an_inner_function_is_refused_from_python_and_serves_kernels() -> None:
 
 ORDER = """
 import numpy as np
-from solutions.run.jit import njit
+from longwave.solutions.run.jit import njit
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
 def summed(a, b, out):
@@ -247,7 +256,7 @@ def product(a, b, out):
 CALL = """
 import hashlib, sys
 import numpy as np
-from solutions.order import product, summed
+from longwave.solutions.order import product, summed
 a, b, c = np.random.default_rng(0).standard_normal((3, 1, 1998)).view(complex)
 out = c.copy()
 {first}
@@ -279,7 +288,7 @@ def test_machine_code_does_not_depend_on_what_was_compiled_before(
     house: Path, tmp_path: Path
 ) -> None:
     """Numba compiles the product of complex numbers with the flags of what needs it first."""
-    (house / "solutions" / "order.py").write_text(ORDER)
+    (house / SOLUTIONS / "order.py").write_text(ORDER)
     other = "product(a[0], b[0], c[0])"
     found = {
         first: call(house, CALL.format(first=first), NUMBA_CACHE_DIR=str(tmp_path / str(place)))

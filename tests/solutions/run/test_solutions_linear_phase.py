@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from solutions.run.linear_phase import LinearPhase, as_pairs
+from longwave.solutions.run.linear_phase import LinearPhase, as_pairs
 
 
 def test_phase_of_a_far_site_keeps_thirty_digits(rng: np.random.Generator) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solutions import Wave, closed_form, rational
+from longwave.solutions import Wave, closed_form, rational
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main as longwave
-from verify.__main__ import main
+from longwave.verify.__main__ import main
 
 Output = pytest.CaptureFixture[str]
 

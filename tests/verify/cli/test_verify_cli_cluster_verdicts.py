@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from verify.cli import cluster_verdicts
-from verify.cli.cluster_verdicts import decide_apart, decided_on_cluster
-from verify.cli.problem_file import StatedProblem
-from verify.proof.statement_text import read_statement
-from verify.proof.typed_statement import Statement
-from verify.verdict import Outcome
+from longwave.verify.cli import cluster_verdicts
+from longwave.verify.cli.cluster_verdicts import decide_apart, decided_on_cluster
+from longwave.verify.cli.problem_file import StatedProblem
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.typed_statement import Statement
+from longwave.verify.verdict import Outcome
 
 KDV = "u_t + 6*u*u_x + u_xxx"
 

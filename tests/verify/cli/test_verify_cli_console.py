@@ -6,9 +6,9 @@ from itertools import chain, repeat
 import pytest
 from rich.console import Console
 
-from verify.cli import statements
-from verify.cli.console import QUIET, progress_bar
-from verify.cli.published import chosen
+from longwave.verify.cli import statements
+from longwave.verify.cli.console import QUIET, progress_bar
+from longwave.verify.cli.published import chosen
 
 PATIENCE = 30.0
 

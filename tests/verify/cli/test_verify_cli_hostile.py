@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from longwave.__main__ import main
-from verify.cli import certificates as limits
-from verify.cli.certificates import limited
-from verify.kernel import check_certificate
-from verify.kernel.limits import digest
-from verify.proof import CertificateError, prove_form
+from longwave.verify.cli import certificates as limits
+from longwave.verify.cli.certificates import limited
+from longwave.verify.kernel import check_certificate
+from longwave.verify.kernel.limits import digest
+from longwave.verify.proof import CertificateError, prove_form
 
 Data = dict[str, Any]
 Output = pytest.CaptureFixture[str]
@@ -23,7 +23,7 @@ SECONDS = 5
 
 @pytest.fixture(scope="module")
 def good() -> str:
-    from solutions import closed_form
+    from longwave.solutions import closed_form
 
     return json.dumps(dict(prove_form(closed_form("kink")).certificate or {}) | {"name": "mine"})
 

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from verify.__main__ import main
-from verify.cli import verdicts as command
-from verify.evidence.mutations import MutationCount, Survivor
-from verify.verdict import Outcome
+from longwave.verify.__main__ import main
+from longwave.verify.cli import verdicts as command
+from longwave.verify.evidence.mutations import MutationCount, Survivor
+from longwave.verify.verdict import Outcome
 
 Output = pytest.CaptureFixture[str]
 

@@ -9,11 +9,11 @@ from statistics import median
 import pytest
 
 from longwave.__main__ import main
-from solutions import CATALOGUE
-from verify.cli.problem_file import ProblemText, problem_texts
-from verify.cli.published import FROM_MEMORY, chosen, published, records, source_of
-from verify.proof.statement_verdict import decide_statement
-from verify.verdict import Outcome
+from longwave.solutions import CATALOGUE
+from longwave.verify.cli.problem_file import ProblemText, problem_texts
+from longwave.verify.cli.published import FROM_MEMORY, chosen, published, records, source_of
+from longwave.verify.proof.statement_verdict import decide_statement
+from longwave.verify.verdict import Outcome
 
 Output = pytest.CaptureFixture[str]
 

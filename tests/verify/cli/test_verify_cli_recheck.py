@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main
-from verify.cli import recheck
-from verify.proof.export.systems import SYSTEMS
+from longwave.verify.cli import recheck
+from longwave.verify.proof.export.systems import SYSTEMS
 
 TRANSPORT = ("--equation", "u_t + c*u_x", "--solution", "u = sin(x - c*t)")
 SYSTEM = ("--equation", "u_x - v", "--equation", "v_x - u")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from longwave.__main__ import main
-from verify.cli.problem_file import read_problems
+from longwave.verify.cli.problem_file import read_problems
 
 Output = pytest.CaptureFixture[str]
 

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from longwave.__main__ import main
-from verify.cli import statements as command
-from verify.cli.problem_file import FILE_BYTES, StatedProblem, read_problems
-from verify.cli.statements import STAGES, decided
-from verify.proof import check_certificate, prover
-from verify.proof.statement_text import read_statement
+from longwave.verify.cli import statements as command
+from longwave.verify.cli.problem_file import FILE_BYTES, StatedProblem, read_problems
+from longwave.verify.cli.statements import STAGES, decided
+from longwave.verify.proof import check_certificate, prover
+from longwave.verify.proof.statement_text import read_statement
 
 Output = pytest.CaptureFixture[str]
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-import verify.proof.catalogue_proofs
-from solutions.catalogue import CATALOGUE, closed_form
-from verify.__main__ import main
-from verify.cli import verdicts as command
-from verify.proof import prove_form
-from verify.proof.catalogue_proofs import NAMES
-from verify.verdict import Verdict
+import longwave.verify.proof.catalogue_proofs
+from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.verify.__main__ import main
+from longwave.verify.cli import verdicts as command
+from longwave.verify.proof import prove_form
+from longwave.verify.proof.catalogue_proofs import NAMES
+from longwave.verify.verdict import Verdict
 
 QUICK = ["--digits", "20,40", "--points", "2"]
 Output = pytest.CaptureFixture[str]
@@ -129,7 +129,7 @@ def test_a_file_that_cannot_be_written_is_told_before_anything_is_proved(
 def test_the_table_needs_no_lattice_engine() -> None:
     """numba and xarray take seconds to import and are for `run` alone."""
     script = (
-        "import sys; from verify.__main__ import main; main(sys.argv[1:]);"
+        "import sys; from longwave.verify.__main__ import main; main(sys.argv[1:]);"
         "sys.exit(any(name in sys.modules for name in ('numba', 'xarray', 'matplotlib')))"
     )
     finished = subprocess.run(
@@ -152,5 +152,5 @@ def test_output_to_a_pipe_fits_one_row_a_form(capsys: Output) -> None:
 
 
 def test_every_proof_has_a_certificate() -> None:
-    assert verify.proof.catalogue_proofs.prove_named("rational_4").certificate is not None
-    assert verify.proof.catalogue_proofs.prove_named("kink").certificate is not None
+    assert longwave.verify.proof.catalogue_proofs.prove_named("rational_4").certificate is not None
+    assert longwave.verify.proof.catalogue_proofs.prove_named("kink").certificate is not None

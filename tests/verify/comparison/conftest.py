@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from verify.comparison import Scene
+from longwave.verify.comparison import Scene
 
 RING = Scene.of(
     name="short",

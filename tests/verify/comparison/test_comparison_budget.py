@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lattice.refine import TooDearError, refine
-from lattice.trial import Choices, Engine, Kind, Progress, Trial
-from verify.comparison import Scene, run
-from verify.studies.estimate_scenes import random_scene
+from longwave.lattice.refine import TooDearError, refine
+from longwave.lattice.trial import Choices, Engine, Kind, Progress, Trial
+from longwave.verify.comparison import Scene, run
+from longwave.verify.studies.estimate_scenes import random_scene
 
 
 @dataclass

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice.model import LARGEST_MISFIT, State
-from verify.comparison import Scene, load_scene, run
-from verify.comparison import domain as domain_module
-from verify.comparison.domain import INTERPOLATION_ERROR, Window
-from verify.comparison.moving_wave import MovingWave
+from longwave.lattice.model import LARGEST_MISFIT, State
+from longwave.verify.comparison import Scene, load_scene, run
+from longwave.verify.comparison import domain as domain_module
+from longwave.verify.comparison.domain import INTERPOLATION_ERROR, Window
+from longwave.verify.comparison.moving_wave import MovingWave
 
 
 def strain(scene: Scene) -> np.ndarray:

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice.model import State
-from lattice.seam import Fading
-from verify.comparison import Scene, run
-from verify.comparison.domain import SiteRing
+from longwave.lattice.model import State
+from longwave.lattice.seam import Fading
+from longwave.verify.comparison import Scene, run
+from longwave.verify.comparison.domain import SiteRing
 
 SOUND = Scene.of(
     name="sn",

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from solutions import closed_form
-from verify.comparison import further_scenes, load_scene, rational_family_scenes
+from longwave.solutions import closed_form
+from longwave.verify.comparison import further_scenes, load_scene, rational_family_scenes
 
 
 def test_members_share_slow_times_and_width() -> None:

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_scene
-from verify.comparison.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
-from verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison import Scene, load_scene
+from longwave.verify.comparison.domain import INTERPOLATION_ERROR, Tail, Window, window_moves
+from longwave.verify.comparison.moving_wave import MovingWave
 
 SCENE = replace(load_scene("rational_2_eps_0.05"), t0=-3000.0, snapshots=(40_000.0,))
 WAVES: dict[str, dict[str, float]] = {

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import derive
-from solutions import Wave, closed_form
-from verify.comparison.trust import LEAST_MODES, fastest_rate, mkdv_rate, resolving_modes
+from longwave import derive
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.trust import LEAST_MODES, fastest_rate, mkdv_rate, resolving_modes
 
 
 def test_a_uniform_state_neither_grows_nor_decays() -> None:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, run
-from verify.comparison.scene_run import choose_engine
-from verify.studies.estimate_scenes import RandomScene
-from verify.studies.estimates import judge_scene
+from longwave.verify.comparison import Scene, run
+from longwave.verify.comparison.scene_run import choose_engine
+from longwave.verify.studies.estimate_scenes import RandomScene
+from longwave.verify.studies.estimates import judge_scene
 
 
 def _scene(name: str, eps: float, **fields: Any) -> Scene:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_scene
+from longwave.verify.comparison import Scene, load_scene
 
 
 @pytest.mark.parametrize("kind", ["ring", "window"])

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-import derive
-from solutions import Wave, closed_form
-from verify.comparison.mkdv_equation import PeriodicMkdv, evolve
+from longwave import derive
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.mkdv_equation import PeriodicMkdv, evolve
 
 TIMES = (0.3, 1.0)
 

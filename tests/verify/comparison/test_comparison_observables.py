@@ -10,21 +10,21 @@ import pytest
 import scipy.optimize
 import xarray as xr
 
-from lattice.dynamics import StrainDynamics
-from lattice.model import State, empty_state
-from lattice.schemes import SCHEMES, Scheme
-from solutions.numeric_wave import NumericWave
-from verify.comparison import Scene, load_scene, run
-from verify.comparison import observables as measures
-from verify.comparison.observables import (
+from longwave.lattice.dynamics import StrainDynamics
+from longwave.lattice.model import State, empty_state
+from longwave.lattice.schemes import SCHEMES, Scheme
+from longwave.solutions.numeric_wave import NumericWave
+from longwave.verify.comparison import Scene, load_scene, run
+from longwave.verify.comparison import observables as measures
+from longwave.verify.comparison.observables import (
     OBSERVABLES,
     Observable,
     axis_values,
     observable_named,
 )
-from verify.comparison.recorders import LOOK_EVALUATIONS
-from verify.comparison.stated_run import build_domain
-from verify.comparison.view import View
+from longwave.verify.comparison.recorders import LOOK_EVALUATIONS
+from longwave.verify.comparison.stated_run import build_domain
+from longwave.verify.comparison.view import View
 
 FLOPS = 9
 """Operations a site and force evaluation in the kernels with K2, K4: drift 2, force 3, kick 4."""

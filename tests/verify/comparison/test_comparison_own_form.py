@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from runs import load_run, save_run
-from solutions import ClosedForm, closed_form
-from verify.comparison import Scene, resume, run
-from verify.comparison.scene import scene_of
+from longwave.runs import load_run, save_run
+from longwave.solutions import ClosedForm, closed_form
+from longwave.verify.comparison import Scene, resume, run
+from longwave.verify.comparison.scene import scene_of
 
 SHIPPED = closed_form("kink")
 OWN = ClosedForm(
@@ -70,10 +70,10 @@ def test_a_saved_run_says_that_its_wave_is_not_shipped(tmp_path: Path) -> None:
 USER = """
 import longwave
 import sympy as sp
-from solutions import ClosedForm, FarFields, Parameter, Reference
-from solutions.record import Bound
-from solutions.record import DEFOCUSING_MKDV
-from solutions.symbols import A, tau, xi
+from longwave.solutions import ClosedForm, FarFields, Parameter, Reference
+from longwave.solutions.record import Bound
+from longwave.solutions.record import DEFOCUSING_MKDV
+from longwave.solutions.symbols import A, tau, xi
 
 kink = A * sp.tanh(A * (xi + 2 * A**2 * tau))
 form = ClosedForm(name="mine", title="mine", expression=kink, equation=DEFOCUSING_MKDV,

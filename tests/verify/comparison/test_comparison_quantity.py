@@ -8,7 +8,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from verify.comparison.moving_wave import exact_quantity, quarter_period_multiple
+from longwave.verify.comparison.moving_wave import exact_quantity, quarter_period_multiple
 
 
 @given(st.integers(1, 999), st.integers(1, 999))

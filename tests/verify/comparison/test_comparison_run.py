@@ -8,12 +8,12 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from lattice.model import BlowUp
-from verify.comparison import Scene, load_scene, run
-from verify.comparison.domain import SiteRing
-from verify.comparison.scene import scene_of
-from verify.comparison.stated_run import build_domain, refined
-from verify.comparison.view import View
+from longwave.lattice.model import BlowUp
+from longwave.verify.comparison import Scene, load_scene, run
+from longwave.verify.comparison.domain import SiteRing
+from longwave.verify.comparison.scene import scene_of
+from longwave.verify.comparison.stated_run import build_domain, refined
+from longwave.verify.comparison.view import View
 
 Y2 = replace(load_scene("rational_2_eps_0.05"), observables=("strain",), snapshots=(0.0,))
 

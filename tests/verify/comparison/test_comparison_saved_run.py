@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runs import load_run, save_run
-from verify.comparison import Scene, resume, run
-from verify.comparison.scene import scene_of
+from longwave.runs import load_run, save_run
+from longwave.verify.comparison import Scene, resume, run
+from longwave.verify.comparison.scene import scene_of
 
 NAMES = ("strain", "state", "error_curve")
 

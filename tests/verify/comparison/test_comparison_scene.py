@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
+from longwave.verify.comparison import Scene, load_scene, run, shipped_scenes, with_tolerance
 
 TEXT = """
 wave = "breather_sn"

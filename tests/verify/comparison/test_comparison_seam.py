@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import derive
-from lattice.model import Model
-from lattice.seam import blend_seam, close_circumference, fade_at_seam
-from lattice.spectral.evolution import SpectralRing
-from solutions import Wave, closed_form
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.spectral_data import RingData, RingPlace, ring_data
+from longwave import derive
+from longwave.lattice.model import Model
+from longwave.lattice.seam import blend_seam, close_circumference, fade_at_seam
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.spectral_data import RingData, RingPlace, ring_data
 
 
 def _data(name: str, t0: float, **parameters: object) -> RingData:

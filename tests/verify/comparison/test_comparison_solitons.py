@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from verify.comparison import Scene, load_scene, run
+from longwave.verify.comparison import Scene, load_scene, run
 
 WANTED = ("strain", "domain_error")
 Y2 = load_scene("rational_2_eps_0.05")

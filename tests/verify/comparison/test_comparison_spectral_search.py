@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-import derive
-from lattice.model import Model
-from lattice.schemes import scheme_named
-from lattice.spectral.evolution import SpectralRing
-from lattice.stepper import advance
-from solutions import Wave, closed_form
-from verify.comparison.moving_wave import MovingWave
-from verify.comparison.spectral_data import ring_data
-from verify.comparison.spectral_search import solve_on_rings
+from longwave import derive
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import scheme_named
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.lattice.stepper import advance
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.moving_wave import MovingWave
+from longwave.verify.comparison.spectral_data import ring_data
+from longwave.verify.comparison.spectral_search import solve_on_rings
 
 SCENES = {
     "rogue_cn": (0.05, 1.0, {"k": 0.4}),

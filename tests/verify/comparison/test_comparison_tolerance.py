@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lattice.spectral.evolution import SpectralRing
-from verify.comparison import (
+from longwave.lattice.spectral.evolution import SpectralRing
+from longwave.verify.comparison import (
     Scene,
     load_scene,
     run,
@@ -16,9 +16,9 @@ from verify.comparison import (
     spectral_search,
     with_tolerance,
 )
-from verify.comparison.scene import rational_family_scenes
-from verify.comparison.scene_run import choose_engine
-from verify.comparison.spectral_data import ring_data
+from longwave.verify.comparison.scene import rational_family_scenes
+from longwave.verify.comparison.scene_run import choose_engine
+from longwave.verify.comparison.spectral_data import ring_data
 
 Array = NDArray[np.float64]
 
@@ -161,7 +161,7 @@ def test_a_stencil_run_carries_the_scene_that_was_run(
     window_scene: Callable[..., Scene],
 ) -> None:
     """So that it can be repeated to the bit without planning again."""
-    from verify.comparison.scene import scene_of
+    from longwave.verify.comparison.scene import scene_of
 
     measured = run(with_tolerance(window_scene(observables=("strain",)), 1e-3))
     stated = scene_of(measured)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from runs.scene_command import summary_lines
-from verify.comparison import load_scene, run, trust
-from verify.comparison.scene import with_tolerance
-from verify.comparison.stated_run import RunRecord
-from verify.comparison.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
+from longwave.runs.scene_command import summary_lines
+from longwave.verify.comparison import load_scene, run, trust
+from longwave.verify.comparison.scene import with_tolerance
+from longwave.verify.comparison.stated_run import RunRecord
+from longwave.verify.comparison.trust import USUAL_TOLERANCE, horizon, trust_attributes, trust_in
 
 
 def test_a_scenes_horizon() -> None:

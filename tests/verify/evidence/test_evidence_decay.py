@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from verify.evidence.residual import Decay, checked_digits
+from longwave.verify.evidence.residual import Decay, checked_digits
 
 DIGITS = (30, 50, 100)
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from solutions.catalogue import CATALOGUE
-from solutions.functions import jacobi_dn
-from solutions.record import ClosedForm
-from solutions.symbols import X_0, k, tau, xi
-from verify.evidence.mutations import Mutant, mutants
-from verify.evidence.residual import Sampling, check_residual
-from verify.proof.catalogue_proofs import own_problem
-from verify.proof.prover import decide
-from verify.subexpressions import replaced
-from verify.verdict import Outcome
+from longwave.solutions.catalogue import CATALOGUE
+from longwave.solutions.functions import jacobi_dn
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.symbols import X_0, k, tau, xi
+from longwave.verify.evidence.mutations import Mutant, mutants
+from longwave.verify.evidence.residual import Sampling, check_residual
+from longwave.verify.proof.catalogue_proofs import own_problem
+from longwave.verify.proof.prover import decide
+from longwave.verify.subexpressions import replaced
+from longwave.verify.verdict import Outcome
 
 QUICK = Sampling(digits=(30, 50), points=2, seed=7)
 DENSE = Sampling(digits=(30, 50), points=24, seed=8)

@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from solutions.catalogue import CATALOGUE, closed_form
-from solutions.functions import jacobi_sn
-from solutions.record import FOCUSING_MKDV, ClosedForm
-from solutions.symbols import k, s, tau, xi
-from verify.evidence.residual import Sampling, check_residual
-from verify.verdict import Outcome
+from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.solutions.functions import jacobi_sn
+from longwave.solutions.record import FOCUSING_MKDV, ClosedForm
+from longwave.solutions.symbols import k, s, tau, xi
+from longwave.verify.evidence.residual import Sampling, check_residual
+from longwave.verify.verdict import Outcome
 
 QUICK = Sampling(digits=(30, 50), points=3, seed=5)
 DEAR = ("rogue_cn", "breather_sn", "gardner_soliton")

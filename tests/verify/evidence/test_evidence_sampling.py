@@ -3,9 +3,9 @@
 import pytest
 import sympy as sp
 
-from solutions.catalogue import CATALOGUE, closed_form
-from solutions.record import Bound, ClosedForm, Parameter
-from verify.evidence.residual import HALF_WIDTH, in_order_of_dependence, sample_points
+from longwave.solutions.catalogue import CATALOGUE, closed_form
+from longwave.solutions.record import Bound, ClosedForm, Parameter
+from longwave.verify.evidence.residual import HALF_WIDTH, in_order_of_dependence, sample_points
 
 
 @pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)

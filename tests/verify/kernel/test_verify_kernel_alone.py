@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from solutions import closed_form
+from longwave.solutions import closed_form
+from longwave.verify.proof import prove_form
+from longwave.verify.proof.catalogue_proofs import NAMES, prove_named
+from longwave.verify.proof.text_prover import prove
 from tests.test_house import lines_of_code
-from verify.proof import prove_form
-from verify.proof.catalogue_proofs import NAMES, prove_named
-from verify.proof.text_prover import prove
 
 HOUSE = Path(__file__).parents[3]
 KERNEL = HOUSE / "verify" / "kernel"

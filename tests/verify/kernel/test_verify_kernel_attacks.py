@@ -5,12 +5,12 @@ import sympy as sp
 from flint import fmpq
 
 from benchmarks.forged_proofs import Data, Proof, certificate, signed
-from verify.kernel import CertificateError, check_certificate, opened
-from verify.kernel.check import registered
-from verify.kernel.denominators import is_connected
-from verify.kernel.node_balls import Balls
-from verify.proof import prove
-from verify.verdict import Outcome
+from longwave.verify.kernel import CertificateError, check_certificate, opened
+from longwave.verify.kernel.check import registered
+from longwave.verify.kernel.denominators import is_connected
+from longwave.verify.kernel.node_balls import Balls
+from longwave.verify.proof import prove
+from longwave.verify.verdict import Outcome
 
 
 def refused(data: Data, message: str) -> None:

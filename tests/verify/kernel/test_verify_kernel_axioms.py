@@ -6,14 +6,14 @@ from collections.abc import Iterator
 import pytest
 from flint import acb, arb, ctx, fmpq
 
-from verify.kernel.axioms import FUNCTIONS
-from verify.kernel.bounds import Interval, of_constant
-from verify.kernel.field import Field, Hints
-from verify.kernel.further.inverse import PRINCIPAL
-from verify.kernel.node_balls import BITS, Balls
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, axiom, formula
-from verify.kernel.substitution import Substitution
+from longwave.verify.kernel.axioms import FUNCTIONS
+from longwave.verify.kernel.bounds import Interval, of_constant
+from longwave.verify.kernel.field import Field, Hints
+from longwave.verify.kernel.further.inverse import PRINCIPAL
+from longwave.verify.kernel.node_balls import BITS, Balls
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, axiom, formula
+from longwave.verify.kernel.substitution import Substitution
 
 INVERSE = [name for name in PRINCIPAL if FUNCTIONS[name].definition]
 UNARY = ("sin", "cos", "tanh", "sech", "cosh", "exp", "Abs", "sinh", "atan")

@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 from flint import arb, fmpq
 
-from verify.kernel.bounds import LARGEST, MICRO, Interval, of_constant
+from longwave.verify.kernel.bounds import LARGEST, MICRO, Interval, of_constant
 
 ENDS = [fmpq(-2), fmpq(-1), fmpq(0), fmpq(1), fmpq(2)]
 FAR, NEAR = fmpq(1000), fmpq(1, 1000)

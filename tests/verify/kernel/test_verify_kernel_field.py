@@ -9,13 +9,13 @@ import pytest
 from flint import fmpq
 
 from benchmarks.forged_proofs import Data, Proof, signed
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.derivations import Derivation
+from longwave.verify.kernel.field import Field, Hints, solved
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.ring import Element, Ring
 from tests.verify.kernel.test_verify_kernel_attacks import refused
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.derivations import Derivation
-from verify.kernel.field import Field, Hints, solved
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
-from verify.kernel.ring import Element, Ring
 
 
 def test_linear_equations_are_solved() -> None:

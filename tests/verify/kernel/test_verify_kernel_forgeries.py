@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.forged_proofs import Data, Proof, certificate, signed
-from verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel import CertificateError, check_certificate
 
 
 def refused(data: Data, message: str) -> None:

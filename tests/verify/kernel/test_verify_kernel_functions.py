@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 from flint import fmpq
 
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.node_balls import Balls
+from longwave.verify.kernel.nodes import Nodes
 from tests.verify.kernel.test_verify_kernel_attacks import Proof, certificate, refused, signed
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.node_balls import Balls
-from verify.kernel.nodes import Nodes
 
 Hints = dict[str, Any]
 

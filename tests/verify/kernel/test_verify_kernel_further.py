@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.limits import FORMAT, digest
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.limits import FORMAT, digest
 
 SUM = "1/2*pi - atan(x)"
 

@@ -11,14 +11,21 @@ import pytest
 from flint import fmpq
 
 from benchmarks.forged_proofs import Data, Proof, certificate, signed
-from verify.kernel import CertificateError, check, check_certificate, denominators, nodes, reading
-from verify.kernel import __main__ as command
-from verify.kernel.function_rules import whole
-from verify.kernel.further.turns import share_of_turn
-from verify.kernel.limits import within
-from verify.kernel.nodes import Nodes, integer, listed, number
-from verify.kernel.reading import Scope, axiom, formula, rational
-from verify.kernel.statement import read_statement
+from longwave.verify.kernel import (
+    CertificateError,
+    check,
+    check_certificate,
+    denominators,
+    nodes,
+    reading,
+)
+from longwave.verify.kernel import __main__ as command
+from longwave.verify.kernel.function_rules import whole
+from longwave.verify.kernel.further.turns import share_of_turn
+from longwave.verify.kernel.limits import within
+from longwave.verify.kernel.nodes import Nodes, integer, listed, number
+from longwave.verify.kernel.reading import Scope, axiom, formula, rational
+from longwave.verify.kernel.statement import read_statement
 
 
 def test_a_limit_is_the_most_that_is_allowed() -> None:

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.limits import digest
-from verify.kernel.nodes import Nodes, integer, number
-from verify.proof.statement_verdict import StatementVerdict
-from verify.proof.text_prover import prove
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.limits import digest
+from longwave.verify.kernel.nodes import Nodes, integer, number
+from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.text_prover import prove
 
 Data = dict[str, Any]
 

@@ -8,13 +8,20 @@ import pytest
 from flint import fmpq, fmpq_poly
 
 from benchmarks.forged_proofs import Proof, certificate, signed
-from verify.kernel import CertificateError, check_certificate, opened
-from verify.kernel.check import registered
-from verify.kernel.further import quotients
-from verify.kernel.further.quotients import _Partials, _rows, _slope, _value, long_quotient, shape
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
-from verify.kernel.ring import Ring
+from longwave.verify.kernel import CertificateError, check_certificate, opened
+from longwave.verify.kernel.check import registered
+from longwave.verify.kernel.further import quotients
+from longwave.verify.kernel.further.quotients import (
+    _Partials,
+    _rows,
+    _slope,
+    _value,
+    long_quotient,
+    shape,
+)
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.ring import Ring
 
 
 def scope_of() -> Scope:

@@ -3,11 +3,11 @@
 import pytest
 from flint import fmpq
 
-from verify.kernel import CertificateError
-from verify.kernel.node_balls import Balls
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula, rational
-from verify.kernel.statement import read_statement, statement_text
+from longwave.verify.kernel import CertificateError
+from longwave.verify.kernel.node_balls import Balls
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula, rational
+from longwave.verify.kernel.statement import read_statement, statement_text
 
 POINT = {"x": fmpq(3, 7), "t": fmpq(-2, 5), "n": fmpq(3), "k": fmpq(5, 2)}
 

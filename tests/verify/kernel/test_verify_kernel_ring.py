@@ -3,8 +3,8 @@
 import pytest
 from flint import fmpq, fmpq_mpoly
 
-from verify.kernel import CertificateError, ring
-from verify.kernel.ring import Element, Ring, common, total
+from longwave.verify.kernel import CertificateError, ring
+from longwave.verify.kernel.ring import Element, Ring, common, total
 
 
 def spent(made: Ring) -> int:

@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
-from solutions import closed_form
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.__main__ import main
-from verify.kernel.limits import digest
-from verify.proof import prove_form
-from verify.proof.catalogue_proofs import NAMES, higher_order
-from verify.proof.rational_proofs import prove_bilinear, prove_rational
-from verify.proof.statement_verdict import StatementVerdict
-from verify.proof.text_prover import prove
+from longwave.solutions import closed_form
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.__main__ import main
+from longwave.verify.kernel.limits import digest
+from longwave.verify.proof import prove_form
+from longwave.verify.proof.catalogue_proofs import NAMES, higher_order
+from longwave.verify.proof.rational_proofs import prove_bilinear, prove_rational
+from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.text_prover import prove
 
 Data = dict[str, Any]
 
@@ -144,5 +144,5 @@ def test_the_command_prints_what_it_accepts(
     assert main([]) == 2
     monkeypatch.setattr(sys, "argv", ["kernel"])
     with pytest.warns(RuntimeWarning, match="found in sys.modules"), pytest.raises(SystemExit):
-        runpy.run_module("verify.kernel", run_name="__main__")
+        runpy.run_module("longwave.verify.kernel", run_name="__main__")
     assert main([str(tmp_path / "none")]) == 2

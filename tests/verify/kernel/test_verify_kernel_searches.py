@@ -9,12 +9,12 @@ from flint import fmpq
 from benchmarks import kernel_attacks
 from benchmarks.false_certificates import false_certificates
 from benchmarks.text_balls import TextBalls, Unsaid
-from derive.algebra.formula_tree import FormulaTree, Unknown
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.node_balls import Balls
-from verify.kernel.reading import Scope, TextReader
-from verify.kernel.signs import Signs
-from verify.proof.typed_balls import TypedBalls, TypedPlace
+from longwave.derive.algebra.formula_tree import FormulaTree, Unknown
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.node_balls import Balls
+from longwave.verify.kernel.reading import Scope, TextReader
+from longwave.verify.kernel.signs import Signs
+from longwave.verify.proof.typed_balls import TypedBalls, TypedPlace
 
 
 @pytest.mark.parametrize(("name", "count"), [("reading", 400), ("signs", 1500)])

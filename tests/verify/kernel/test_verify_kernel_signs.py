@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from flint import fmpq
 
-from verify.kernel import CertificateError
-from verify.kernel.bounds import POSITIVE, UNIT, Interval
-from verify.kernel.denominators import is_continuous_end, is_linear
-from verify.kernel.field import Field, Hints
-from verify.kernel.further.inverse import is_continuous, is_convex, is_kept
-from verify.kernel.further.principal import angle_of, real_part
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
+from longwave.verify.kernel import CertificateError
+from longwave.verify.kernel.bounds import POSITIVE, UNIT, Interval
+from longwave.verify.kernel.denominators import is_continuous_end, is_linear
+from longwave.verify.kernel.field import Field, Hints
+from longwave.verify.kernel.further.inverse import is_continuous, is_convex, is_kept
+from longwave.verify.kernel.further.principal import angle_of, real_part
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
 
 
 class Domain:

@@ -5,14 +5,14 @@ from typing import Any
 import pytest
 from flint import acb, acb_series, ctx, fmpq
 
+from longwave.verify.kernel import check_certificate
+from longwave.verify.kernel.further.free_functions import jet_ball, theta_ball
+from longwave.verify.kernel.further.weierstrass_values import weierstrass
+from longwave.verify.kernel.node_balls import BITS, Balls
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.signs import Signs
 from tests.verify.kernel.test_verify_kernel_attacks import certificate, refused
-from verify.kernel import check_certificate
-from verify.kernel.further.free_functions import jet_ball, theta_ball
-from verify.kernel.further.weierstrass_values import weierstrass
-from verify.kernel.node_balls import BITS, Balls
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
-from verify.kernel.signs import Signs
 
 Hints = dict[str, Any]
 

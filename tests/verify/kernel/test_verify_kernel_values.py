@@ -9,14 +9,14 @@ import mpmath
 import pytest
 from flint import acb, arb, ctx, fmpq
 
-from verify.kernel import CertificateError
-from verify.kernel.further import weierstrass_values
-from verify.kernel.further.free_functions import generic_shift, jet_ball
-from verify.kernel.further.weierstrass_values import weierstrass
-from verify.kernel.node_balls import BITS, Balls, value_at
-from verify.kernel.nodes import Nodes
-from verify.kernel.reading import Scope, formula
-from verify.kernel.ring import Ring
+from longwave.verify.kernel import CertificateError
+from longwave.verify.kernel.further import weierstrass_values
+from longwave.verify.kernel.further.free_functions import generic_shift, jet_ball
+from longwave.verify.kernel.further.weierstrass_values import weierstrass
+from longwave.verify.kernel.node_balls import BITS, Balls, value_at
+from longwave.verify.kernel.nodes import Nodes
+from longwave.verify.kernel.reading import Scope, formula
+from longwave.verify.kernel.ring import Ring
 
 X, Y, V = fmpq(7, 10), fmpq(-3, 8), fmpq(2, 5)
 M = mpmath.mpf

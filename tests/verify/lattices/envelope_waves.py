@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from sympy import I, Symbol, exp, lambdify, sech, tanh
 
-from derive.normal_form import NormalForm
+from longwave.derive.normal_form import NormalForm
 
 xi, tau = Symbol("xi", real=True), Symbol("tau", real=True)
 

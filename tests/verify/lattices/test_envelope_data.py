@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sympy import Rational, pi
 
-from derive import LATTICES, envelope
-from derive.carrier_envelope import Envelope
+from longwave.derive import LATTICES, envelope
+from longwave.derive.carrier_envelope import Envelope
+from longwave.verify.lattices.envelope_data import EnvelopeData
 from tests.verify.lattices.envelope_waves import SymbolicWave
-from verify.lattices.envelope_data import EnvelopeData
 
 CUBIC = {"K2": 1, "K3": Rational(1, 4), "K4": 1}
 CASES: dict[str, tuple[str, Any, dict[str, Any], str, str | int]] = {

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from sympy import Rational, pi
 
-from derive import LATTICES, envelope
-from derive.carrier_envelope import Envelope
-from derive.carrier_numbers import CarrierFields, carrier_fields
+from longwave.derive import LATTICES, envelope
+from longwave.derive.carrier_envelope import Envelope
+from longwave.derive.carrier_numbers import CarrierFields, carrier_fields
+from longwave.verify.lattices.envelope_flow import EnvelopeFlow
 from tests.verify.lattices.envelope_waves import SymbolicWave
-from verify.lattices.envelope_flow import EnvelopeFlow
 
 EPS = 0.1
 GIVEN = {"K2": 1, "K3": Rational(1, 4), "K4": 1}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sympy import Integer, pi
 
-from verify.lattices.envelope_study import (
+from longwave.verify.lattices.envelope_study import (
     ENVELOPE_CASES,
     closing_count,
     envelope_study,

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from verify.lattices.lattice_run import run_lattice_scene
-from verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.lattice_run import run_lattice_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene
 
 SCENE: dict[str, Any] = {
     "name": "admitted",

@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from sympy import Rational
 
-from derive import LATTICES
-from derive.algebra.exact_numbers import exact
-from lattice.disordered_lattice import disordered
-from lattice.numeric_lattice import numeric_lattice
-from runs.run_store import RunStore
-from verify.comparison.scene_fields import scene_fields
-from verify.lattices.disordered_wave import DisorderedWave, variation_of
-from verify.lattices.lattice_derivation import lattice_wave
-from verify.lattices.lattice_run import LatticeRun, run_lattice_scene
-from verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
-from verify.lattices.pulse_meter import PulseMeter, crest
-from verify.lattices.scene_disorder import Disorder
+from longwave.derive import LATTICES
+from longwave.derive.algebra.exact_numbers import exact
+from longwave.lattice.disordered_lattice import disordered
+from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.runs.run_store import RunStore
+from longwave.verify.comparison.scene_fields import scene_fields
+from longwave.verify.lattices.disordered_wave import DisorderedWave, variation_of
+from longwave.verify.lattices.lattice_derivation import lattice_wave
+from longwave.verify.lattices.lattice_run import LatticeRun, run_lattice_scene
+from longwave.verify.lattices.lattice_scene import LatticeScene, any_scene_of_toml
+from longwave.verify.lattices.pulse_meter import PulseMeter, crest
+from longwave.verify.lattices.scene_disorder import Disorder
 
 SOLITON: dict[str, Any] = {
     "name": "soliton",

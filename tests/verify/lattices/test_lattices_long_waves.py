@@ -10,22 +10,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Integer, Rational
 
-from derive import LATTICES, Scaling, SlowVariable, reduce
-from derive.symbols import c
-from lattice.numeric_lattice import numeric_lattice
-from solutions import Wave, closed_form
-from verify.lattices import first_correction
-from verify.lattices.computed_soliton import ComputedSoliton
-from verify.lattices.convergence import error_at, fitted_rate
-from verify.lattices.fourier_interval import FourierInterval
-from verify.lattices.jet_polynomial import JetPolynomial
-from verify.lattices.lattice_derivation import derivation, lattice_wave
-from verify.lattices.lattice_run import lattice_times
-from verify.lattices.lattice_scene import find_any_scene
-from verify.lattices.line_chain import LineChain
-from verify.lattices.long_wave_data import LongWaveData, wave_ends
-from verify.lattices.rate_cases import RATE_CASES
-from verify.studies.soak_scenes import soak_scene
+from longwave.derive import LATTICES, Scaling, SlowVariable, reduce
+from longwave.derive.symbols import c
+from longwave.lattice.numeric_lattice import numeric_lattice
+from longwave.solutions import Wave, closed_form
+from longwave.verify.lattices import first_correction
+from longwave.verify.lattices.computed_soliton import ComputedSoliton
+from longwave.verify.lattices.convergence import error_at, fitted_rate
+from longwave.verify.lattices.fourier_interval import FourierInterval
+from longwave.verify.lattices.jet_polynomial import JetPolynomial
+from longwave.verify.lattices.lattice_derivation import derivation, lattice_wave
+from longwave.verify.lattices.lattice_run import lattice_times
+from longwave.verify.lattices.lattice_scene import find_any_scene
+from longwave.verify.lattices.line_chain import LineChain
+from longwave.verify.lattices.long_wave_data import LongWaveData, wave_ends
+from longwave.verify.lattices.rate_cases import RATE_CASES
+from longwave.verify.studies.soak_scenes import soak_scene
 
 FAST = {"1": "leading", "2": "leading", "4b": "leading", "5e": "leading", "6c": "slaved"}
 """Cases that are measured whenever the tests are run, at two eps."""

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from derive.request_limits import request_limits
-from verify.lattices.lattice_derivation import derivation, lattice_wave
-from verify.lattices.lattice_run import LatticeRun, lattice_times, run_lattice_scene
-from verify.lattices.lattice_scene import (
+from longwave.derive.request_limits import request_limits
+from longwave.verify.lattices.lattice_derivation import derivation, lattice_wave
+from longwave.verify.lattices.lattice_run import LatticeRun, lattice_times, run_lattice_scene
+from longwave.verify.lattices.lattice_scene import (
     LatticeScene,
     any_scene_of_toml,
     load_lattice_scene,
     shipped_lattice_scenes,
 )
-from verify.lattices.scene_convergence import at_slow_times, scene_convergence
+from longwave.verify.lattices.scene_convergence import at_slow_times, scene_convergence
 
 TODA: dict[str, Any] = {
     "name": "toda",

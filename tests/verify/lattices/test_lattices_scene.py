@@ -5,14 +5,14 @@ from typing import Any
 
 import pytest
 
-from verify.comparison.scene import Scene
-from verify.lattices.lattice_scene import (
+from longwave.verify.comparison.scene import Scene
+from longwave.verify.lattices.lattice_scene import (
     LatticeScene,
     find_any_scene,
     load_lattice_scene,
     shipped_lattice_scenes,
 )
-from verify.lattices.ring_runs import ComparedCells
+from longwave.verify.lattices.ring_runs import ComparedCells
 
 GIVEN: dict[str, Any] = {
     "name": "short",

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lattice.refine import refine
-from verify.comparison import Scene, run
-from verify.lattices.lattice_derivation import lattice_wave
-from verify.lattices.lattice_run import compared_cells, lattice_times
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.ring_runs import RingRuns
-from verify.studies.estimate_scenes import RandomScene
-from verify.studies.estimates import judge_scene
+from longwave.lattice.refine import refine
+from longwave.verify.comparison import Scene, run
+from longwave.verify.lattices.lattice_derivation import lattice_wave
+from longwave.verify.lattices.lattice_run import compared_cells, lattice_times
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.ring_runs import RingRuns
+from longwave.verify.studies.estimate_scenes import RandomScene
+from longwave.verify.studies.estimates import judge_scene
 
 
 def plane_wave(K2: float, eps: float) -> LatticeScene:

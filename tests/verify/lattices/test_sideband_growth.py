@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Integer, Rational, pi
 
-from derive.request_limits import TooMuchError, request_limits
-from verify.lattices.lattice_scene import LatticeScene
-from verify.lattices.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
-from verify.lattices.sideband_growth import (
+from longwave.derive.request_limits import TooMuchError, request_limits
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.lattices.perturbed_plane import NEAR_K, NEAR_KAPPA, PerturbedPlane, wave_ring
+from longwave.verify.lattices.sideband_growth import (
     SidebandGrowth,
     SidebandRuns,
     growth_plan,

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive import LATTICES, EnvelopeError, envelope
-from verify.lattices.modulation import modulation_grid
+from longwave.derive import LATTICES, EnvelopeError, envelope
+from longwave.verify.lattices.modulation import modulation_grid
 
 CASES: dict[str, tuple[str, str, dict[str, Any]]] = {
     "chain": ("fput", "acoustic", {"K2": 1, "K3": 0.7, "K4": 1}),

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -12,9 +12,9 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from verify.proof.balls import ball_value, residual_ball
-from verify.proof.domains import settled_domains
-from verify.proof.samples import sample
+from longwave.verify.proof.balls import ball_value, residual_ball
+from longwave.verify.proof.domains import settled_domains
+from longwave.verify.proof.samples import sample
 
 x, t, m = sp.symbols("x t m", real=True)
 

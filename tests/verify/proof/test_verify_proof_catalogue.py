@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from solutions import CATALOGUE, ClosedForm
-from verify.proof import check_certificate, form_domains, prove, prove_form, prove_stable
-from verify.verdict import Outcome
+from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.verify.proof import check_certificate, form_domains, prove, prove_form, prove_stable
+from longwave.verify.verdict import Outcome
 
 ALL = pytest.mark.parametrize("form", CATALOGUE, ids=lambda form: form.name)
 

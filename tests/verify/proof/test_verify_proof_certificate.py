@@ -10,13 +10,19 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions import CATALOGUE, closed_form
-from verify.kernel import check_certificate as check_content
-from verify.kernel.limits import digest
-from verify.proof import CertificateError, check_certificate, prove, prove_equal, prove_form
-from verify.proof.catalogue_proofs import form_domains
-from verify.proof.certificate_writer import FUNCTIONS
-from verify.verdict import Outcome
+from longwave.solutions import CATALOGUE, closed_form
+from longwave.verify.kernel import check_certificate as check_content
+from longwave.verify.kernel.limits import digest
+from longwave.verify.proof import (
+    CertificateError,
+    check_certificate,
+    prove,
+    prove_equal,
+    prove_form,
+)
+from longwave.verify.proof.catalogue_proofs import form_domains
+from longwave.verify.proof.certificate_writer import FUNCTIONS
+from longwave.verify.verdict import Outcome
 
 Data = dict[str, Any]
 X, T = sp.symbols("X T", real=True)
@@ -217,7 +223,7 @@ def is_true(data: Data) -> bool:
 
     The texts are read by the other reader, that of statements.
     """
-    from verify.proof.balls import residual_ball
+    from longwave.verify.proof.balls import residual_ball
 
     stated = data["statement"]
     names = {name: sp.Symbol(name, real=True) for name in stated["variables"]}

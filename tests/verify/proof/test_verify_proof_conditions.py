@@ -3,10 +3,10 @@
 import pytest
 import sympy as sp
 
-from verify.proof import check_certificate
-from verify.proof.conditions import ConditionalVerdict, conditional_sentence
-from verify.proof.statement_text import FormulaError, read_statement
-from verify.proof.text_prover import prove
+from longwave.verify.proof import check_certificate
+from longwave.verify.proof.conditions import ConditionalVerdict, conditional_sentence
+from longwave.verify.proof.statement_text import FormulaError, read_statement
+from longwave.verify.proof.text_prover import prove
 
 KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
 NLS = "I*u_t + u_xx + 2*abs(u)**2*u"

@@ -11,13 +11,13 @@ import sympy as sp
 from scipy.optimize import least_squares
 from scipy.special import ellipj
 
-from derive.algebra.formula_text import FormulaError
-from verify.proof.conditions import ConditionalVerdict, solve_statement
-from verify.proof.constant_cases import ConstantCase, symbols_of
-from verify.proof.domains import settled_domains
-from verify.proof.statement_problem import residual_of
-from verify.proof.statement_text import read_statement
-from verify.proof.typed_statement import Statement
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.proof.conditions import ConditionalVerdict, solve_statement
+from longwave.verify.proof.constant_cases import ConstantCase, symbols_of
+from longwave.verify.proof.domains import settled_domains
+from longwave.verify.proof.statement_problem import residual_of
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.typed_statement import Statement
 
 ELLIPTIC = {
     "jacobi_sn": lambda z, m: ellipj(np.real(z), m)[0],

@@ -6,11 +6,11 @@ import re
 
 import pytest
 
-from derive.algebra.formula_text import FormulaError
-from verify.kernel import check_certificate
-from verify.proof.statement_text import read_statement
-from verify.proof.text_prover import prove
-from verify.verdict import Outcome
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.kernel import check_certificate
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.text_prover import prove
+from longwave.verify.verdict import Outcome
 
 
 def outcome(equation: str, solution: str, **parts: str) -> str:

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from solutions import CATALOGUE, ClosedForm
-from solutions.functions import jacobi_dn
-from solutions.record import Bound
-from verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
-from verify.proof.domains import settled_domains
-from verify.proof.samples import sample
-from verify.verdict import Outcome
+from longwave.solutions import CATALOGUE, ClosedForm
+from longwave.solutions.functions import jacobi_dn
+from longwave.solutions.record import Bound
+from longwave.verify.proof import Domain, ProofVerdict, form_domains, prove, prove_equal
+from longwave.verify.proof.domains import settled_domains
+from longwave.verify.proof.samples import sample
+from longwave.verify.verdict import Outcome
 
 x, t, a, b = sp.symbols("x t a b", real=True)
 q = sp.Symbol("q", negative=True)

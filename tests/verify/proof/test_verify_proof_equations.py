@@ -5,8 +5,8 @@ from collections.abc import Callable
 import pytest
 import sympy as sp
 
-from verify.proof import prove
-from verify.verdict import Outcome
+from longwave.verify.proof import prove
+from longwave.verify.verdict import Outcome
 
 x = sp.Symbol("x", real=True)
 u = sp.Function("u")(x)

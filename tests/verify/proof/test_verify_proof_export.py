@@ -10,15 +10,21 @@ from typing import Any
 
 import pytest
 
-from solutions import closed_form
-from verify.kernel.limits import digest
-from verify.kernel.signs import Signs
-from verify.proof import CertificateError, prove_equal, prove_form
-from verify.proof.export import terms
-from verify.proof.export.derivation import written_out
-from verify.proof.export.systems import SYSTEMS, answer, exported
-from verify.proof.export.terms import Definition, Relation, SlopeAxiom, Vanishing, WrittenProof
-from verify.proof.text_prover import prove as prove_text
+from longwave.solutions import closed_form
+from longwave.verify.kernel.limits import digest
+from longwave.verify.kernel.signs import Signs
+from longwave.verify.proof import CertificateError, prove_equal, prove_form
+from longwave.verify.proof.export import terms
+from longwave.verify.proof.export.derivation import written_out
+from longwave.verify.proof.export.systems import SYSTEMS, answer, exported
+from longwave.verify.proof.export.terms import (
+    Definition,
+    Relation,
+    SlopeAxiom,
+    Vanishing,
+    WrittenProof,
+)
+from longwave.verify.proof.text_prover import prove as prove_text
 
 FORMS = ("kink", "wave_sn", "soliton_sech", "rational_1", "soliton_dn", "breather", "rogue_cn")
 SHORT = ("kink", "wave_sn", "rational_1", "soliton_sech")

@@ -3,11 +3,11 @@
 import pytest
 import sympy as sp
 
-from solutions import closed_form, rational
-from solutions.forms.rational import rational_tau
-from verify.proof import prove_equal, rational_facts
-from verify.proof.rational_proofs import coefficient_in_x, leading_in_x, limit, reflected
-from verify.verdict import Outcome
+from longwave.solutions import closed_form, rational
+from longwave.solutions.forms.rational import rational_tau
+from longwave.verify.proof import prove_equal, rational_facts
+from longwave.verify.proof.rational_proofs import coefficient_in_x, leading_in_x, limit, reflected
+from longwave.verify.verdict import Outcome
 
 
 @pytest.mark.parametrize("order", range(1, 10))

@@ -5,7 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solutions.functions import (
+from longwave.solutions.functions import (
     jacobi_cn,
     jacobi_dn,
     jacobi_epsilon,
@@ -14,8 +14,8 @@ from solutions.functions import (
     jacobi_theta,
     jacobi_zeta,
 )
-from verify.proof import prove, prove_equal
-from verify.verdict import Outcome
+from longwave.verify.proof import prove, prove_equal
+from longwave.verify.verdict import Outcome
 
 x, t = sp.symbols("x t", real=True)
 a, b, k, q = sp.symbols("a b k q", positive=True)

@@ -20,9 +20,9 @@ SECONDS, MEGABYTES = 5.0, 500.0
 SCRIPT = """
 import json, re, sys, time
 from pathlib import Path
-from derive.algebra.formula_text import FormulaError
+from longwave.derive.algebra.formula_text import FormulaError
 from tests.verify.proof.hostile_texts import FILES, generated, written
-from verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_text import read_statement
 
 evaluated = []
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from derive import mkdv_normal_form, mkdv_reduction
-from derive.symbols import K2, K4, T, X, c
-from solutions import closed_form, rational
-from solutions.record import DEFOCUSING_MKDV
-from solutions.symbols import tau, xi
-from verify.proof import prove_form
-from verify.proof.catalogue_proofs import a, lab_frame
-from verify.verdict import Outcome
+from longwave.derive import mkdv_normal_form, mkdv_reduction
+from longwave.derive.symbols import K2, K4, T, X, c
+from longwave.solutions import closed_form, rational
+from longwave.solutions.record import DEFOCUSING_MKDV
+from longwave.solutions.symbols import tau, xi
+from longwave.verify.proof import prove_form
+from longwave.verify.proof.catalogue_proofs import a, lab_frame
+from longwave.verify.verdict import Outcome
 
 PRINTED = ["rational_1", "rational_2", "rational_3"]
 

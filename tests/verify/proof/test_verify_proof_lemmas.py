@@ -2,13 +2,13 @@
 
 import sympy as sp
 
-from solutions import closed_form
-from verify.evidence.residual import sample_points
-from verify.kernel import check_certificate
-from verify.proof import form_domains, prove_equal
-from verify.proof.certificate import find_lemmas, make_certificate
-from verify.proof.problem import equality_problem
-from verify.verdict import Outcome
+from longwave.solutions import closed_form
+from longwave.verify.evidence.residual import sample_points
+from longwave.verify.kernel import check_certificate
+from longwave.verify.proof import form_domains, prove_equal
+from longwave.verify.proof.certificate import find_lemmas, make_certificate
+from longwave.verify.proof.problem import equality_problem
+from longwave.verify.verdict import Outcome
 
 x, a = sp.symbols("x a", real=True)
 POINT = {x: sp.Rational(1, 3), a: sp.Rational(2, 7)}

@@ -6,9 +6,9 @@ import re
 
 import pytest
 
-from derive.algebra.formula_text import FormulaError
 from longwave.__main__ import main
-from verify.proof.statement_text import read_statement
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.proof.statement_text import read_statement
 
 Texts = tuple[str, str, str]
 

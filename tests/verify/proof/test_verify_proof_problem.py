@@ -5,10 +5,10 @@ from collections.abc import Callable
 import pytest
 import sympy as sp
 
-from solutions import closed_form
-from verify.proof import check_certificate, form_domains, prove, prove_equal, prove_form
-from verify.proof.problem import equality_problem, solution_problem
-from verify.verdict import Outcome
+from longwave.solutions import closed_form
+from longwave.verify.proof import check_certificate, form_domains, prove, prove_equal, prove_form
+from longwave.verify.proof.problem import equality_problem, solution_problem
+from longwave.verify.verdict import Outcome
 
 x, t = sp.symbols("x t")
 k = sp.Symbol("k", positive=True)
@@ -78,5 +78,5 @@ def test_the_catalogues_statements_are_compared_without_a_search(
     def search(*_: object, **__: object) -> None:
         pytest.fail("searched for generators")
 
-    monkeypatch.setattr("verify.proof.certificate.GeneratorSearch", search)
+    monkeypatch.setattr("longwave.verify.proof.certificate.GeneratorSearch", search)
     assert "for all real" in check_certificate(certificate)

@@ -2,9 +2,9 @@
 
 import pytest
 
-from solutions.forms.rational import rational, rational_tau
-from verify.proof import prove, prove_bilinear, prove_rational
-from verify.proof.rational_proofs import (
+from longwave.solutions.forms.rational import rational, rational_tau
+from longwave.verify.proof import prove, prove_bilinear, prove_rational
+from longwave.verify.proof.rational_proofs import (
     SPACE,
     TIME,
     bilinear_residual,
@@ -13,7 +13,7 @@ from verify.proof.rational_proofs import (
     rational_verdict,
     residual_at,
 )
-from verify.verdict import Outcome
+from longwave.verify.verdict import Outcome
 
 
 @pytest.mark.parametrize("order", range(1, 10))

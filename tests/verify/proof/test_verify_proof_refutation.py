@@ -3,10 +3,10 @@
 import pytest
 import sympy as sp
 
-from solutions import CATALOGUE, ClosedForm, closed_form
-from verify.evidence.mutations import count_mutants
-from verify.proof import form_domains, prove
-from verify.verdict import Outcome
+from longwave.solutions import CATALOGUE, ClosedForm, closed_form
+from longwave.verify.evidence.mutations import count_mutants
+from longwave.verify.proof import form_domains, prove
+from longwave.verify.verdict import Outcome
 
 
 @pytest.mark.parametrize(

@@ -3,10 +3,10 @@
 import pytest
 import sympy as sp
 
-from verify.proof import prove, prove_equal
-from verify.proof.balls import ball_value
-from verify.proof.factors import Quotients, TooLong, factored
-from verify.verdict import Outcome
+from longwave.verify.proof import prove, prove_equal
+from longwave.verify.proof.balls import ball_value
+from longwave.verify.proof.factors import Quotients, TooLong, factored
+from longwave.verify.verdict import Outcome
 
 x, t, a = sp.symbols("x t a", real=True)
 p, r = sp.symbols("p r", positive=True)

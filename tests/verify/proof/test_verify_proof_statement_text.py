@@ -3,12 +3,12 @@
 import pytest
 import sympy as sp
 
-from derive.algebra.formula_printing import formula_as_text
-from derive.algebra.formula_text import FormulaError
-from verify.proof.statement_text import read_statement
-from verify.proof.text_domains import WORDS
-from verify.proof.text_names import FUNCTIONS
-from verify.proof.typed_statement import Statement
+from longwave.derive.algebra.formula_printing import formula_as_text
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.text_domains import WORDS
+from longwave.verify.proof.text_names import FUNCTIONS
+from longwave.verify.proof.typed_statement import Statement
 
 LINEAR, WAVE = "u_t + c*u_x", "u = sin(x - c*t)"
 

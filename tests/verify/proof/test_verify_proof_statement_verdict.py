@@ -6,18 +6,18 @@ import pytest
 import sympy as sp
 
 import longwave
-from verify.proof import check_certificate
-from verify.proof.near_misses import near_misses, with_hint
-from verify.proof.prover import prove as prove_expression
-from verify.proof.statement_latex import statement_latex
-from verify.proof.statement_text import read_statement
-from verify.proof.statement_verdict import (
+from longwave.verify.proof import check_certificate
+from longwave.verify.proof.near_misses import near_misses, with_hint
+from longwave.verify.proof.prover import prove as prove_expression
+from longwave.verify.proof.statement_latex import statement_latex
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import (
     StatementVerdict,
     decide_statement,
     residual_of,
     verified_sentence,
 )
-from verify.proof.text_prover import prove
+from longwave.verify.proof.text_prover import prove
 
 KDV, MKDV = "u_t + 6*u*u_x + u_xxx", "u_t + 6*u**2*u_x + u_xxx"
 SOLITON = "u = 2*k**2*sech(k*(x - 4*k**2*t))**2"

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from verify.kernel import CertificateError, check_certificate
-from verify.kernel.limits import digest
-from verify.proof.statement_verdict import StatementVerdict
-from verify.proof.text_prover import prove
+from longwave.verify.kernel import CertificateError, check_certificate
+from longwave.verify.kernel.limits import digest
+from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.text_prover import prove
 
 Data = dict[str, Any]
 

@@ -3,8 +3,8 @@
 import pytest
 from flint import acb, arb, ctx
 
-from verify.kernel.further.special import CYLINDER
-from verify.proof import taylor
+from longwave.verify.kernel.further.special import CYLINDER
+from longwave.verify.proof import taylor
 
 
 @pytest.mark.parametrize(

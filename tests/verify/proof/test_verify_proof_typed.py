@@ -4,13 +4,13 @@ from fractions import Fraction
 
 import pytest
 
-from verify.proof.conditions import ConditionalVerdict
-from verify.proof.statement_text import read_statement
-from verify.proof.statement_verdict import StatementVerdict
-from verify.proof.text_prover import prove
-from verify.proof.typed_statement import StatementTexts
-from verify.proof.typed_values import TypedValues
-from verify.verdict import Outcome
+from longwave.verify.proof.conditions import ConditionalVerdict
+from longwave.verify.proof.statement_text import read_statement
+from longwave.verify.proof.statement_verdict import StatementVerdict
+from longwave.verify.proof.text_prover import prove
+from longwave.verify.proof.typed_statement import StatementTexts
+from longwave.verify.proof.typed_values import TypedValues
+from longwave.verify.verdict import Outcome
 
 FALSE = [
     ("u_x", "u = sign(exp(I*x))**2", "", ""),

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.comparison import Scene
-from verify.studies import claims
-from verify.studies.claims import Ruling
-from verify.studies.measured_runs import (
+from longwave.verify.comparison import Scene
+from longwave.verify.studies import claims
+from longwave.verify.studies.claims import Ruling
+from longwave.verify.studies.measured_runs import (
     PARTS,
     RK4_STEP,
     SPLIT,

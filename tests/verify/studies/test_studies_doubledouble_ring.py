@@ -7,10 +7,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from lattice.model import Model
-from lattice.schemes import KAHAN_LI_8, STOERMER_VERLET
-from lattice.stepper import advance
-from verify.studies.doubledouble_ring import advance_doubled, doubled
+from longwave.lattice.model import Model
+from longwave.lattice.schemes import KAHAN_LI_8, STOERMER_VERLET
+from longwave.lattice.stepper import advance
+from longwave.verify.studies.doubledouble_ring import advance_doubled, doubled
 
 
 def test_it_agrees_with_mpmath_to_28_digits(rng: np.random.Generator) -> None:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solutions import CATALOGUE
-from verify.comparison import Discretisation, Scene, run
-from verify.studies import estimates
-from verify.studies.causal_reference import CausalReference, SoftenedError
-from verify.studies.estimate_scenes import WAVES, RandomScene, random_scene
-from verify.studies.estimates import estimate_rows, judge, judge_scene, warm_up
+from longwave.solutions import CATALOGUE
+from longwave.verify.comparison import Discretisation, Scene, run
+from longwave.verify.studies import estimates
+from longwave.verify.studies.causal_reference import CausalReference, SoftenedError
+from longwave.verify.studies.estimate_scenes import WAVES, RandomScene, random_scene
+from longwave.verify.studies.estimates import estimate_rows, judge, judge_scene, warm_up
 
 COUNT = 60
 QUICK = (4, 6, 9)

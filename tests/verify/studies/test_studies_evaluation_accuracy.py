@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from solutions import CATALOGUE, Wave
-from verify.__main__ import main
-from verify.studies.evaluation_accuracy import DRAWN as DRAWN_CASES
-from verify.studies.evaluation_accuracy import (
+from longwave.solutions import CATALOGUE, Wave
+from longwave.verify.__main__ import main
+from longwave.verify.studies.evaluation_accuracy import DRAWN as DRAWN_CASES
+from longwave.verify.studies.evaluation_accuracy import (
     MODULI,
     TIMES,
     Accuracy,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from verify.studies.evaluation_cost import (
+from longwave.verify.studies.evaluation_cost import (
     EvaluationCost,
     evaluation_costs,
     exact_values,

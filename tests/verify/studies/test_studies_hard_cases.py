@@ -8,17 +8,17 @@ import math
 import numpy as np
 import pytest
 
-from lattice.schemes import KAHAN_LI_8, RK4, STOERMER_VERLET
-from lattice.stepper import advance
-from verify.processes import Job
-from verify.studies import hard_cases
-from verify.studies.hard_cases import (
+from longwave.lattice.schemes import KAHAN_LI_8, RK4, STOERMER_VERLET
+from longwave.lattice.stepper import advance
+from longwave.verify.processes import Job
+from longwave.verify.studies import hard_cases
+from longwave.verify.studies.hard_cases import (
     HARD_CASES,
     HardCaseResult,
     hard_case_jobs,
     run_hard_case,
 )
-from verify.studies.travelling_waves import travelling_wave
+from longwave.verify.studies.travelling_waves import travelling_wave
 
 FAST = [name for name, case in HARD_CASES.items() if not case.slow]
 SLOW = [name for name, case in HARD_CASES.items() if case.slow]

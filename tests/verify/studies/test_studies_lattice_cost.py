@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.comparison import run
-from verify.studies import lattice_cost
-from verify.studies.lattice_cost import (
+from longwave.verify.comparison import run
+from longwave.verify.studies import lattice_cost
+from longwave.verify.studies.lattice_cost import (
     REDUCTION,
     SPECTRAL,
     TRUE_ERROR,

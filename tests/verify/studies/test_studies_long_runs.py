@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from verify.comparison import Scene, load_scene, run
-from verify.studies.long_runs import (
+from longwave.verify.comparison import Scene, load_scene, run
+from longwave.verify.studies.long_runs import (
     LONG_SCENES,
     SHARES,
     LongRun,

@@ -4,12 +4,12 @@ import json
 
 import pytest
 
-from solutions import closed_form
-from verify.evidence.mutations import count_mutants, solution_reason
-from verify.proof import CertificateError
-from verify.studies import proofs
-from verify.studies.proofs import proof_record
-from verify.verdict import Outcome
+from longwave.solutions import closed_form
+from longwave.verify.evidence.mutations import count_mutants, solution_reason
+from longwave.verify.proof import CertificateError
+from longwave.verify.studies import proofs
+from longwave.verify.studies.proofs import proof_record
+from longwave.verify.verdict import Outcome
 
 
 def test_a_record_has_the_proof_and_its_check() -> None:

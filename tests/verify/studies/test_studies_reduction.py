@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from verify.comparison import Scene
-from verify.studies import lattice_cost
-from verify.studies.lattice_cost import PeakError, peak_error, peak_laws, peak_scene
+from longwave.verify.comparison import Scene
+from longwave.verify.studies import lattice_cost
+from longwave.verify.studies.lattice_cost import PeakError, peak_error, peak_laws, peak_scene
 
 EPS = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 

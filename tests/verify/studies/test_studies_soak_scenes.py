@@ -2,9 +2,9 @@
 
 import pytest
 
-from verify.lattices.lattice_run import expected_lattice_cost
-from verify.lattices.lattice_scene import LatticeScene
-from verify.studies.soak_scenes import soak_scene
+from longwave.verify.lattices.lattice_run import expected_lattice_cost
+from longwave.verify.lattices.lattice_scene import LatticeScene
+from longwave.verify.studies.soak_scenes import soak_scene
 
 
 @pytest.mark.parametrize(("index", "disordered", "growing"), [(12, True, False), (6, False, True)])

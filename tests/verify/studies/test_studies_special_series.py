@@ -3,12 +3,12 @@
 import pytest
 from flint import acb, ctx
 
-from verify.kernel.further.free_functions import theta_ball
-from verify.kernel.further.special import CYLINDER
-from verify.kernel.node_balls import BALLS
-from verify.kernel.reading import THETA
-from verify.proof import taylor
-from verify.studies.texts import special_series
+from longwave.verify.kernel.further.free_functions import theta_ball
+from longwave.verify.kernel.further.special import CYLINDER
+from longwave.verify.kernel.node_balls import BALLS
+from longwave.verify.kernel.reading import THETA
+from longwave.verify.proof import taylor
+from longwave.verify.studies.texts import special_series
 
 BITS, ORDER = 200, 5
 Z = (acb(0.75), acb(0.5, 0.25), acb(2.5, -1))

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.studies.statements.library import KINDS, statement
-from verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
-from verify.studies.statements.values import ValueMissing, Values, fails_at, label_fault
+from longwave.verify.studies.statements.library import KINDS, statement
+from longwave.verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
+from longwave.verify.studies.statements.values import ValueMissing, Values, fails_at, label_fault
 
 x = sp.Symbol("x", real=True)
 u = sp.Function("u")(x)

@@ -6,14 +6,14 @@ from fractions import Fraction
 
 import pytest
 
-from verify.studies import text_search
-from verify.studies.statements.random_statement import Truth
-from verify.studies.text_search import SEARCH_KINDS, digest, judge_text, judged, kind_of
-from verify.studies.texts.drafts import letter_of
-from verify.studies.texts.text_library import TEXT_KINDS
-from verify.studies.texts.text_statement import TextStatement
-from verify.studies.verdict_search import Mark
-from verify.verdict import Outcome, ProofVerdict
+from longwave.verify.studies import text_search
+from longwave.verify.studies.statements.random_statement import Truth
+from longwave.verify.studies.text_search import SEARCH_KINDS, digest, judge_text, judged, kind_of
+from longwave.verify.studies.texts.drafts import letter_of
+from longwave.verify.studies.texts.text_library import TEXT_KINDS
+from longwave.verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.verdict_search import Mark
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
 

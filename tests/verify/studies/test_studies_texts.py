@@ -7,11 +7,11 @@ import mpmath
 import pytest
 from flint import acb
 
-from verify.studies.statements.random_statement import Truth
-from verify.studies.texts import ball_judge
-from verify.studies.texts.ball_judge import Judge, Unsaid, precision
-from verify.studies.texts.composition_statements import COMPOSED
-from verify.studies.texts.drafts import (
+from longwave.verify.studies.statements.random_statement import Truth
+from longwave.verify.studies.texts import ball_judge
+from longwave.verify.studies.texts.ball_judge import Judge, Unsaid, precision
+from longwave.verify.studies.texts.composition_statements import COMPOSED
+from longwave.verify.studies.texts.drafts import (
     Draft,
     Known,
     letter_of,
@@ -19,10 +19,10 @@ from verify.studies.texts.drafts import (
     stay_under,
     transformed,
 )
-from verify.studies.texts.rewordings import reworded
-from verify.studies.texts.text_library import TEXT_KINDS, text_statement
-from verify.studies.texts.text_statement import Letter, TextStatement
-from verify.studies.texts.trees import derivative, put, read
+from longwave.verify.studies.texts.rewordings import reworded
+from longwave.verify.studies.texts.text_library import TEXT_KINDS, text_statement
+from longwave.verify.studies.texts.text_statement import Letter, TextStatement
+from longwave.verify.studies.texts.trees import derivative, put, read
 
 LETTERS = ("x", "t", "k>0", "m:0:1")
 

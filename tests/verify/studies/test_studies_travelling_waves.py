@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from derive import mkdv_normal_form
-from lattice.schemes import KAHAN_LI_8
-from lattice.stepper import advance
-from solutions import Wave, closed_form
-from verify.comparison.trust import mkdv_rate
-from verify.studies import travelling_waves
-from verify.studies.travelling_waves import fastest_mode, lattice_mode, travelling_wave
+from longwave.derive import mkdv_normal_form
+from longwave.lattice.schemes import KAHAN_LI_8
+from longwave.lattice.stepper import advance
+from longwave.solutions import Wave, closed_form
+from longwave.verify.comparison.trust import mkdv_rate
+from longwave.verify.studies import travelling_waves
+from longwave.verify.studies.travelling_waves import fastest_mode, lattice_mode, travelling_wave
 
 
 @pytest.mark.parametrize(

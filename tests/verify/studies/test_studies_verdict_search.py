@@ -7,11 +7,18 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
-from verify.studies import verdict_search as verdicts
-from verify.studies.statements.library import statement
-from verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
-from verify.studies.verdict_search import HEADINGS, Judgement, Mark, judge, judgements, tallies
-from verify.verdict import Outcome, ProofVerdict
+from longwave.verify.studies import verdict_search as verdicts
+from longwave.verify.studies.statements.library import statement
+from longwave.verify.studies.statements.random_statement import RandomStatement, SymbolRange, Truth
+from longwave.verify.studies.verdict_search import (
+    HEADINGS,
+    Judgement,
+    Mark,
+    judge,
+    judgements,
+    tallies,
+)
+from longwave.verify.verdict import Outcome, ProofVerdict
 
 x = sp.Symbol("x", real=True)
 u = sp.Function("u")(x)

@@ -12,14 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from verify.kernel.check import opened, registered
-from verify.kernel.denominators import Denominators
-from verify.kernel.further.quotients import long_quotient, shape
-from verify.kernel.limits import CertificateError
-from verify.kernel.nodes import number
-from verify.kernel.ring import Element, Ring
-from verify.kernel.statement import Statement, statement_text
-from verify.kernel.substitution import Substitution
+from longwave.verify.kernel.check import opened, registered
+from longwave.verify.kernel.denominators import Denominators
+from longwave.verify.kernel.further.quotients import long_quotient, shape
+from longwave.verify.kernel.limits import CertificateError
+from longwave.verify.kernel.nodes import number
+from longwave.verify.kernel.ring import Element, Ring
+from longwave.verify.kernel.statement import Statement, statement_text
+from longwave.verify.kernel.substitution import Substitution
 
 from . import terms
 from .premises import RELATIONS, Question, polynomial_words

@@ -15,9 +15,9 @@ from functools import partial
 
 from flint import fmpq
 
-from verify.kernel.field import Field
-from verify.kernel.nodes import Node, Nodes, children
-from verify.kernel.signs import Signs
+from longwave.verify.kernel.field import Field
+from longwave.verify.kernel.nodes import Node, Nodes, children
+from longwave.verify.kernel.signs import Signs
 
 from .terms import Term
 

@@ -7,10 +7,10 @@ from functools import cached_property
 
 from flint import fmpq, fmpq_mpoly
 
-from verify.kernel.derivations import Slopes
-from verify.kernel.field import Field, Hints
-from verify.kernel.nodes import Nodes, children
-from verify.kernel.ring import Element
+from longwave.verify.kernel.derivations import Slopes
+from longwave.verify.kernel.field import Field, Hints
+from longwave.verify.kernel.nodes import Nodes, children
+from longwave.verify.kernel.ring import Element
 
 from . import terms
 from .premises import PURPOSES, RELATIONS, FormulaWords, Question, TracedSigns, called

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import fmpq
 
-from verify.kernel.ring import Element, Ring
+from longwave.verify.kernel.ring import Element, Ring
 
 from . import terms
 from .terms import Step, Term, Vanishing

@@ -11,9 +11,21 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from verify.studies.statements.formulas import constant, formula, number, phase, positive, rewritten
-from verify.studies.statements.random_statement import Point, RandomStatement, Setting, Truth
-from verify.studies.statements.values import shown_at, with_counterexample
+from longwave.verify.studies.statements.formulas import (
+    constant,
+    formula,
+    number,
+    phase,
+    positive,
+    rewritten,
+)
+from longwave.verify.studies.statements.random_statement import (
+    Point,
+    RandomStatement,
+    Setting,
+    Truth,
+)
+from longwave.verify.studies.statements.values import shown_at, with_counterexample
 
 Sides = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Expr]]
 

@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from solutions.functions import jacobi
-from verify.studies.statements.random_statement import Setting
-from verify.subexpressions import distinct_nodes, outer_nodes, replaced
+from longwave.solutions.functions import jacobi
+from longwave.verify.studies.statements.random_statement import Setting
+from longwave.verify.subexpressions import distinct_nodes, outer_nodes, replaced
 
 SMALL = (-3, -2, -1, 1, 2, 3)
 

@@ -8,9 +8,13 @@ from dataclasses import replace
 
 import sympy as sp
 
-from verify.studies.statements import branches, perturbed, solvable
-from verify.studies.statements.random_statement import RandomStatement, Setting, random_setting
-from verify.subexpressions import distinct_nodes
+from longwave.verify.studies.statements import branches, perturbed, solvable
+from longwave.verify.studies.statements.random_statement import (
+    RandomStatement,
+    Setting,
+    random_setting,
+)
+from longwave.verify.subexpressions import distinct_nodes
 
 LONGEST = 160
 """Operations of a statement; longer ones took the prover seconds, a few of them a minute."""

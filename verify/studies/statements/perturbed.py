@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from solutions.functions import jacobi
-from verify.studies.statements.formulas import (
+from longwave.solutions.functions import jacobi
+from longwave.verify.studies.statements.formulas import (
     constant,
     formula,
     number,
@@ -20,15 +20,15 @@ from verify.studies.statements.formulas import (
     polynomial,
     positive,
 )
-from verify.studies.statements.random_statement import RandomStatement, Setting, Truth
-from verify.studies.statements.solvable import (
+from longwave.verify.studies.statements.random_statement import RandomStatement, Setting, Truth
+from longwave.verify.studies.statements.solvable import (
     identity,
     logarithmic,
     travelling_wave,
     with_annihilator,
     with_source,
 )
-from verify.studies.statements.values import shown_at, with_counterexample
+from longwave.verify.studies.statements.values import shown_at, with_counterexample
 
 TINY = (20, 60, 200)
 TRUE = (with_source, with_source, with_annihilator, travelling_wave, logarithmic, identity)

@@ -108,8 +108,8 @@ class RandomStatement:
             [
                 f"# {self.kind}, {self.truth}: statement({self.seed}, {self.index})",
                 "from sympy import *",
-                "from solutions.functions import *",
-                f"from verify.proof import {call}",
+                "from longwave.solutions.functions import *",
+                f"from longwave.verify.proof import {call}",
                 f"left = {sp.srepr(self.left)}",
                 f"right = {sp.srepr(self.right)}",
                 f"print({call}(left, right{last}{domains}))",

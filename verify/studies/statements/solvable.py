@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import sympy as sp
 
-from solutions import closed_form
-from solutions.functions import jacobi
-from solutions.record import ClosedForm
-from solutions.symbols import tau, xi
-from verify.studies.statements.formulas import (
+from longwave.solutions import closed_form
+from longwave.solutions.functions import jacobi
+from longwave.solutions.record import ClosedForm
+from longwave.solutions.symbols import tau, xi
+from longwave.verify.studies.statements.formulas import (
     constant,
     formula,
     number,
@@ -23,8 +23,13 @@ from verify.studies.statements.formulas import (
     positive,
     rewritten,
 )
-from verify.studies.statements.random_statement import RandomStatement, Setting, SymbolRange, Truth
-from verify.studies.statements.values import with_counterexample
+from longwave.verify.studies.statements.random_statement import (
+    RandomStatement,
+    Setting,
+    SymbolRange,
+    Truth,
+)
+from longwave.verify.studies.statements.values import with_counterexample
 
 HIGHEST = 3
 """The highest order of a derivative."""

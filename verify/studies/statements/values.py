@@ -15,10 +15,15 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from solutions.functions.jacobi import JacobiFunction
-from solutions.functions.multiprecision import IMPLEMENTATIONS
-from verify.studies.statements.random_statement import Point, RandomStatement, Setting, Truth
-from verify.subexpressions import distinct_nodes
+from longwave.solutions.functions.jacobi import JacobiFunction
+from longwave.solutions.functions.multiprecision import IMPLEMENTATIONS
+from longwave.verify.studies.statements.random_statement import (
+    Point,
+    RandomStatement,
+    Setting,
+    Truth,
+)
+from longwave.verify.subexpressions import distinct_nodes
 
 Numbers = Mapping[sp.Symbol, Any]
 

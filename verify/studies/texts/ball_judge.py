@@ -13,10 +13,10 @@ from math import factorial
 
 from flint import acb, acb_series, arb, ctx, fmpq
 
-from verify.studies.texts import special_series
-from verify.studies.texts.taylor_sum import TaylorSum
-from verify.studies.texts.text_statement import TextPoint, TextStatement
-from verify.studies.texts.trees import DERIVED, Tree, read
+from longwave.verify.studies.texts import special_series
+from longwave.verify.studies.texts.taylor_sum import TaylorSum
+from longwave.verify.studies.texts.text_statement import TextPoint, TextStatement
+from longwave.verify.studies.texts.trees import DERIVED, Tree, read
 
 BITS = (100, 400, 1600, 6400)
 """Further out than the first two are changes by 10**-40 and tails such as 1 - tanh(1000)."""

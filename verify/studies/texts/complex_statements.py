@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import random
 
-from verify.studies.texts.drafts import (
+from longwave.verify.studies.texts.drafts import (
     Draft,
     Known,
     random_formula,
     random_parameters,
     random_phase,
 )
-from verify.studies.texts.system_statements import filled
-from verify.studies.texts.text_statement import TextStatement
-from verify.studies.texts.trees import (
+from longwave.verify.studies.texts.system_statements import filled
+from longwave.verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.texts.trees import (
     Tree,
     call,
     derivative,

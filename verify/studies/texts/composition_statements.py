@@ -6,8 +6,8 @@ import random
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from verify.studies.statements.random_statement import Truth
-from verify.studies.texts.drafts import (
+from longwave.verify.studies.statements.random_statement import Truth
+from longwave.verify.studies.texts.drafts import (
     Draft,
     Known,
     random_formula,
@@ -15,8 +15,8 @@ from verify.studies.texts.drafts import (
     random_phase,
     stay_under,
 )
-from verify.studies.texts.text_statement import Letter, TextStatement
-from verify.studies.texts.trees import Tree, derivative, mapped, name, put, read
+from longwave.verify.studies.texts.text_statement import Letter, TextStatement
+from longwave.verify.studies.texts.trees import Tree, derivative, mapped, name, put, read
 
 KNOWN = (
     Known("u_tt - u_xx + sin(u)", "u = 4*atan(exp((x - c*t)/sqrt(1 - c**2)))", "x t c:-1:1", 1),

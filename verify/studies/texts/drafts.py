@@ -11,11 +11,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from verify.studies.statements.random_statement import Truth
-from verify.studies.texts.ball_judge import BITS, Judge, Unsaid
-from verify.studies.texts.rewordings import mutated, reworded
-from verify.studies.texts.text_statement import VARIABLES, Letter, TextPoint, TextStatement
-from verify.studies.texts.trees import ONE, Tree, as_tree, call, mapped, name, put, read, total
+from longwave.verify.studies.statements.random_statement import Truth
+from longwave.verify.studies.texts.ball_judge import BITS, Judge, Unsaid
+from longwave.verify.studies.texts.rewordings import mutated, reworded
+from longwave.verify.studies.texts.text_statement import VARIABLES, Letter, TextPoint, TextStatement
+from longwave.verify.studies.texts.trees import (
+    ONE,
+    Tree,
+    as_tree,
+    call,
+    mapped,
+    name,
+    put,
+    read,
+    total,
+)
 
 TRIES = 6
 """Points at which a change is looked for."""

@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
-from verify.studies.texts.trees import (
+from longwave.verify.studies.texts.trees import (
     MINUS,
     ONE,
     Tree,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import random
 
-from verify.studies.texts.drafts import Draft, Known, random_parameters, random_phase
-from verify.studies.texts.system_statements import filled
-from verify.studies.texts.text_statement import TextStatement
-from verify.studies.texts.trees import Tree, name, put, read, total
+from longwave.verify.studies.texts.drafts import Draft, Known, random_parameters, random_phase
+from longwave.verify.studies.texts.system_statements import filled
+from longwave.verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.texts.trees import Tree, name, put, read, total
 
 TODA = "diff(q[n],t,t) - exp(q[n-1]-q[n]) + exp(q[n]-q[n+1])"
 TODA_FLASCHKA = "diff(a[n],t) - a[n]*(b[n]-b[n+1]) ;; diff(b[n],t) + a[n] - a[n-1]"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import random
 
-from verify.studies.texts.drafts import Known
-from verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.texts.drafts import Known
+from longwave.verify.studies.texts.text_statement import TextStatement
 
 KNOWN = (
     Known("x**2*u_xx + x*u_x + (x**2 - a**2)*u", "u = bessel_j(a, x)", "x>0 a", 2),

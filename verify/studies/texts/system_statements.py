@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 
-from verify.studies.texts.drafts import (
+from longwave.verify.studies.texts.drafts import (
     Draft,
     Known,
     random_formula,
@@ -12,8 +12,8 @@ from verify.studies.texts.drafts import (
     transformed,
     with_jets,
 )
-from verify.studies.texts.text_statement import TextStatement
-from verify.studies.texts.trees import (
+from longwave.verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.texts.trees import (
     Tree,
     as_tree,
     call,

@@ -6,14 +6,14 @@ import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from verify.studies.texts import (
+from longwave.verify.studies.texts import (
     complex_statements,
     composition_statements,
     shift_statements,
     special_statements,
     system_statements,
 )
-from verify.studies.texts.text_statement import TextStatement
+from longwave.verify.studies.texts.text_statement import TextStatement
 
 Maker = Callable[[random.Random], TextStatement | None]
 

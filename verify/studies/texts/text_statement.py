@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor
 
-from verify.studies.statements.random_statement import Truth
+from longwave.verify.studies.statements.random_statement import Truth
 
 TextPoint = Mapping[str, Fraction]
 
