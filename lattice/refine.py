@@ -68,7 +68,7 @@ PROGRESS = 0.7
 
 WARY = 100.0
 """Factor on what the nudge changes with the longest step: a hundred times as much was seen with
-shorter ones, whose roundings are more (scenes of `benchmarks/estimates.py`)."""
+shorter ones, whose roundings are more (scenes of `searches/estimates.py`)."""
 
 LAWFUL = 3.0
 """What a step changes obeys its law if it is at most this much larger than the law has it, and has

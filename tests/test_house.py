@@ -73,6 +73,12 @@ def test_the_package_links_to_its_rooms(room: str) -> None:
     assert (HOUSE / "longwave" / room).readlink() == Path("..") / room
 
 
+@pytest.mark.parametrize("folder", ["searches", "benchmarks", "tests"])
+def test_what_is_installed_needs_nothing_that_is_not(folder: str) -> None:
+    for path in SOURCES:
+        assert not {name for name in imported_modules(path) if name.split(".")[0] == folder}, path
+
+
 def test_nothing_is_imported_but_as_a_part_of_the_package() -> None:
     """Two names of one file would be two modules, and a user's own `lattice.py` may be found."""
     for path in SOURCES:
@@ -89,17 +95,15 @@ def test_proof_and_comparison_do_not_import_each_other(room: str, other: str) ->
 @pytest.mark.parametrize(
     ("room", "other"),
     [
-        ("proof", "longwave.verify.studies"),
-        ("kernel", "longwave.verify.studies"),
-        ("kernel", "longwave.verify.proof"),
+        ("verify/kernel", "longwave.verify.proof"),
     ]
     + [
-        ("studies/texts", other)
+        ("searches/texts", other)
         for other in ("longwave.verify.proof", "longwave.verify.kernel", "longwave.derive")
     ],
 )
 def test_a_prover_shares_no_code_with_its_judge(room: str, other: str) -> None:
-    for path in (HOUSE / "verify" / room).rglob("*.py"):
+    for path in (HOUSE / room).rglob("*.py"):
         assert not {name for name in imported_modules(path) if name.startswith(other)}, path
 
 

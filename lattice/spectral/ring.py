@@ -118,7 +118,7 @@ ALIKE = 0.2
 """Share of the tolerance that they may differ by, unshown. Over a time in which the nonlinear part
 turns the phase of a typical wave by one, their strains part by 0.02 to 0.4 times the spread of
 their energies, in units of the largest strain: measured on 30 scenes of all waves, a |y| from 0.3
-to 0.63, as `benchmarks/estimates.py` draws them."""
+to 0.63, as `searches/estimates.py` draws them."""
 
 SEAM = 6.0
 """Distance from the seam, in units of CREST_REACH, at which it is not felt."""

@@ -16,7 +16,7 @@ from longwave.lattice.force_program import ForceProgram
 from longwave.lattice.model import Array, Model, State
 from longwave.lattice.numeric_lattice import Entry, NumericBond, NumericLattice
 from longwave.lattice.schemes import KAHAN_LI_8, RK4
-from longwave.verify.studies.random_chains import EstimateVerdict, judge
+from searches.random_chains import EstimateVerdict, judge
 from tests.lattice.test_numeric_lattice import numbers
 
 

@@ -26,7 +26,7 @@ from longwave.lattice.numeric_lattice import (
     numeric_lattice,
 )
 from longwave.lattice.schemes import BLANES_MOAN_6, STOERMER_VERLET, SUZUKI_UMENO_8
-from longwave.verify.studies.random_chains import random_chain
+from searches.random_chains import random_chain
 from tests.lattice.test_numeric_lattice import DISPLACED, numbers
 
 CHAINS = sorted({*DISPLACED, "fput_strain", "next_nearest"} - {"square", "fput", "mass_dimer"})

@@ -33,7 +33,7 @@ POINTS, MOST_POINTS = 384, 24576
 
 RESOLVED = 3e-7
 """The largest of the modes that are dropped, in units of the largest. What steps to TOLERANCE leave
-there of a wave that is resolved is less (1.3e-7 in scene 1:108 of `benchmarks/soak.py`)."""
+there of a wave that is resolved is less (1.3e-7 in scene 1:108 of `searches/soak.py`)."""
 
 
 class FirstCorrection:

@@ -4,13 +4,13 @@ import pytest
 import sympy as sp
 from flint import fmpq
 
-from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from longwave.verify.kernel import CertificateError, check_certificate, opened
 from longwave.verify.kernel.check import registered
 from longwave.verify.kernel.denominators import is_connected
 from longwave.verify.kernel.node_balls import Balls
 from longwave.verify.proof import prove
 from longwave.verify.verdict import Outcome
+from searches.forged_proofs import Data, Proof, certificate, signed
 
 
 def refused(data: Data, message: str) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from longwave.verify.kernel import check_certificate, opened
 from longwave.verify.kernel.check import registered
 from longwave.verify.kernel.denominators import Denominators, is_connected
+from searches.forged_proofs import Data, Proof, certificate, signed
 from tests.verify.kernel.test_verify_kernel_attacks import refused
 
 CONNECTED: list[tuple[list[str], bool]] = [

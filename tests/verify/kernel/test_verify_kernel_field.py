@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import pytest
 from flint import fmpq
 
-from benchmarks.forged_proofs import Data, Proof, signed
 from longwave.verify.kernel import CertificateError, check_certificate
 from longwave.verify.kernel.derivations import Derivation
 from longwave.verify.kernel.field import Field, Hints, solved
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
 from longwave.verify.kernel.ring import Element, Ring
+from searches.forged_proofs import Data, Proof, signed
 from tests.verify.kernel.test_verify_kernel_attacks import refused
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from longwave.verify.kernel import CertificateError, check_certificate
+from searches.forged_proofs import Data, Proof, certificate, signed
 
 
 def refused(data: Data, message: str) -> None:

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 from flint import fmpq
 
-from benchmarks.forged_proofs import Data, Proof, certificate, signed
 from longwave.verify.kernel import (
     CertificateError,
     check,
@@ -26,6 +25,7 @@ from longwave.verify.kernel.limits import within
 from longwave.verify.kernel.nodes import Nodes, integer, listed, number
 from longwave.verify.kernel.reading import Scope, axiom, formula, rational
 from longwave.verify.kernel.statement import read_statement
+from searches.forged_proofs import Data, Proof, certificate, signed
 
 
 def test_a_limit_is_the_most_that_is_allowed() -> None:

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from flint import fmpq, fmpq_poly
 
-from benchmarks.forged_proofs import Proof, certificate, signed
 from longwave.verify.kernel import CertificateError, check_certificate, opened
 from longwave.verify.kernel.check import registered
 from longwave.verify.kernel.further import quotients
@@ -22,6 +21,7 @@ from longwave.verify.kernel.further.quotients import (
 from longwave.verify.kernel.nodes import Nodes
 from longwave.verify.kernel.reading import Scope, formula
 from longwave.verify.kernel.ring import Ring
+from searches.forged_proofs import Proof, certificate, signed
 
 
 def scope_of() -> Scope:

@@ -1,4 +1,4 @@
-"""A small part of what `benchmarks/kernel_attacks.py` does, and faults that it must see."""
+"""A small part of what `searches/kernel_attacks.py` does, and faults that it must see."""
 
 from dataclasses import replace
 from random import Random
@@ -6,15 +6,15 @@ from random import Random
 import pytest
 from flint import fmpq
 
-from benchmarks import kernel_attacks
-from benchmarks.false_certificates import false_certificates
-from benchmarks.text_balls import TextBalls, Unsaid
 from longwave.derive.algebra.formula_tree import FormulaTree, Unknown
 from longwave.verify.kernel import CertificateError, check_certificate
 from longwave.verify.kernel.node_balls import Balls
 from longwave.verify.kernel.reading import Scope, TextReader
 from longwave.verify.kernel.signs import Signs
 from longwave.verify.proof.typed_balls import TypedBalls, TypedPlace
+from searches import kernel_attacks
+from searches.false_certificates import false_certificates
+from searches.text_balls import TextBalls, Unsaid
 
 
 @pytest.mark.parametrize(("name", "count"), [("reading", 400), ("signs", 1500)])

@@ -25,7 +25,7 @@ from longwave.verify.lattices.lattice_scene import find_any_scene
 from longwave.verify.lattices.line_chain import LineChain
 from longwave.verify.lattices.long_wave_data import LongWaveData, wave_ends
 from longwave.verify.lattices.rate_cases import RATE_CASES
-from longwave.verify.studies.soak_scenes import soak_scene
+from searches.soak_scenes import soak_scene
 
 FAST = {"1": "leading", "2": "leading", "4b": "leading", "5e": "leading", "6c": "slaved"}
 """Cases that are measured whenever the tests are run, at two eps."""

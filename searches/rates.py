@@ -1,0 +1,37 @@
+"""How often the interval of a measured rate holds theory's: every case of the full report.
+
+    python -m searches.rates
+    python -m searches.rates --only 5e --only "bright, strain"
+
+Each row: the case, the order of its data, the rate with its interval, theory's. Exit status 1 if
+fewer than nine of ten are held. About ten minutes.
+"""
+
+import argparse
+import sys
+
+from longwave.verify.studies.measured_rates import rate_jobs
+
+HELD = 0.9
+
+
+def main() -> int:
+    """Measure, print, count."""
+    parser = argparse.ArgumentParser(description="Rates of lattices near their limits.")
+    parser.add_argument("--only", action="append", default=[], metavar="CASE")
+    wanted = set(parser.parse_args().only)
+    held = []
+    for job in rate_jobs(full=True).values():
+        name, order = job.arguments
+        if wanted and name not in wanted:
+            continue
+        found = job.function(*job.arguments)
+        held.append(found.reached)
+        note = "" if found.reached else "  NOT HELD"
+        print(f"{name:28} {order:10} {found.study.rate!s:18} {found.expected}{note}", flush=True)
+    print(f"theory's rate is held in {sum(held)} of {len(held)}")
+    return int(sum(held) < HELD * len(held))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,119 @@
+"""The search for wrong verdicts on text: systems, complex fields, compositions, shifts.
+
+The prover gets the texts alone, as a person would type them; what it answers is compared with what
+the statement is by construction, and a witness with the residual that the judge finds there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import random
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+
+from longwave.derive.algebra.formula_text import FormulaError
+from longwave.verify.proof.text_prover import prove
+from longwave.verify.verdict import Outcome, ProofVerdict
+from searches.statements.library import statement
+from searches.statements.random_statement import RandomStatement, Truth
+from searches.texts.ball_judge import Judge, Unsaid
+from searches.texts.text_library import TEXT_KINDS, text_statement
+from searches.texts.text_statement import TextStatement
+from searches.verdict_search import LIMIT, Judgement, Mark, judge, marked_answer
+
+SEARCH_KINDS = ("real", *TEXT_KINDS)
+"""``real``: one real unknown, equations and formulas as SymPy objects."""
+
+
+def ask_text(given: TextStatement) -> ProofVerdict:
+    """The prover's verdict on the texts."""
+    return prove(
+        list(given.equations),
+        list(given.solutions),
+        parameters=given.parameters,
+        domain=given.domain,
+    )
+
+
+def judge_text(given: TextStatement, limit: float = LIMIT) -> Judgement:
+    """Ask the prover and compare with the truth; every error is caught and told."""
+
+    def refused(error: Exception) -> tuple[Mark, str] | None:
+        if not isinstance(error, FormulaError):
+            return None
+        mark = Mark.RIGHT if given.truth is Truth.VOID else Mark.UNDECIDED
+        return mark, f"refused: {error}"
+
+    mark, words, seconds = marked_answer(
+        lambda: ask_text(given), lambda verdict: marked_text(given, verdict), refused, limit
+    )
+    return Judgement(given.kind, given.truth, given.seed, given.index, mark, True, words, seconds)
+
+
+def marked_text(given: TextStatement, verdict: ProofVerdict) -> tuple[Mark, str]:
+    """Whether a verdict is right, and why not."""
+    outcome, truth = verdict.outcome, given.truth
+    if outcome is Outcome.UNDECIDED:
+        return (Mark.RIGHT if truth is Truth.VOID else Mark.UNDECIDED), verdict.detail
+    if outcome is Outcome.PROVED:
+        shown = "" if truth is Truth.VOID else f", but it fails at {point_text(given)}"
+        return (Mark.RIGHT, "") if truth is Truth.TRUE else (Mark.WRONG, f"PROVED{shown}")
+    witness = dict(verdict.witness or {})
+    if truth is Truth.VOID:
+        return Mark.WRONG, f"REFUTED at {witness}, where nothing is defined"
+    return _witnessed(given, witness)
+
+
+def point_text(given: TextStatement) -> str:
+    """The counterexample of a false statement in words."""
+    return ", ".join(f"{key} = {value}" for key, value in (given.counterexample or {}).items())
+
+
+def _witnessed(given: TextStatement, witness: dict[str, str]) -> tuple[Mark, str]:
+    """What a refutation is worth, by the residual at its witness.
+
+    A letter that the witness leaves out may have any value of its range.
+    """
+    point = {**given.point(random.Random(given.index)), **_shown(given, witness)}
+    if not given.holds_at(point):
+        return Mark.WRONG, f"REFUTED at {witness}, which is not in the domain"
+    try:
+        fails = Judge(given).fails_at(point)
+    except Unsaid as reason:
+        return Mark.UNJUDGED, f"REFUTED at {witness}; the judge cannot say: {reason}"
+    if not fails:
+        return Mark.WRONG, f"REFUTED at {witness}, where the residual is 0 as far as can be seen"
+    if given.truth is Truth.TRUE:
+        return Mark.ERROR, f"called true, but it fails at {witness}"
+    return Mark.RIGHT, ""
+
+
+def _shown(given: TextStatement, witness: dict[str, str]) -> dict[str, Fraction]:
+    names = {letter.name for letter in given.letters} & witness.keys()
+    return {name: Fraction(witness[name]) for name in names}
+
+
+def any_statement(kind: str, seed: int, index: int) -> RandomStatement | TextStatement:
+    """The statement of a kind of `SEARCH_KINDS`."""
+    return statement(seed, index) if kind == "real" else text_statement(kind, seed, index)
+
+
+def judged(kind: str, seed: int, index: int, limit: float = LIMIT) -> Judgement:
+    """The judgement of that statement, its kind first and what there is within it behind."""
+    given = any_statement(kind, seed, index)
+    if isinstance(given, TextStatement):
+        return judge_text(given, limit)
+    found = judge(given, limit)
+    return replace(found, kind=f"{kind}: {found.kind}")
+
+
+def kind_of(judgement: Judgement) -> str:
+    """The kind of `SEARCH_KINDS` that a judged statement is of."""
+    return judgement.kind.partition(":")[0]
+
+
+def digest(found: Iterable[Judgement]) -> str:
+    """A number of what became of each statement; in another order it is the same."""
+    lines = sorted(f"{j.kind} {j.seed} {j.index} {j.truth} {j.mark}" for j in found)
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]

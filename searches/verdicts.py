@@ -1,0 +1,188 @@
+"""The search for wrong verdicts at length: random statements of known truth, on all cores.
+
+Prints every finding (wrong, error, slow) with a script to paste, and a table by kind.  The exit
+status is 1 if a verdict is wrong, an error escaped, or nothing came back in time.
+
+    python -m searches.verdicts [--count 100000] [--minutes 600] [--seed 0] [--workers 2]
+                                  [--kind all] [--undecided]
+
+With ``--kind all`` the kinds take turns: one real unknown as SymPy objects, then in text systems,
+complex fields, compositions and shifts of lattice sites.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from searches.text_search import SEARCH_KINDS, any_statement, digest, judged, kind_of
+from searches.verdict_search import HEADINGS, Judgement, Mark, tallies
+
+COUNT = 100_000
+PATIENCE = 60.0
+"""Seconds after which a worker that says nothing is stopped; its statement counts as slow."""
+
+WIDTH = 160
+"""Of the tables, in a file too."""
+
+FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
+
+Kinds = tuple[str, ...]
+
+
+def placed(kinds: Kinds, number: int) -> tuple[str, int]:
+    """The kind and the index of the statement of this number: the kinds take turns."""
+    return kinds[number % len(kinds)], number // len(kinds)
+
+
+def work(kinds: Kinds, seed: int, numbers: range, pipe: Connection) -> None:
+    """Judge the statements with these numbers and send each judgement."""
+    for number in numbers:
+        kind, index = placed(kinds, number)
+        pipe.send(judged(kind, seed, index))
+    pipe.close()
+
+
+@dataclass
+class Worker:
+    """A process on its way through ``numbers``; ``done`` of them are judged."""
+
+    kinds: Kinds
+    seed: int
+    numbers: range
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        self.start()
+
+    def start(self) -> None:
+        """Begin, or go on behind the last one."""
+        context = multiprocessing.get_context("spawn")
+        self.pipe, theirs = context.Pipe(duplex=False)
+        arguments = (self.kinds, self.seed, self.numbers[self.done :], theirs)
+        self.process = context.Process(target=work, args=arguments, daemon=True)
+        self.process.start()
+        theirs.close()
+        self.last = time.monotonic()
+
+    def receive(self) -> Judgement:
+        """The next judgement; that the process died at a statement is one too."""
+        try:
+            found: Judgement = self.pipe.recv()
+        except EOFError:
+            return self.abandon("the process died")
+        self.done += 1
+        self.last = time.monotonic()
+        return found
+
+    def abandon(self, words: str) -> Judgement:
+        """Stop the process at its present statement and go on behind it."""
+        kind, index = placed(self.kinds, self.numbers[self.done])
+        self.process.kill()
+        self.process.join()
+        self.done += 1
+        if self.has_more:
+            self.start()
+        given = any_statement(kind, self.seed, index)
+        return Judgement(
+            given.kind, given.truth, self.seed, index, Mark.SLOW, True, words, PATIENCE
+        )
+
+    @property
+    def has_more(self) -> bool:
+        """Whether statements are left."""
+        return self.done < len(self.numbers)
+
+
+def search(
+    kinds: Kinds, seed: int, count: int, workers: int, minutes: float, report: Progress
+) -> list[Judgement]:
+    """All judgements, from ``workers`` processes that take every so manieth statement.
+
+    After ``minutes`` it ends with those that it has.
+    """
+    task = report.add_task("statements", total=count)
+    found: list[Judgement] = []
+    starts = range(min(workers, count))
+    team = [Worker(kinds, seed, range(start, count, workers)) for start in starts]
+    end = time.monotonic() + 60 * minutes
+    while team and time.monotonic() < end:
+        ready = wait([worker.pipe for worker in team], timeout=1.0)
+        for worker in team:
+            if worker.pipe in ready:
+                found.append(worker.receive())
+            elif time.monotonic() - worker.last > PATIENCE:
+                found.append(worker.abandon(f"nothing came back in {PATIENCE:g} s"))
+            else:
+                continue
+            report.advance(task)
+            if found[-1].mark in FINDINGS:
+                report.console.print(_text(found[-1]), markup=False, highlight=False)
+        team = [worker for worker in team if worker.has_more]
+    return found
+
+
+def _text(judgement: Judgement) -> str:
+    script = any_statement(kind_of(judgement), judgement.seed, judgement.index).script()
+    return f"{judgement.mark.upper()}: {judgement.words}\n{script}\n"
+
+
+def _within(judgement: Judgement) -> str:
+    """Two levels of the kind: "real: branch" and not which of them."""
+    return ":".join(judgement.kind.split(":")[:2])
+
+
+def table(found: list[Judgement], kind: str, seconds: float) -> Table:
+    """The tallies by kind, or by what there is within one kind."""
+    made = Table(title=f"{len(found)} statements in {seconds / 60:.1f} min")
+    for place, heading in enumerate(HEADINGS):
+        made.add_column(heading, justify="right" if place else "left")
+    for tally in tallies(found, kind_of if kind == "all" else _within):
+        made.add_row(*tally.cells())
+    return made
+
+
+def reasons(found: list[Judgement]) -> Table:
+    """Why statements in supported functions were left undecided, the most frequent first."""
+    counts: dict[tuple[str, str], list[int]] = {}
+    for judgement in found:
+        if judgement.mark is Mark.UNDECIDED and judgement.supported:
+            last = judgement.words.rpartition("; then: ")[2]
+            counts.setdefault((judgement.kind, last[:100]), []).append(judgement.index)
+    made = Table("count", "kind", "reason", "first", title="Undecided, in supported functions")
+    for (kind, words), own in sorted(counts.items(), key=lambda item: -len(item[1]))[:40]:
+        made.add_row(str(len(own)), kind, words, str(min(own)))
+    return made
+
+
+def main() -> int:
+    """Read the options, search, print; 1 if there is a finding."""
+    parser = argparse.ArgumentParser(description="The search for wrong verdicts.")
+    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--minutes", type=float, default=600.0, help="where it stops, done or not")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--kind", choices=(*SEARCH_KINDS, "all"), default="all")
+    parser.add_argument("--undecided", action="store_true", help="why so many were undecided")
+    options = parser.parse_args()
+    console, start = Console(width=WIDTH), time.monotonic()
+    with Progress(console=console) as report:
+        kinds = SEARCH_KINDS if options.kind == "all" else (options.kind,)
+        found = search(kinds, options.seed, options.count, options.workers, options.minutes, report)
+    console.print(table(found, options.kind, time.monotonic() - start))
+    console.print(f"digest {digest(found)}")
+    if options.undecided:
+        console.print(reasons(found))
+    return int(any(judgement.mark in FINDINGS for judgement in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

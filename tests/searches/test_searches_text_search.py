@@ -1,0 +1,114 @@
+"""The search for wrong verdicts on text, and that it sees the wrong ones."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from longwave.verify.verdict import Outcome, ProofVerdict
+from searches import text_search
+from searches.statements.random_statement import Truth
+from searches.text_search import SEARCH_KINDS, digest, judge_text, judged, kind_of
+from searches.texts.drafts import letter_of
+from searches.texts.text_library import TEXT_KINDS
+from searches.texts.text_statement import TextStatement
+from searches.verdict_search import Mark
+
+FINDINGS = (Mark.WRONG, Mark.ERROR, Mark.SLOW)
+
+X = (letter_of("x"),)
+RIGHT = TextStatement("by hand", Truth.TRUE, ("u_x - u",), ("u = exp(x)",), X)
+FALSE = replace(
+    RIGHT, truth=Truth.FALSE, equations=("u_x - 2*u",), counterexample={"x": Fraction(1)}
+)
+VOID = replace(RIGHT, truth=Truth.VOID, solutions=("u = 1/(sin(x)**2 + cos(x)**2 - 1)",))
+
+
+@pytest.mark.parametrize("kind", TEXT_KINDS)
+def test_no_verdict_on_a_few_texts_is_wrong(kind: str) -> None:
+    found = [judged(kind, 2, index) for index in range(12)]
+    assert [(j.index, j.words) for j in found if j.mark in FINDINGS] == []
+    assert {kind_of(judgement) for judgement in found} == {kind}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", TEXT_KINDS)
+def test_no_verdict_on_many_texts_is_wrong(kind: str) -> None:
+    found = [judged(kind, 3, index) for index in range(700)]
+    wrong = [j for j in found if j.mark in (Mark.WRONG, Mark.ERROR)]
+    assert [(j.index, j.mark, j.words) for j in wrong] == []
+
+
+def test_the_search_knows_right_from_wrong() -> None:
+    assert judge_text(RIGHT).mark is Mark.RIGHT
+    assert judge_text(FALSE).mark is Mark.RIGHT
+    assert judge_text(VOID).mark is Mark.RIGHT
+    assert judge_text(replace(RIGHT, truth=Truth.FALSE)).mark is Mark.WRONG
+    assert judge_text(replace(RIGHT, truth=Truth.VOID)).mark is Mark.WRONG
+    assert judge_text(replace(FALSE, truth=Truth.TRUE)).mark is Mark.ERROR
+    assert judge_text(replace(RIGHT, equations=("u_x ^ u",))).mark is Mark.UNDECIDED
+
+
+def answer(outcome: Outcome, **rest: object) -> Callable[[TextStatement], ProofVerdict]:
+    verdict = ProofVerdict("by hand", "by hand", "none", outcome, "none", **rest)  # type: ignore[arg-type]
+    return lambda given: verdict
+
+
+@pytest.mark.parametrize(
+    ("given", "said", "mark"),
+    [
+        (FALSE, answer(Outcome.REFUTED, witness={"x": "1/3"}), Mark.RIGHT),
+        (FALSE, answer(Outcome.REFUTED, witness={}), Mark.RIGHT),
+        (FALSE, answer(Outcome.PROVED, certificate={"format": "none"}), Mark.WRONG),
+        (VOID, answer(Outcome.PROVED, certificate={"format": "none"}), Mark.WRONG),
+        (VOID, answer(Outcome.REFUTED, witness={"x": "1/3"}), Mark.WRONG),
+        (VOID, answer(Outcome.UNDECIDED), Mark.RIGHT),
+        (RIGHT, answer(Outcome.UNDECIDED), Mark.UNDECIDED),
+        (RIGHT, answer(Outcome.REFUTED, witness={"x": "1/3"}), Mark.WRONG),
+        (
+            replace(FALSE, letters=(letter_of("x>0"),)),
+            answer(Outcome.REFUTED, witness={"x": "-1/3"}),
+            Mark.WRONG,
+        ),
+        (
+            replace(FALSE, equations=("u_x - u + x - 1/3",)),
+            answer(Outcome.REFUTED, witness={"x": "1/3"}),
+            Mark.WRONG,
+        ),
+        (
+            replace(FALSE, solutions=("u = abs(x)",)),
+            answer(Outcome.REFUTED, witness={"x": "0"}),
+            Mark.UNJUDGED,
+        ),
+    ],
+)
+def test_an_answer_has_its_mark(
+    monkeypatch: pytest.MonkeyPatch,
+    given: TextStatement,
+    said: Callable[[TextStatement], ProofVerdict],
+    mark: Mark,
+) -> None:
+    monkeypatch.setattr(text_search, "ask_text", said)
+    assert judge_text(given).mark is mark
+
+
+def test_a_crash_and_a_long_thought_are_findings(monkeypatch: pytest.MonkeyPatch) -> None:
+    def crash(given: TextStatement) -> ProofVerdict:
+        raise RecursionError("by hand")
+
+    def think(given: TextStatement) -> ProofVerdict:
+        while True:
+            pass
+
+    monkeypatch.setattr(text_search, "ask_text", crash)
+    assert judge_text(RIGHT).mark is Mark.ERROR
+    monkeypatch.setattr(text_search, "ask_text", think)
+    assert judge_text(RIGHT, limit=0.1).mark is Mark.SLOW
+
+
+def test_the_digest_is_of_what_was_found_not_of_its_order() -> None:
+    found = [judged(kind, 0, index) for kind in SEARCH_KINDS[:2] for index in range(2)]
+    assert digest(found) == digest(list(reversed(found)))
+    other = [replace(found[0], mark=Mark.SLOW), *found[1:]]
+    assert digest(found) != digest(other)
